@@ -1,0 +1,1 @@
+"""The application around the core: sources in, a page and files out."""

@@ -1,0 +1,1 @@
+"""ROS messages to measurements and back, and the tf tree: once, for all sources."""

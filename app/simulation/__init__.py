@@ -1,0 +1,1 @@
+"""Worlds, motions and sensors: makes recordings with known truth."""

@@ -1,0 +1,70 @@
+"""Where measurements come from. One file an input; each has `SOURCE`, a `SourceKind`."""
+
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from app.registry import members
+from app.snapshot import SourceReport
+from slam_core.errors import SlamError
+from slam_core.measurements import Measurement, TruthPose
+
+Item = Measurement | TruthPose
+
+
+class SourceError(SlamError):
+    """The input cannot be used: the message names it and the remedy."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceOptions:
+    """What a person may override; None lets the source find it by message type."""
+
+    scan_topic: str | None = None
+    imu_topic: str | None = None
+    attitude_topic: str | None = None
+    odometry_topic: str | None = None
+    height_topic: str | None = None
+    truth_topic: str | None = None
+    base_frame: str | None = None
+    laser_pose: tuple[float, float, float, float, float, float] | None = (
+        None  # x y z [m] roll pitch yaw [rad]
+    )
+
+
+class Source(Protocol):
+    """An open input."""
+
+    name: str
+    live: bool
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """First and last time of a recording; None for a stream."""
+
+    @property
+    def report(self) -> SourceReport:
+        """Counters so far, of the latest call of `items`."""
+
+    def items(self) -> Iterator[Item]:
+        """Every measurement in order of arrival, from the beginning; a stream never ends by itself."""
+
+    def close(self) -> None:
+        """Let go of files and sockets; `items` ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceKind:
+    """How one kind of input is recognised and opened. `open` raises SourceError."""
+
+    accepts: Callable[[str], bool]
+    open: Callable[[str, SourceOptions], Source]
+
+
+def open_source(uri: str, options: SourceOptions) -> Source:
+    """The source for a path or address; SourceError when no kind accepts it."""
+    for kind in members(sys.modules[__name__], "SOURCE"):
+        if kind.accepts(uri):
+            return kind.open(uri, options)
+    raise SourceError(f"{uri} is neither a recording nor an address: give a bag's path or ws://HOST:PORT")

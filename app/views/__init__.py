@@ -1,0 +1,21 @@
+"""What is drawn in the scene. One file a thing; each has `VIEW`, a class with the `View` protocol."""
+
+import sys
+from typing import Protocol
+
+from app.registry import members
+from app.snapshot import Snapshot
+
+
+class View(Protocol):
+    """Draws one thing. Made once with the Stage; `draw` runs on the display thread at a fixed rate."""
+
+    title: str
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Bring the scene up to date; cheap when nothing changed. Encode first, then assign to handles."""
+
+
+def view_classes() -> list[type[View]]:
+    """Every view of this folder."""
+    return members(sys.modules[__name__], "VIEW")

@@ -1,0 +1,1 @@
+"""The viser server, its gate, and every use of private parts of viser."""

@@ -1,0 +1,236 @@
+"""One tree of frozen dataclasses: it makes the command line, the sliders, the TOML file and the checks.
+
+Each leaf is annotated with a `Param`: what it does, its unit, its range, and whether changing it means
+rebuilding the map from the start (`restart`) or simply acting from the next scan.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+
+from slam_core.errors import SlamError
+
+
+class ConfigError(SlamError):
+    """A setting is unknown, has the wrong type, or lies outside its range."""
+
+
+@dataclass(frozen=True, slots=True)
+class Param:
+    """What a person needs to know about one setting. `log` asks for a logarithmic slider."""
+
+    help: str
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    restart: bool = False
+    log: bool = False
+
+
+StartEstimate = Literal["filter", "velocity", "last_pose"]
+CovarianceMethod = Literal["hessian", "sampled"]
+
+
+@dataclass(frozen=True, slots=True)
+class ScanConfig:
+    """Section IV: from a sweep to endpoints in the stabilised frame."""
+
+    range_min: Annotated[float, Param("Beams shorter than this are dropped.", "m", 0.0, 10.0)] = 0.4
+    range_max: Annotated[float, Param("Beams longer than this are dropped.", "m", 1.0, 250.0)] = 30.0
+    z_min: Annotated[float, Param("Lowest endpoint kept, over the laser.", "m", -10.0, 0.0)] = -1.0
+    z_max: Annotated[float, Param("Highest endpoint kept, over the laser.", "m", 0.0, 10.0)] = 1.0
+    stabilise: Annotated[bool, Param("Turn the scan level with the estimated roll and pitch.")] = True
+    deskew: Annotated[bool, Param("Place each beam by the motion during the sweep.")] = True
+    clear_range: Annotated[
+        float, Param("Beams without a return clear the map up to this range (0: not).", "m", 0.0, 30.0)
+    ] = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class MapConfig:
+    """Sections IV-A and IV-C: the pyramid of occupancy grids."""
+
+    resolution: Annotated[float, Param("Cell length of the finest level.", "m", 0.01, 1.0, restart=True)] = (
+        0.05
+    )
+    size: Annotated[int, Param("Cells on a side of the finest level.", "cells", 64, 8192, restart=True)] = (
+        2048
+    )
+    levels: Annotated[
+        int, Param("Levels, each half the resolution of the one below.", "", 1, 6, restart=True)
+    ] = 3
+    start_x: Annotated[
+        float, Param("Start, as a fraction of the map's width.", "", 0.0, 1.0, restart=True)
+    ] = 0.5
+    start_y: Annotated[
+        float, Param("Start, as a fraction of the map's height.", "", 0.0, 1.0, restart=True)
+    ] = 0.5
+    factor_free: Annotated[float, Param("Probability set on a cell that a beam crossed.", "", 0.05, 0.49)] = (
+        0.4
+    )
+    factor_occupied: Annotated[
+        float, Param("Probability set on a cell that a beam ended in.", "", 0.51, 0.99)
+    ] = 0.9
+    log_odds_min: Annotated[
+        float, Param("Lower cap of a cell: how sure free space may get.", "", -50.0, -0.5)
+    ] = -50.0
+    log_odds_max: Annotated[float, Param("Upper cap of a cell: how sure a wall may get.", "", 0.5, 50.0)] = (
+        50.0
+    )
+    update_distance: Annotated[float, Param("The map is updated after moving this far.", "m", 0.0, 5.0)] = 0.4
+    update_angle: Annotated[float, Param("The map is updated after turning this far.", "rad", 0.0, 3.14)] = (
+        0.06
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class MatcherConfig:
+    """Section IV-B: Gauss-Newton scan matching and its covariance."""
+
+    iterations_coarse: Annotated[int, Param("Gauss-Newton steps on each coarser level.", "", 1, 30)] = 4
+    iterations_fine: Annotated[int, Param("Gauss-Newton steps on the finest level.", "", 1, 60)] = 6
+    converged_step: Annotated[
+        float, Param("A level ends when its step is shorter than this (0: never).", "m", 0.0, 0.05)
+    ] = 0.0005
+    max_yaw_step: Annotated[
+        float, Param("A single step never turns further than this.", "rad", 0.01, 1.0)
+    ] = 0.2
+    sigma: Annotated[float, Param("Scale of the match covariance, eq. (15).", "", 0.001, 10.0, log=True)] = (
+        0.2
+    )
+    covariance: Annotated[
+        CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")
+    ] = "hessian"
+    start_estimate: Annotated[
+        StartEstimate,
+        Param("Where the search starts: projected filter, integrated velocities, or last pose."),
+    ] = "filter"
+
+
+@dataclass(frozen=True, slots=True)
+class NavigationConfig:
+    """Section V-A: the strapdown filter, its noise and what keeps it bounded."""
+
+    gravity: Annotated[float, Param("Magnitude of gravity.", "m/s²", 1.0, 12.0)] = 9.80665
+    gyro_noise: Annotated[float, Param("White noise of the gyros.", "rad/s/√Hz", 1e-5, 0.1, log=True)] = 2e-3
+    accel_noise: Annotated[
+        float, Param("White noise of the accelerometers.", "m/s²/√Hz", 1e-4, 1.0, log=True)
+    ] = 2e-2
+    gyro_bias_walk: Annotated[
+        float, Param("Random walk of the gyro biases.", "rad/s²/√Hz", 1e-7, 0.01, log=True)
+    ] = 2e-5
+    accel_bias_walk: Annotated[
+        float, Param("Random walk of the accelerometer biases.", "m/s³/√Hz", 1e-6, 0.1, log=True)
+    ] = 2e-4
+    gyro_bias_sigma: Annotated[
+        float, Param("How large a gyro bias can be at the start.", "rad/s", 1e-4, 0.2, log=True)
+    ] = 0.02
+    accel_bias_sigma: Annotated[
+        float, Param("How large an accelerometer bias can be.", "m/s²", 1e-3, 2.0, log=True)
+    ] = 0.1
+    height_sigma: Annotated[float, Param("Noise of one height measurement.", "m", 0.001, 20.0, log=True)] = (
+        0.2
+    )
+    odometry_sigma: Annotated[float, Param("Noise of a wheel velocity.", "m/s", 0.001, 2.0, log=True)] = 0.05
+    zero_velocity_threshold: Annotated[
+        float, Param("A velocity less certain than this is pulled to zero.", "m/s", 0.1, 20.0, log=True)
+    ] = 2.0
+    zero_velocity_sigma: Annotated[
+        float, Param("Noise of that pseudo measurement.", "m/s", 0.05, 20.0, log=True)
+    ] = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class FusionConfig:
+    """Section V-B: covariance intersection of the filter with the match."""
+
+    omega: Annotated[
+        float, Param("Weight of the match in the intersection, eqs. (16)-(20).", "", 0.001, 0.999)
+    ] = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class SlamConfig:
+    """All settings of the pipeline."""
+
+    scan: ScanConfig = field(default_factory=ScanConfig)
+    map: MapConfig = field(default_factory=MapConfig)
+    matcher: MatcherConfig = field(default_factory=MatcherConfig)
+    navigation: NavigationConfig = field(default_factory=NavigationConfig)
+    fusion: FusionConfig = field(default_factory=FusionConfig)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range: ConfigError names the setting, the value and the range."""
+        for leaf in leaves(self):
+            leaf.check(leaf.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """One setting: its dotted name ("matcher.sigma"), type, value and description."""
+
+    name: str
+    type: Any
+    value: Any
+    param: Param
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The words a choice accepts; empty for numbers and switches."""
+        return get_args(self.type) if get_origin(self.type) is Literal else ()
+
+    def check(self, value: Any) -> Any:
+        """The value, converted without loss; ConfigError if it does not fit."""
+        if self.choices:
+            if value not in self.choices:
+                raise ConfigError(f"{self.name} is {value!r}: choose one of {', '.join(self.choices)}")
+            return value
+        if self.type is bool:
+            if not isinstance(value, bool):
+                raise ConfigError(f"{self.name} is {value!r}: give true or false")
+            return value
+        return self._check_number(value)
+
+    def _check_number(self, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise ConfigError(f"{self.name} is {value!r}: give a finite number")
+        if self.type is int and value != int(value):
+            raise ConfigError(f"{self.name} is {value!r}: give a whole number")
+        low, high = self.param.low, self.param.high
+        if (low is not None and value < low) or (high is not None and value > high):
+            raise ConfigError(f"{self.name} is {value:g}{_space(self.param.unit)}: give {low:g} to {high:g}")
+        return int(value) if self.type is int else float(value)
+
+
+def _space(unit: str) -> str:
+    return f" {unit}" if unit else ""
+
+
+def leaves(config: Any, prefix: str = "") -> Iterator[Leaf]:
+    """Every setting below `config`, in the order of the tree."""
+    hints = get_type_hints(type(config), include_extras=True)
+    for f in fields(config):
+        value = getattr(config, f.name)
+        if is_dataclass(value):
+            yield from leaves(value, f"{prefix}{f.name}.")
+        else:
+            kind, param = get_args(hints[f.name])
+            yield Leaf(f"{prefix}{f.name}", kind, value, param)
+
+
+def with_value(config: SlamConfig, name: str, value: Any) -> SlamConfig:
+    """A copy of `config` with one setting changed; ConfigError for an unknown name or a bad value."""
+    found = next((leaf for leaf in leaves(config) if leaf.name == name), None)
+    if found is None:
+        raise ConfigError(
+            f"{name!r} is no setting: choose one of {', '.join(leaf.name for leaf in leaves(config))}"
+        )
+    group, key = name.split(".")
+    return replace(config, **{group: replace(getattr(config, group), **{key: found.check(value)})})
+
+
+def needs_restart(old: SlamConfig, new: SlamConfig) -> bool:
+    """Whether the change from `old` to `new` touches a setting that only a rebuilt map can follow."""
+    pairs = zip(leaves(old), leaves(new), strict=True)
+    return any(a.param.restart and a.value != b.value for a, b in pairs)

@@ -1,0 +1,1 @@
+"""The numba code behind the modules above it."""

@@ -1,0 +1,97 @@
+"""What a step returns: plain frozen values that views, exporters and tests read."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slam_core.measurements import Float32s, Float64s, Transform
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanarGaussian:
+    """A planar pose with its uncertainty: mean (3,) x, y in metres and heading in radians; covariance (3, 3)."""
+
+    mean: Float64s
+    covariance: Float64s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MatchResult:
+    """The outcome of section IV-B on one scan.
+
+    pose: (3,) xi* = x, y, psi of the stabilised frame in the map. covariance: (3, 3) R of eq. (15), metres
+    and radians. hessian: (3, 3) H of eq. (13) at the finest level, per metre and radian.
+    residuals: (n,) 1 - M(S_i(xi*)) of every endpoint, at the finest level. iterations: finest level first.
+    trace: (k, 4) level, x, y, psi after each Gauss-Newton step, coarse to fine; (0, 4) when not asked for.
+    """
+
+    pose: Float64s
+    covariance: Float64s
+    hessian: Float64s
+    residuals: Float32s
+    iterations: tuple[int, ...]
+    converged: bool
+    trace: Float64s
+
+    @property
+    def mean_residual(self) -> float:
+        """Mean of the residuals: 0 is a perfect fit, 0.5 an unknown map."""
+        return float(np.mean(self.residuals)) if len(self.residuals) else float("nan")
+
+    @property
+    def gaussian(self) -> PlanarGaussian:
+        """xi* with R."""
+        return PlanarGaussian(self.pose, self.covariance)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NavigationState:
+    """The filter's belief at one instant (section V-A).
+
+    T_map_base: position and attitude. velocity: (3,) m/s in the map frame. gyro_bias: (3,) rad/s.
+    accel_bias: (3,) m/s^2. covariance: (15, 15) of the errors of attitude (small rotation about the map's axes),
+    position, velocity, gyro bias, accelerometer bias, in that order.
+    """
+
+    stamp_ns: int
+    T_map_base: Transform
+    velocity: Float64s
+    gyro_bias: Float64s
+    accel_bias: Float64s
+    covariance: Float64s
+
+
+@dataclass(frozen=True, slots=True)
+class Durations:
+    """Nanoseconds spent in each part of a step, by the clock that was handed to the pipeline."""
+
+    stabilise: int = 0
+    match: int = 0
+    update: int = 0
+    filter: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepResult:
+    """Everything that one scan brought.
+
+    stamp_ns: the middle of the sweep, which all poses here belong to. T_map_base: the fused 6DOF pose.
+    planar: the pose (3,) from which points are drawn. points: (n, 2) endpoints in the stabilised frame, metres.
+    heights: (n,) their height over the laser. prior, fused: the filter projected to the plane before and after
+    the fusion (prior is None on the first scan). navigation: the filter after the fusion; None without an IMU.
+    match: None on the first scan, which only makes the map.
+    """
+
+    index: int
+    stamp_ns: int
+    T_map_base: Transform
+    planar: Float64s
+    points: Float32s
+    heights: Float32s
+    match: MatchResult | None
+    prior: PlanarGaussian | None
+    fused: PlanarGaussian
+    navigation: NavigationState | None
+    map_updated: bool
+    beams: int
+    durations: Durations
