@@ -51,37 +51,21 @@ class ScanConfig:
 class MapConfig:
     """Sections IV-A and IV-C: the pyramid of occupancy grids."""
 
-    resolution: Annotated[float, Param("Cell length of the finest level.", "m", 0.01, 1.0, restart=True)] = (
-        0.05
+    resolution: Annotated[float, Param("Cell length of the finest level.", "m", 0.01, 1.0, restart=True)] = 0.05
+    size: Annotated[int, Param("Cells on a side of the finest level.", "cells", 64, 8192, restart=True)] = 2048
+    levels: Annotated[int, Param("Levels, each half the resolution of the one below.", "", 1, 6, restart=True)] = 3
+    start_x: Annotated[float, Param("Start, as a fraction of the map's width.", "", 0.0, 1.0, restart=True)] = 0.5
+    start_y: Annotated[float, Param("Start, as a fraction of the map's height.", "", 0.0, 1.0, restart=True)] = 0.5
+    factor_free: Annotated[float, Param("Probability set on a cell that a beam crossed.", "", 0.05, 0.49)] = 0.4
+    factor_occupied: Annotated[float, Param("Probability set on a cell that a beam ended in.", "", 0.51, 0.99)] = (
+        0.9
     )
-    size: Annotated[int, Param("Cells on a side of the finest level.", "cells", 64, 8192, restart=True)] = (
-        2048
-    )
-    levels: Annotated[
-        int, Param("Levels, each half the resolution of the one below.", "", 1, 6, restart=True)
-    ] = 3
-    start_x: Annotated[
-        float, Param("Start, as a fraction of the map's width.", "", 0.0, 1.0, restart=True)
-    ] = 0.5
-    start_y: Annotated[
-        float, Param("Start, as a fraction of the map's height.", "", 0.0, 1.0, restart=True)
-    ] = 0.5
-    factor_free: Annotated[float, Param("Probability set on a cell that a beam crossed.", "", 0.05, 0.49)] = (
-        0.4
-    )
-    factor_occupied: Annotated[
-        float, Param("Probability set on a cell that a beam ended in.", "", 0.51, 0.99)
-    ] = 0.9
     log_odds_min: Annotated[
         float, Param("Lower cap of a cell: how sure free space may get.", "", -50.0, -0.5)
     ] = -50.0
-    log_odds_max: Annotated[float, Param("Upper cap of a cell: how sure a wall may get.", "", 0.5, 50.0)] = (
-        50.0
-    )
+    log_odds_max: Annotated[float, Param("Upper cap of a cell: how sure a wall may get.", "", 0.5, 50.0)] = 50.0
     update_distance: Annotated[float, Param("The map is updated after moving this far.", "m", 0.0, 5.0)] = 0.4
-    update_angle: Annotated[float, Param("The map is updated after turning this far.", "rad", 0.0, 3.14)] = (
-        0.06
-    )
+    update_angle: Annotated[float, Param("The map is updated after turning this far.", "rad", 0.0, 3.14)] = 0.06
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,15 +77,11 @@ class MatcherConfig:
     converged_step: Annotated[
         float, Param("A level ends when its step is shorter than this (0: never).", "m", 0.0, 0.05)
     ] = 0.0005
-    max_yaw_step: Annotated[
-        float, Param("A single step never turns further than this.", "rad", 0.01, 1.0)
-    ] = 0.2
-    sigma: Annotated[float, Param("Scale of the match covariance, eq. (15).", "", 0.001, 10.0, log=True)] = (
-        0.2
+    max_yaw_step: Annotated[float, Param("A single step never turns further than this.", "rad", 0.01, 1.0)] = 0.2
+    sigma: Annotated[float, Param("Scale of the match covariance, eq. (15).", "", 0.001, 10.0, log=True)] = 0.2
+    covariance: Annotated[CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")] = (
+        "hessian"
     )
-    covariance: Annotated[
-        CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")
-    ] = "hessian"
     start_estimate: Annotated[
         StartEstimate,
         Param("Where the search starts: projected filter, integrated velocities, or last pose."),
@@ -114,9 +94,9 @@ class NavigationConfig:
 
     gravity: Annotated[float, Param("Magnitude of gravity.", "m/s²", 1.0, 12.0)] = 9.80665
     gyro_noise: Annotated[float, Param("White noise of the gyros.", "rad/s/√Hz", 1e-5, 0.1, log=True)] = 2e-3
-    accel_noise: Annotated[
-        float, Param("White noise of the accelerometers.", "m/s²/√Hz", 1e-4, 1.0, log=True)
-    ] = 2e-2
+    accel_noise: Annotated[float, Param("White noise of the accelerometers.", "m/s²/√Hz", 1e-4, 1.0, log=True)] = (
+        2e-2
+    )
     gyro_bias_walk: Annotated[
         float, Param("Random walk of the gyro biases.", "rad/s²/√Hz", 1e-7, 0.01, log=True)
     ] = 2e-5
@@ -129,9 +109,7 @@ class NavigationConfig:
     accel_bias_sigma: Annotated[
         float, Param("How large an accelerometer bias can be.", "m/s²", 1e-3, 2.0, log=True)
     ] = 0.1
-    height_sigma: Annotated[float, Param("Noise of one height measurement.", "m", 0.001, 20.0, log=True)] = (
-        0.2
-    )
+    height_sigma: Annotated[float, Param("Noise of one height measurement.", "m", 0.001, 20.0, log=True)] = 0.2
     odometry_sigma: Annotated[float, Param("Noise of a wheel velocity.", "m/s", 0.001, 2.0, log=True)] = 0.05
     zero_velocity_threshold: Annotated[
         float, Param("A velocity less certain than this is pulled to zero.", "m/s", 0.1, 20.0, log=True)

@@ -28,9 +28,7 @@ class SourceOptions:
     height_topic: str | None = None
     truth_topic: str | None = None
     base_frame: str | None = None
-    laser_pose: tuple[float, float, float, float, float, float] | None = (
-        None  # x y z [m] roll pitch yaw [rad]
-    )
+    laser_pose: tuple[float, float, float, float, float, float] | None = None  # x y z [m] roll pitch yaw [rad]
 
 
 class Source(Protocol):
@@ -64,7 +62,8 @@ class SourceKind:
 
 def open_source(uri: str, options: SourceOptions) -> Source:
     """The source for a path or address; SourceError when no kind accepts it."""
-    for kind in members(sys.modules[__name__], "SOURCE"):
+    kinds: list[SourceKind] = members(sys.modules[__name__], "SOURCE")
+    for kind in kinds:
         if kind.accepts(uri):
             return kind.open(uri, options)
     raise SourceError(f"{uri} is neither a recording nor an address: give a bag's path or ws://HOST:PORT")
