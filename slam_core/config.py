@@ -110,13 +110,25 @@ class NavigationConfig:
         float, Param("How large an accelerometer bias can be.", "m/s²", 1e-3, 2.0, log=True)
     ] = 0.1
     height_sigma: Annotated[float, Param("Noise of one height measurement.", "m", 0.001, 20.0, log=True)] = 0.2
-    odometry_sigma: Annotated[float, Param("Noise of a wheel velocity.", "m/s", 0.001, 2.0, log=True)] = 0.05
     zero_velocity_threshold: Annotated[
         float, Param("A velocity less certain than this is pulled to zero.", "m/s", 0.1, 20.0, log=True)
     ] = 2.0
     zero_velocity_sigma: Annotated[
         float, Param("Noise of that pseudo measurement.", "m/s", 0.05, 20.0, log=True)
     ] = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class MotionConfig:
+    """The planar motion that is assumed when there is no IMU: nearly constant velocity."""
+
+    acceleration: Annotated[
+        float, Param("White noise on the velocity, forward and left.", "m/s²/√Hz", 0.01, 20.0, log=True)
+    ] = 1.0
+    yaw_acceleration: Annotated[
+        float, Param("White noise on the yaw rate.", "rad/s²/√Hz", 0.01, 50.0, log=True)
+    ] = 3.0
+    odometry_sigma: Annotated[float, Param("Noise of a wheel velocity.", "m/s", 0.001, 2.0, log=True)] = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +148,7 @@ class SlamConfig:
     map: MapConfig = field(default_factory=MapConfig)
     matcher: MatcherConfig = field(default_factory=MatcherConfig)
     navigation: NavigationConfig = field(default_factory=NavigationConfig)
+    motion: MotionConfig = field(default_factory=MotionConfig)
     fusion: FusionConfig = field(default_factory=FusionConfig)
 
     def __post_init__(self) -> None:

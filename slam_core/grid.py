@@ -1,0 +1,92 @@
+"""Section IV: one occupancy grid of log-odds with the probability that the matcher reads."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam_core.kernels.mapping import clear_rays, mark_ends
+from slam_core.measurements import Float32s, Float64s
+
+
+class GridLevel:
+    """A square grid. Row 0 is the lowest y; `origin` (2,) is the corner of cell [0, 0] in map coordinates.
+
+    log_odds: (rows, columns), 0 unknown. probability: the same as M of eq. (4), 0.5 unknown.
+    known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
+    Memory: 12 bytes a cell.
+    """
+
+    def __init__(self, resolution: float, shape: tuple[int, int], origin: Float64s) -> None:
+        self.resolution = resolution
+        self.origin = origin
+        self.log_odds: Float32s = np.zeros(shape, np.float32)
+        self.probability: Float32s = np.full(shape, 0.5, np.float32)
+        self._marks = np.zeros(shape, np.int32)
+        self._mark = 0
+        self.known = (0, 0, 0, 0)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        rows, columns = self.log_odds.shape
+        return rows, columns
+
+    def cell_of(self, x: Any, y: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Column and row of map coordinates in metres; may lie off the map."""
+        u = np.floor((np.asarray(x, np.float64) - self.origin[0]) / self.resolution).astype(np.int64)
+        v = np.floor((np.asarray(y, np.float64) - self.origin[1]) / self.resolution).astype(np.int64)
+        return u, v
+
+    def update(
+        self,
+        start: Float64s,
+        ends: Float64s,
+        cleared: Float64s,
+        steps: tuple[float, float],
+        caps: tuple[float, float],
+    ) -> None:
+        """Write one scan: every touched cell changes once, ends by the occupied step, ways by the free step.
+
+        start: (2,) laser. ends: (n, 2) endpoints. cleared: (m, 2) ends of beams that hit nothing. Map metres.
+        steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds.
+        """
+        self._mark += 1
+        rows, columns = self.shape
+        low, high = np.float32(caps[0]), np.float32(caps[1])
+        u0, v0 = self.cell_of(start[0], start[1])
+        us, vs = self.cell_of(ends[:, 0], ends[:, 1])
+        flat = (self.log_odds.reshape(-1), self.probability.reshape(-1), self._marks.reshape(-1))
+        mark_ends(*flat, self._mark, rows, columns, us, vs, np.float32(steps[1]), low, high)
+        for ray_us, ray_vs in ((us, vs), self.cell_of(cleared[:, 0], cleared[:, 1])):
+            clear_rays(
+                *flat, self._mark, rows, columns, int(u0), int(v0), ray_us, ray_vs, np.float32(steps[0]), low, high
+            )
+            self._grow_known(np.append(ray_us, u0), np.append(ray_vs, v0))
+
+    def _grow_known(self, us: NDArray[np.int64], vs: NDArray[np.int64]) -> None:
+        rows, columns = self.shape
+        row0, row1, column0, column1 = self.known if self.known[1] else (rows, 0, columns, 0)
+        self.known = (
+            max(0, min(row0, int(vs.min()))),
+            min(rows, max(row1, int(vs.max()) + 1)),
+            max(0, min(column0, int(us.min()))),
+            min(columns, max(column1, int(us.max()) + 1)),
+        )
+
+    def classes(self) -> NDArray[np.uint8]:
+        """The known box as 0 unknown, 1 free, 2 occupied; a copy."""
+        row0, row1, column0, column1 = self.known
+        box = self.log_odds[row0:row1, column0:column1]
+        return (box < 0).astype(np.uint8) + 2 * (box > 0).astype(np.uint8)
+
+    def occupancy(self) -> NDArray[np.int8]:
+        """The whole level as an OccupancyGrid: -1 unknown, else probability in percent."""
+        percent = np.rint(100 * self.probability).astype(np.int8)
+        return np.where(self.log_odds == 0, np.int8(-1), percent).astype(np.int8)
+
+    def copy(self) -> "GridLevel":
+        """An independent copy."""
+        other = GridLevel.__new__(GridLevel)
+        other.__dict__.update({k: v.copy() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()})
+        return other

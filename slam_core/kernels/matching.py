@@ -1,0 +1,142 @@
+"""Equations (7)-(14) as loops over the beams: float32, branch-free, so that LLVM turns them into gathers.
+
+Poses are float64 (x, y, psi) in metres and radians; `inverse` is cells a metre and `origin` the map coordinates of
+the corner of cell [0, 0], whose centre lies half a cell further.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from slam_core.kernels.bilinear import bilinear
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def normal_equations(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, x, y, psi):
+    """H of (13) as its six upper entries, the right side of (12), and the cost of (7); metres and radians.
+
+    Points off the map read 0.5 (unknown) with no gradient.
+    """
+    cosine = np.float32(math.cos(psi) * inverse)
+    sine = np.float32(math.sin(psi) * inverse)
+    shift_u = np.float32((x - origin_x) * inverse - 0.5)
+    shift_v = np.float32((y - origin_y) * inverse - 0.5)
+    last_u = np.float32(columns - 2)
+    last_v = np.float32(rows - 2)
+    width = np.int32(columns)
+    h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
+    for i in range(len(xs)):
+        arm_u = cosine * xs[i] - sine * ys[i]
+        arm_v = sine * xs[i] + cosine * ys[i]
+        u = arm_u + shift_u
+        v = arm_v + shift_v
+        inside = (u >= ZERO) & (v >= ZERO) & (u < last_u + ONE) & (v < last_v + ONE)
+        column = np.int32(min(max(u, ZERO), last_u))
+        row = np.int32(min(max(v, ZERO), last_v))
+        value, du, dv = bilinear(cells, width, column, row, u - np.float32(column), v - np.float32(row))
+        weight = ONE if inside else ZERO
+        gu = du * weight
+        gv = dv * weight
+        error = ONE - value if inside else HALF
+        gp = gv * arm_u - gu * arm_v
+        h00 += gu * gu
+        h01 += gu * gv
+        h02 += gu * gp
+        h11 += gv * gv
+        h12 += gv * gp
+        h22 += gp * gp
+        b0 += gu * error
+        b1 += gv * error
+        b2 += gp * error
+        cost += error * error
+    k = inverse
+    return (
+        h00 * k * k, h01 * k * k, h02 * k, h11 * k * k, h12 * k, np.float64(h22),
+        b0 * k, b1 * k, np.float64(b2), np.float64(cost),
+    )  # fmt: skip
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def residuals(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, x, y, psi, out):
+    """1 - M(S_i(xi)) of every beam, eq. (7), into `out`."""
+    cosine = np.float32(math.cos(psi) * inverse)
+    sine = np.float32(math.sin(psi) * inverse)
+    shift_u = np.float32((x - origin_x) * inverse - 0.5)
+    shift_v = np.float32((y - origin_y) * inverse - 0.5)
+    last_u = np.float32(columns - 2)
+    last_v = np.float32(rows - 2)
+    width = np.int32(columns)
+    for i in range(len(xs)):
+        u = cosine * xs[i] - sine * ys[i] + shift_u
+        v = sine * xs[i] + cosine * ys[i] + shift_v
+        inside = (u >= ZERO) & (v >= ZERO) & (u < last_u + ONE) & (v < last_v + ONE)
+        column = np.int32(min(max(u, ZERO), last_u))
+        row = np.int32(min(max(v, ZERO), last_v))
+        value, _, _ = bilinear(cells, width, column, row, u - np.float32(column), v - np.float32(row))
+        out[i] = ONE - value if inside else HALF
+
+
+@njit(cache=True, error_model="numpy")
+def solve3(h00, h01, h02, h11, h12, h22, b0, b1, b2):
+    """Solution of the symmetric 3x3 system by cofactors, and whether it is well posed."""
+    c00 = h11 * h22 - h12 * h12
+    c01 = h02 * h12 - h01 * h22
+    c02 = h01 * h12 - h02 * h11
+    det = h00 * c00 + h01 * c01 + h02 * c02
+    if not det > 1e-12 * max(h00 * h11 * h22, 1e-30):
+        return 0.0, 0.0, 0.0, False
+    c11 = h00 * h22 - h02 * h02
+    c12 = h01 * h02 - h00 * h12
+    c22 = h00 * h11 - h01 * h01
+    return (
+        (c00 * b0 + c01 * b1 + c02 * b2) / det,
+        (c01 * b0 + c11 * b1 + c12 * b2) / det,
+        (c02 * b0 + c12 * b1 + c22 * b2) / det,
+        True,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def gauss_newton(
+    cells,
+    rows,
+    columns,
+    origin_x,
+    origin_y,
+    inverse,
+    xs,
+    ys,
+    pose,
+    iterations,
+    converged_step,
+    max_yaw_step,
+    trace,
+):
+    """Iterate (12) on one level; `pose` (3,) is updated in place and every iterate goes to `trace` (k, 3).
+
+    Ends early when a step is shorter than `converged_step` metres (its yaw counted at one metre's arm).
+    Returns the number of steps taken and whether the last one was that short.
+    """
+    steps = 0
+    for k in range(iterations):
+        h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(
+            cells, rows, columns, origin_x, origin_y, inverse, xs, ys, pose[0], pose[1], pose[2]
+        )
+        dx, dy, dpsi, solved = solve3(h00, h01, h02, h11, h12, h22, b0, b1, b2)
+        if not solved:
+            return steps, False
+        dpsi = min(max(dpsi, -max_yaw_step), max_yaw_step)
+        pose[0] += dx
+        pose[1] += dy
+        pose[2] += dpsi
+        steps += 1
+        if k < len(trace):
+            trace[k, 0], trace[k, 1], trace[k, 2] = pose[0], pose[1], pose[2]
+        if max(abs(dx), abs(dy), abs(dpsi)) < converged_step:
+            return steps, True
+    return steps, converged_step == 0.0

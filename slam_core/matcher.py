@@ -1,0 +1,116 @@
+"""Section IV-B: align a scan with the map by Gauss-Newton, coarse to fine, and say how sure that is."""
+
+import math
+
+import numpy as np
+
+from slam_core.config import MatcherConfig
+from slam_core.geometry import wrap
+from slam_core.grid import GridLevel
+from slam_core.kernels import matching
+from slam_core.measurements import Float32s, Float64s
+from slam_core.pyramid import Pyramid
+from slam_core.results import MatchResult
+
+# A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
+LARGEST_SIGMA = np.array([10.0, 10.0, math.pi])
+# The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
+SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+
+
+def coarse_to_fine(
+    pyramid: Pyramid, points: Float32s, start: Float64s, config: MatcherConfig, *, trace: bool = False
+) -> MatchResult:
+    """xi* of eq. (7) from a start estimate: each level's result starts the next finer one (section IV-C).
+
+    points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
+    """
+    xs, ys = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    pose = np.array(start, np.float64)
+    iterations: list[int] = []
+    traces: list[Float64s] = []
+    converged = False
+    for i in reversed(range(len(pyramid.levels))):
+        allowed = config.iterations_coarse if i else config.iterations_fine
+        steps = np.empty((allowed if trace else 0, 3))
+        taken, converged = _climb(pyramid.levels[i], xs, ys, pose, allowed, config, steps)
+        iterations.insert(0, taken)
+        traces.append(np.column_stack([np.full(len(steps[:taken]), float(i)), steps[:taken]]))
+    finest = pyramid.levels[0]
+    hessian, _, _ = normal_equations(finest, points, pose)
+    pose[2] = wrap(pose[2])
+    covariance = hessian_covariance(hessian, config.sigma)
+    if config.covariance == "sampled":
+        covariance = sampled_covariance(finest, points, pose, covariance, config.sigma)
+    return MatchResult(
+        pose, covariance, hessian, residuals(finest, points, pose), tuple(iterations), converged, np.vstack(traces)
+    )
+
+
+def _climb(
+    level: GridLevel,
+    xs: Float32s,
+    ys: Float32s,
+    pose: Float64s,
+    allowed: int,
+    config: MatcherConfig,
+    steps: Float64s,
+) -> tuple[int, bool]:
+    taken, converged = matching.gauss_newton(
+        *_grid_arguments(level), xs, ys, pose, allowed, config.converged_step, config.max_yaw_step, steps
+    )
+    return int(taken), bool(converged)
+
+
+def _grid_arguments(level: GridLevel) -> tuple[Float32s, int, int, float, float, float]:
+    rows, columns = level.shape
+    x, y = float(level.origin[0]), float(level.origin[1])
+    return level.probability.reshape(-1), rows, columns, x, y, 1.0 / level.resolution
+
+
+def normal_equations(level: GridLevel, points: Float32s, pose: Float64s) -> tuple[Float64s, Float64s, float]:
+    """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
+    xs, ys = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = matching.normal_equations(
+        *_grid_arguments(level), xs, ys, pose[0], pose[1], pose[2]
+    )
+    hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
+    return hessian, np.array([b0, b1, b2]), float(cost)
+
+
+def residuals(level: GridLevel, points: Float32s, pose: Float64s) -> Float32s:
+    """1 - M(S_i(xi)) of every endpoint, eq. (7)."""
+    out = np.empty(len(points), np.float32)
+    xs, ys = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    matching.residuals(*_grid_arguments(level), xs, ys, pose[0], pose[1], pose[2], out)
+    return out
+
+
+def hessian_covariance(hessian: Float64s, sigma: float) -> Float64s:
+    """R = sigma^2 H^-1, eq. (15), bounded where H is (nearly) singular by LARGEST_SIGMA."""
+    information = hessian / sigma**2 + np.diag(LARGEST_SIGMA**-2.0)
+    covariance = np.linalg.inv(information)
+    return 0.5 * (covariance + covariance.T)
+
+
+def sampled_covariance(
+    level: GridLevel, points: Float32s, pose: Float64s, hessian_based: Float64s, sigma: float
+) -> Float64s:
+    """The sampled alternative of section IV-B: poses near the match, weighted by how well they fit.
+
+    Samples lie on the axes of the Hessian's ellipsoid, as sigma points do; each weighs exp(-dE / (2 sigma^2)) with
+    dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more. (3, 3), metres and radians.
+    """
+    variances, axes = np.linalg.eigh(hessian_based)
+    best = normal_equations(level, points, pose)[2]
+    expected = np.exp(-0.5 * SAMPLED_SIGMAS**2)
+    wanted = np.sum(expected * SAMPLED_SIGMAS**2) / (1.0 + 2.0 * np.sum(expected)) * 2.0
+    scales = np.empty(3)
+    for j in range(3):
+        offsets = np.concatenate([-SAMPLED_SIGMAS, SAMPLED_SIGMAS])
+        poses = pose + offsets[:, None] * math.sqrt(variances[j]) * axes[:, j]
+        extra = np.array([normal_equations(level, points, p)[2] for p in poses]) - best
+        weights = np.exp(-np.maximum(extra, 0.0) / (2.0 * sigma**2))
+        scales[j] = np.sum(weights * offsets**2) / (1.0 + np.sum(weights)) / wanted
+    covariance: Float64s = (axes * (variances * scales)) @ axes.T
+    return covariance

@@ -1,0 +1,135 @@
+"""Where the robot is between scans when there is no IMU: a planar motion at nearly constant velocity.
+
+The same questions that the navigation filter answers: the pose at an instant, its uncertainty in the plane, and
+what a match changes. Roll and pitch come from somebody else's attitude if there is one, else they are zero.
+"""
+
+import math
+from bisect import bisect_left
+from collections import deque
+from itertools import islice
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.config import MotionConfig
+from slam_core.intersection import covariance_intersection
+from slam_core.measurements import Attitude, Float64s, Odometry, Transform
+from slam_core.results import PlanarGaussian
+
+MEMORY = 256  # attitudes kept: some seconds
+OBSERVE_POSE = np.eye(3, 6)
+OBSERVE_TWIST = np.eye(3, 6, 3)
+
+
+class PlanarMotion:
+    """A Kalman filter on x, y, psi in the map and the body's velocity forward, left and about z; six states."""
+
+    def __init__(self) -> None:
+        self.stamp_ns: int | None = None
+        self._mean = np.zeros(6)
+        self._covariance = np.diag([0.01, 0.01, 0.01, 1.0, 1.0, 1.0]) ** 2.0
+        self._attitudes: deque[Attitude] = deque(maxlen=MEMORY)
+
+    def add_attitude(self, attitude: Attitude) -> None:
+        """Remember roll and pitch."""
+        self._attitudes.append(attitude)
+
+    def add_odometry(self, odometry: Odometry, config: MotionConfig) -> None:
+        """Let wheels correct the velocity."""
+        self._advance(odometry.stamp_ns, config)
+        wanted = np.array([*odometry.velocity, odometry.yaw_rate])
+        noise = np.eye(3) * config.odometry_sigma**2
+        innovation = wanted - self._mean[3:]
+        gain = self._covariance @ OBSERVE_TWIST.T @ np.linalg.inv(self._covariance[3:, 3:] + noise)
+        self._mean = self._mean + gain @ innovation
+        self._set_covariance(self._covariance - gain @ OBSERVE_TWIST @ self._covariance)
+
+    def pose(self, time_ns: int) -> Transform:
+        """T_map_base at an instant near the last one known."""
+        x, y, psi = self._extrapolated(time_ns)
+        stabilised = geometry.split_heading(self._attitude(time_ns))[1]
+        rotation = geometry.multiply(geometry.yaw_quaternion(psi), stabilised)
+        return Transform(np.array([x, y, 0.0]), rotation)
+
+    def prior(self, time_ns: int, config: MotionConfig) -> PlanarGaussian:
+        """The predicted pose and its uncertainty; moves the filter on to that instant."""
+        self._advance(time_ns, config)
+        return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+
+    def fuse(self, match: PlanarGaussian, omega: float) -> PlanarGaussian:
+        """Covariance intersection with a match at the instant of the last `prior`; the fused pose."""
+        innovation = match.mean - self._mean[:3]
+        innovation[2] = geometry.wrap(innovation[2])
+        step, covariance = covariance_intersection(
+            self._covariance, OBSERVE_POSE, innovation, match.covariance, omega
+        )
+        self._mean = self._mean + step
+        self._mean[2] = geometry.wrap(self._mean[2])
+        self._set_covariance(covariance)
+        return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+
+    def copy(self) -> "PlanarMotion":
+        """An independent copy."""
+        other = PlanarMotion()
+        other.stamp_ns, other._mean, other._covariance = self.stamp_ns, self._mean.copy(), self._covariance.copy()
+        other._attitudes = self._attitudes.copy()
+        return other
+
+    def _advance(self, time_ns: int, config: MotionConfig) -> None:
+        if self.stamp_ns is None:
+            self.stamp_ns = time_ns
+        dt = (time_ns - self.stamp_ns) * 1e-9
+        if dt <= 0.0:
+            return
+        transition = self._transition(dt)
+        self._mean[:3] = self._extrapolated(time_ns)
+        self._set_covariance(transition @ self._covariance @ transition.T + _noise(dt, self._mean[2], config))
+        self.stamp_ns = time_ns
+
+    def _extrapolated(self, time_ns: int) -> Float64s:
+        dt = (time_ns - self.stamp_ns) * 1e-9 if self.stamp_ns is not None else 0.0
+        x, y, psi, forward, left, rate = self._mean
+        middle = psi + 0.5 * rate * dt
+        c, s = math.cos(middle), math.sin(middle)
+        return np.array(
+            [x + dt * (c * forward - s * left), y + dt * (s * forward + c * left), geometry.wrap(psi + rate * dt)]
+        )
+
+    def _transition(self, dt: float) -> Float64s:
+        forward, left, rate = self._mean[3:]
+        middle = self._mean[2] + 0.5 * rate * dt
+        c, s = math.cos(middle), math.sin(middle)
+        transition = np.eye(6)
+        transition[0, 3:5], transition[1, 3:5] = (c * dt, -s * dt), (s * dt, c * dt)
+        transition[0, 2], transition[1, 2] = -dt * (s * forward + c * left), dt * (c * forward - s * left)
+        transition[:2, 5] = 0.5 * dt * transition[:2, 2]
+        transition[2, 5] = dt
+        return transition
+
+    def _set_covariance(self, covariance: Float64s) -> None:
+        self._covariance = 0.5 * (covariance + covariance.T)
+
+    def _attitude(self, time_ns: int) -> Float64s:
+        """Orientation between the two attitudes around an instant; level when there is none."""
+        if not self._attitudes:
+            return Transform().rotation
+        i = bisect_left(self._attitudes, time_ns, key=lambda a: a.stamp_ns)
+        if i == 0 or i == len(self._attitudes):
+            return self._attitudes[min(i, len(self._attitudes) - 1)].rotation
+        before, after = islice(self._attitudes, i - 1, i + 1)
+        fraction = (time_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
+        return geometry.slerp(before.rotation, after.rotation, fraction)
+
+
+def _noise(dt: float, psi: float, config: MotionConfig) -> Float64s:
+    """White acceleration over dt: covariance of pose and velocity, the same forward and left."""
+    density = np.array([config.acceleration, config.acceleration, config.yaw_acceleration]) ** 2.0
+    noise = np.zeros((6, 6))
+    c, s = math.cos(psi), math.sin(psi)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    noise[:3, :3] = np.diag(density * dt**3 / 3.0)
+    noise[:3, 3:] = turn * (density * dt**2 / 2.0)
+    noise[3:, :3] = noise[:3, 3:].T
+    noise[3:, 3:] = np.diag(density * dt)
+    return noise

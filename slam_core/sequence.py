@@ -1,0 +1,48 @@
+"""Puts measurements in the order in which they can be used: a scan waits until inertial data covers its sweep."""
+
+from slam_core.measurements import Attitude, Imu, LaserScan, Measurement
+
+# A scan waits no longer than this, in time of the recording, for inertial data that does not come.
+PATIENCE_NS = 500_000_000
+
+
+class Sequencer:
+    """Inertial data passes at once; scans wait for it, in their order, while it is flowing.
+
+    At the start every scan waits, since inertial data may be about to begin.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: list[LaserScan] = []
+        self._covered_ns: int | None = None
+        self._newest_ns = 0
+        self._hopeful = True
+
+    def push(self, measurement: Measurement) -> list[Measurement]:
+        """The measurements that may be processed now that `measurement` has arrived, in order."""
+        if isinstance(measurement, LaserScan):
+            self._waiting.append(measurement)
+            self._newest_ns = max(self._newest_ns, measurement.stamp_ns)
+            return self._ready()
+        if isinstance(measurement, Imu | Attitude):
+            self._covered_ns = measurement.stamp_ns
+            self._hopeful = True
+        return [measurement, *self._ready()]
+
+    def flush(self) -> list[Measurement]:
+        """What still waits, at the end of a recording."""
+        ready, self._waiting = self._waiting, []
+        return list(ready)
+
+    def _ready(self) -> list[Measurement]:
+        ready: list[Measurement] = []
+        while self._waiting and self._may_go(self._waiting[0]):
+            ready.append(self._waiting.pop(0))
+        return ready
+
+    def _may_go(self, scan: LaserScan) -> bool:
+        if self._covered_ns is not None and self._covered_ns >= scan.end_ns:
+            return True
+        if self._hopeful and self._newest_ns - scan.end_ns > PATIENCE_NS:
+            self._hopeful = False
+        return not self._hopeful

@@ -1,0 +1,176 @@
+"""The paper's figure 1: scans and inertial data in, map and 6DOF pose out."""
+
+import math
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.config import ConfigError, SlamConfig, needs_restart
+from slam_core.matcher import coarse_to_fine
+from slam_core.measurements import (
+    Attitude,
+    Float64s,
+    Height,
+    Imu,
+    LaserScan,
+    Measurement,
+    Odometry,
+    Transform,
+)
+from slam_core.motion import PlanarMotion
+from slam_core.navigation import NavigationFilter
+from slam_core.pyramid import Pyramid
+from slam_core.results import Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
+from slam_core.stabilise import StabilisedScan, stabilise
+
+# Where the map begins is where the first scan was taken: this sure.
+ORIGIN = PlanarGaussian(np.zeros(3), np.diag([1e-6, 1e-6, 1e-6]))
+
+
+class HectorSlam:
+    """The pipeline. Feed it measurements in the order of a `Sequencer`; every scan gives a StepResult.
+
+    clock: nanoseconds for the durations in the results; without one they are 0.
+    """
+
+    def __init__(self, config: SlamConfig, clock: Callable[[], int] = lambda: 0) -> None:
+        self.config = config
+        self.pyramid = Pyramid(config.map)
+        self.skipped: Counter[str] = Counter()
+        self.trace = False
+        self._clock = clock
+        self._planar = PlanarMotion()
+        self._filter = NavigationFilter(config.navigation)
+        self._inertial = False
+        self._index = 0
+        self._pose = np.zeros(3)
+        self._fused = np.zeros(3)
+        self._mapped: Float64s | None = None
+        self._waiting_ns = 0
+
+    def configure(self, config: SlamConfig) -> None:
+        """Change settings from the next measurement on; ConfigError if the map would have to be rebuilt."""
+        if needs_restart(self.config, config):
+            raise ConfigError("this change needs a new map: restart the run with it")
+        self.config = config
+        self._filter.configure(config.navigation)
+
+    def step(self, measurement: Measurement) -> StepResult | None:
+        """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
+        if isinstance(measurement, LaserScan):
+            return self._scan(measurement)
+        begin = self._clock()
+        if isinstance(measurement, Imu):
+            self._inertial = True
+            self._filter.predict(measurement)
+        elif isinstance(measurement, Height):
+            self._filter.update_height(measurement.stamp_ns, measurement.height)
+        elif isinstance(measurement, Attitude):
+            self._planar.add_attitude(measurement)
+        elif isinstance(measurement, Odometry):
+            self._planar.add_odometry(measurement, self.config.motion)
+        self._waiting_ns += self._clock() - begin
+        return None
+
+    def _scan(self, scan: LaserScan) -> StepResult | None:
+        if self._inertial and not self._filter.ready:
+            self.skipped["scan before the attitude was known"] += 1
+            return None
+        lap = _Laps(self._clock)
+        leveled = stabilise(scan, self._motion_pose, self.config.scan)
+        lap("stabilise")
+        if not len(leveled.points):
+            self.skipped["scan without a beam in range"] += 1
+            return None
+        prior = self._prior(scan.mid_ns)
+        lap("filter")
+        match = self._match(leveled, prior)
+        lap("match")
+        updated = self._map(leveled)
+        lap("update")
+        fused, navigation = self._fuse(scan.mid_ns, match.gaussian if match else ORIGIN)
+        T_map_base = self._motion_pose(scan.mid_ns)
+        lap("filter", self._waiting_ns)
+        self._index, self._waiting_ns = self._index + 1, 0
+        return StepResult(
+            index=self._index - 1,
+            stamp_ns=scan.mid_ns,
+            T_map_base=T_map_base,
+            planar=self._pose.copy(),
+            points=leveled.points,
+            heights=leveled.heights,
+            match=match,
+            prior=prior if match else None,
+            fused=fused,
+            navigation=navigation,
+            map_updated=updated,
+            beams=len(scan.ranges),
+            durations=lap.durations(),
+        )
+
+    def _motion_pose(self, time_ns: int) -> Transform:
+        return self._filter.pose(time_ns) if self._inertial else self._planar.pose(time_ns)
+
+    def _prior(self, time_ns: int) -> PlanarGaussian:
+        if self._inertial:
+            return self._filter.planar(time_ns)
+        return self._planar.prior(time_ns, self.config.motion)
+
+    def _match(self, leveled: StabilisedScan, prior: PlanarGaussian) -> MatchResult | None:
+        """Align the scan with the map; None for the first scan, whose pose is the origin."""
+        if not self.pyramid.updates:
+            return None
+        start = self._start_estimate(prior)
+        match = coarse_to_fine(self.pyramid, leveled.points, start, self.config.matcher, trace=self.trace)
+        self._pose = match.pose
+        return match
+
+    def _start_estimate(self, prior: PlanarGaussian) -> Float64s:
+        """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""
+        if self.config.matcher.start_estimate == "filter":
+            return prior.mean
+        if self.config.matcher.start_estimate == "velocity":
+            moved = geometry.compose(geometry.inverse(self._fused), prior.mean)
+            return geometry.compose(self._pose, moved)
+        return self._pose
+
+    def _map(self, leveled: StabilisedScan) -> bool:
+        """Write the scan at the matched pose if the robot moved or turned enough since the last time."""
+        if self._mapped is not None:
+            moved = geometry.compose(geometry.inverse(self._mapped), self._pose)
+            near = math.hypot(moved[0], moved[1]) < self.config.map.update_distance
+            if near and abs(moved[2]) < self.config.map.update_angle:
+                return False
+        self._mapped = self._pose.copy()
+        self.pyramid.update(leveled.points, leveled.cleared, leveled.laser, self._pose, self.config.map)
+        return True
+
+    def _fuse(self, time_ns: int, match: PlanarGaussian) -> tuple[PlanarGaussian, NavigationState | None]:
+        """Covariance intersection of the motion with the match, eqs. (18)-(20)."""
+        omega = self.config.fusion.omega
+        if not self._inertial:
+            fused, navigation = self._planar.fuse(match, omega), None
+        else:
+            navigation = self._filter.fuse_planar(time_ns, match.mean, match.covariance, omega)[1]
+            fused = self._filter.planar(time_ns)
+        self._fused = fused.mean
+        return fused, navigation
+
+
+class _Laps:
+    """Nanoseconds between calls, summed by name."""
+
+    def __init__(self, clock: Callable[[], int]) -> None:
+        self._clock = clock
+        self._last = clock()
+        self._sums: Counter[str] = Counter()
+
+    def __call__(self, name: str, extra: int = 0) -> None:
+        now = self._clock()
+        self._sums[name] += now - self._last + extra
+        self._last = now
+
+    def durations(self) -> Durations:
+        return Durations(**self._sums)

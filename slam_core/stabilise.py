@@ -1,0 +1,89 @@
+"""Section IV: from a sweep to endpoints in the stabilised frame, through mount, attitude and motion."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.config import ScanConfig
+from slam_core.kernels.sweeping import place_beams
+from slam_core.measurements import Float32s, Float64s, LaserScan, Transform
+
+# The motion is taken as linear between instants this far apart.
+KNOT_NS = 10_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StabilisedScan:
+    """A scan turned level: points (n, 2) and heights (n,) over the laser; cleared (m, 2) ends of empty beams.
+
+    laser: (2,) where the beams start. All in the stabilised frame at the middle of the sweep, metres.
+    """
+
+    points: Float32s
+    heights: Float32s
+    cleared: Float32s
+    laser: Float64s
+
+
+def stabilise(scan: LaserScan, motion: Callable[[int], Transform], config: ScanConfig) -> StabilisedScan:
+    """Endpoints of `scan` in the stabilised frame at scan.mid_ns; motion(t) is T_map_base within the sweep.
+
+    Beams out of range, without a value (REP-117) or out of the z band are left out. With config.stabilise off the
+    attitude is ignored, with config.deskew off the motion during the sweep is.
+    """
+    n = len(scan.ranges)
+    knots = _knots(scan, motion, config)
+    z_laser = float(0.5 * (knots[0, 2, 3] + knots[-1, 2, 3]))
+    cosines, sines = _directions(scan.angle_min, scan.angle_increment, n)
+    xs, ys, zs, free_xs, free_ys = (np.empty(n, np.float32) for _ in range(5))
+    kept, cleared = place_beams(
+        np.ascontiguousarray(scan.ranges, np.float32), cosines, sines, knots, max(n - 1, 1) / (len(knots) - 1),
+        max(config.range_min, scan.range_min), min(config.range_max, _end(scan.range_max)), scan.range_max,
+        config.clear_range, z_laser + config.z_min, z_laser + config.z_max, xs, ys, zs, free_xs, free_ys,
+    )  # fmt: skip
+    laser = 0.5 * (knots[0, :2, 3] + knots[-1, :2, 3])
+    return StabilisedScan(
+        np.column_stack([xs[:kept], ys[:kept]]),
+        zs[:kept] - np.float32(z_laser),
+        np.column_stack([free_xs[:cleared], free_ys[:cleared]]),
+        laser,
+    )
+
+
+def _end(range_max: float) -> float:
+    return range_max if range_max > 0.0 else float("inf")
+
+
+@lru_cache(maxsize=8)
+def _directions(angle_min: float, angle_increment: float, n: int) -> tuple[Float64s, Float64s]:
+    angles = angle_min + angle_increment * np.arange(n)
+    return np.cos(angles), np.sin(angles)
+
+
+def _knots(scan: LaserScan, motion: Callable[[int], Transform], config: ScanConfig) -> Float64s:
+    """(k, 3, 4) transforms from the laser to the stabilised frame at mid-sweep, in k - 1 equal steps of time."""
+    sweep_ns = scan.end_ns - scan.stamp_ns
+    reference = motion(scan.mid_ns)
+    if config.deskew and sweep_ns > 0:
+        k = 2 + sweep_ns // KNOT_NS
+        poses = [motion(scan.stamp_ns + sweep_ns * i // (k - 1)) for i in range(k)]
+    else:
+        poses = [reference, reference]
+    leveled = _to_stabilised(reference, poses, level=config.stabilise)
+    mount = geometry.matrix(scan.T_base_laser)
+    return np.ascontiguousarray(leveled @ mount)
+
+
+def _to_stabilised(reference: Transform, poses: list[Transform], *, level: bool) -> Float64s:
+    """(k, 3, 4) of T_stabilised_base at each pose; without `level` only the heading moves."""
+    psi = geometry.heading(reference.rotation)
+    turn = geometry.rotation_matrix(geometry.yaw_quaternion(-psi))
+    out = np.empty((len(poses), 3, 4))
+    for i, pose in enumerate(poses):
+        rotation = pose.rotation if level else geometry.yaw_quaternion(geometry.heading(pose.rotation))
+        out[i, :, :3] = turn @ geometry.rotation_matrix(rotation)
+        out[i, :, 3] = turn @ (pose.translation - reference.translation)
+    return out
