@@ -1,0 +1,153 @@
+"""Laser, inertial unit and barometer: what they measure of the true motion, with the errors of real parts."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.simulation.motion import Motion
+from app.simulation.options import SceneOptions
+from app.simulation.scene import Scene
+from slam_core.geometry import rotation_matrix
+from slam_core.measurements import Float64s, Height, Imu, LaserScan, TruthPose
+
+START_NS = 1_700_000_000 * 10**9  # the time on the clock when a motion begins
+IMU_RATE, HEIGHT_RATE, TRUTH_RATE = 100.0, 10.0, 100.0  # Hz
+
+Arrival = tuple[int, LaserScan | Imu | Height | TruthPose]
+"""When a measurement reached the recorder [ns], and the measurement."""
+
+
+@dataclass(frozen=True, slots=True)
+class Utm30lx:
+    """The data sheet of the paper's scanner, metres and seconds."""
+
+    field: float = float(np.radians(270.0))
+    range_min: float = 0.1
+    range_max: float = 30.0
+    sigma_near: float = 0.01
+    sigma_near_to: float = 10.0  # from there the noise grows to
+    sigma_far: float = 0.03  # at range_max
+    resolution: float = 0.001
+    dropout: float = 0.003  # share of beams that give nothing
+    latency: float = 0.002
+
+
+@dataclass(frozen=True, slots=True)
+class Mems:
+    """A consumer inertial unit: standard deviations, rad/s and m/s^2; noise is that of a sample at IMU_RATE."""
+
+    gyro_noise: float = 0.005
+    gyro_bias: float = float(np.radians(0.5))
+    gyro_walk: float = 2e-5  # per sqrt(s)
+    accel_noise: float = 0.03
+    accel_bias: float = 0.05
+    accel_walk: float = 2e-4  # per sqrt(s)
+    latency: float = 0.001
+
+
+@dataclass(frozen=True, slots=True)
+class Barometer:
+    """A pressure sensor, as metres of height."""
+
+    noise: float = 0.15
+    walk: float = 0.01  # per sqrt(s)
+    latency: float = 0.004
+
+
+UTM30LX, MEMS, BAROMETER = Utm30lx(), Mems(), Barometer()
+
+
+def nanoseconds(t: float) -> int:
+    """The clock at `t` seconds of the motion."""
+    return START_NS + round(t * 1e9)
+
+
+def laser_rays(scene: Scene, t: Float64s, angles: Float64s) -> tuple[Float64s, Float64s]:
+    """(n, 3) origins and unit directions in the map of beams at (n,) seconds and (n,) scan angles."""
+    positions, attitudes = scene.motion.poses(t)
+    beams = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(len(angles))))
+    in_base = beams @ rotation_matrix(scene.T_base_laser.rotation).T
+    origins = positions + attitudes @ scene.T_base_laser.translation
+    return origins, np.einsum("mij,mj->mi", attitudes, in_base)
+
+
+def laser_scans(scene: Scene, options: SceneOptions, laser: Utm30lx = UTM30LX) -> Iterator[Arrival]:
+    """Every complete sweep of the motion, when its last beam has been handed over."""
+    rng = np.random.default_rng([options.seed, 0])
+    period = 1.0 / options.scan_rate
+    increment = laser.field / (options.beams - 1)
+    time_increment = period * increment / (2 * np.pi) if options.beam_timing else 0.0
+    count = np.arange(options.beams, dtype=np.float64)
+    angles, lapse = increment * count - laser.field / 2, time_increment * count
+    for k in range(int((scene.motion.duration - lapse[-1]) / period) + 1):
+        t = k * period
+        true, hits = scene.world.cast(*laser_rays(scene, t + lapse, angles), laser.range_max)
+        depths = np.where(hits >= 0, scene.world.depths[hits], 0.0)
+        scan = LaserScan(
+            stamp_ns=nanoseconds(t),
+            ranges=_measured(true, depths, laser, options.noise, rng).astype(np.float32),
+            angle_min=float(angles[0]),
+            angle_increment=float(increment),
+            time_increment=float(time_increment),
+            range_min=laser.range_min,
+            range_max=laser.range_max,
+            T_base_laser=scene.T_base_laser,
+        )
+        yield scan.end_ns + round(laser.latency * 1e9 * rng.uniform(1.0, 1.5)), scan
+
+
+def _measured(
+    true: Float64s, depths: Float64s, laser: Utm30lx, noise: float, rng: np.random.Generator
+) -> Float64s:
+    """(n,) ranges as the scanner reports them, after REP-117: noise, foliage, drop-outs, millimetres."""
+    white, inward, luck = rng.normal(size=len(true)), np.abs(rng.normal(size=len(true))), rng.random(len(true))
+    growth = (laser.sigma_far - laser.sigma_near) / (laser.range_max - laser.sigma_near_to)
+    sigma = laser.sigma_near + growth * np.clip(true - laser.sigma_near_to, 0.0, laser.range_max)
+    measured = true + noise * (sigma * white + depths * inward)
+    if noise > 0.0:
+        measured = np.round(measured / laser.resolution) * laser.resolution
+    measured[(measured > laser.range_max) | (luck < noise * laser.dropout)] = np.inf
+    measured[measured < laser.range_min] = -np.inf
+    return measured
+
+
+def inertial(motion: Motion, options: SceneOptions, unit: Mems = MEMS) -> Iterator[Arrival]:
+    """Body rates and specific force, each with a constant bias, a wandering bias and white noise."""
+    rng = np.random.default_rng([options.seed, 1])
+    t = _ticks(motion, IMU_RATE)
+    rates = motion.body_rates(t) + options.noise * _drifting(
+        rng, len(t), unit.gyro_bias, unit.gyro_walk, unit.gyro_noise
+    )
+    forces = motion.specific_force(t) + options.noise * _drifting(
+        rng, len(t), unit.accel_bias, unit.accel_walk, unit.accel_noise
+    )
+    delays = unit.latency * rng.uniform(1.0, 1.5, len(t))
+    for time, delay, omega, force in zip(t, delays, rates, forces, strict=True):
+        yield nanoseconds(time + delay), Imu(nanoseconds(time), omega, force)
+
+
+def _drifting(rng: np.random.Generator, count: int, bias: float, walk: float, noise: float) -> Float64s:
+    """(count, 3) errors of three axes at IMU_RATE."""
+    steps = rng.normal(scale=walk / np.sqrt(IMU_RATE), size=(count, 3))
+    return rng.normal(scale=bias, size=3) + np.cumsum(steps, axis=0) + rng.normal(scale=noise, size=(count, 3))
+
+
+def heights(motion: Motion, options: SceneOptions, barometer: Barometer = BAROMETER) -> Iterator[Arrival]:
+    """Height over the start, with white noise and the slow drift of the weather."""
+    rng = np.random.default_rng([options.seed, 2])
+    t = _ticks(motion, HEIGHT_RATE)
+    drift = np.cumsum(rng.normal(scale=barometer.walk / np.sqrt(HEIGHT_RATE), size=len(t)))
+    errors = options.noise * (drift + rng.normal(scale=barometer.noise, size=len(t)))
+    for time, height in zip(t, motion.at(t)[:, 2] + errors, strict=True):
+        yield nanoseconds(time + barometer.latency), Height(nanoseconds(time), float(height))
+
+
+def truth(motion: Motion) -> Iterator[Arrival]:
+    """The true pose, without delay."""
+    for t in _ticks(motion, TRUTH_RATE):
+        yield nanoseconds(t), TruthPose(nanoseconds(t), motion.transform(t))
+
+
+def _ticks(motion: Motion, rate: float) -> Float64s:
+    return np.arange(int(motion.duration * rate) + 1) / rate

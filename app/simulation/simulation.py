@@ -1,0 +1,45 @@
+"""A scene measured: items in the order in which a recorder would receive them, and the truth at any time."""
+
+import heapq
+from collections.abc import Callable, Iterator
+
+from app.simulation import scene_rooms, sensors
+from app.simulation.options import ScenarioName, SceneOptions
+from app.simulation.scene import Scene
+from app.simulation.sensors import Arrival
+from slam_core.measurements import Height, Imu, LaserScan, Transform, TruthPose
+
+SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {"rooms": scene_rooms.build}
+
+
+class Simulation:
+    """A drive through one scenario; `items` may be called again and gives the same."""
+
+    def __init__(self, scenario: ScenarioName, options: SceneOptions | None = None) -> None:
+        self.options = options or SceneOptions()
+        self.scene = SCENES[scenario](self.options)
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first measurement to the last."""
+        return self.scene.motion.duration
+
+    def arrivals(self) -> Iterator[Arrival]:
+        """(time of arrival [ns], measurement), by time of arrival."""
+        motion = self.scene.motion
+        streams = [
+            sensors.truth(motion),
+            sensors.laser_scans(self.scene, self.options),
+            sensors.heights(motion, self.options),
+        ]
+        if self.options.imu:
+            streams.append(sensors.inertial(motion, self.options))
+        return heapq.merge(*streams, key=lambda arrival: arrival[0])
+
+    def items(self) -> Iterator[LaserScan | Imu | Height | TruthPose]:
+        """Every measurement in order of arrival."""
+        return (item for _, item in self.arrivals())
+
+    def truth_at(self, stamp_ns: int) -> Transform:
+        """T_map_base at a time within the drive."""
+        return self.scene.motion.transform((stamp_ns - sensors.START_NS) * 1e-9)
