@@ -1,6 +1,7 @@
 """Section IV-A, map access: bilinear value and gradient of the occupancy, eqs. (4)-(6)."""
 
 import numpy as np
+
 from slam_core.kernels.bilinear import bilinear_at
 from slam_core.measurements import Float32s
 

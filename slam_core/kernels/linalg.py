@@ -1,0 +1,94 @@
+"""Small dense algebra in closed form: numba's own `@` and np.linalg would need scipy."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from slam_core.measurements import Float64s
+
+
+@njit(cache=True, error_model="numpy")
+def multiply(A: Float64s, B: Float64s) -> Float64s:
+    """A B, skipping the zeros of A: transition and observer matrices are mostly empty."""
+    out = np.zeros((A.shape[0], B.shape[1]))
+    for i in range(A.shape[0]):
+        for k in range(A.shape[1]):
+            a = A[i, k]
+            if a != 0.0:
+                for j in range(B.shape[1]):
+                    out[i, j] += a * B[k, j]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def sandwich(A: Float64s, P: Float64s) -> Float64s:
+    """A P A^T of a symmetric P, symmetric to the last bit."""
+    AP = multiply(A, P)
+    out = multiply(A, AP.T.copy())
+    for i in range(len(out)):
+        for j in range(i):
+            out[i, j] = out[j, i] = 0.5 * (out[i, j] + out[j, i])
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def cholesky(A: Float64s) -> Float64s:
+    """Lower L with L L^T = A; the diagonal of L holds NaN or 0 where A is not positive definite."""
+    n = len(A)
+    L = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            rest = A[i, j]
+            for k in range(j):
+                rest -= L[i, k] * L[j, k]
+            L[i, j] = math.sqrt(rest) if i == j else rest / L[j, j]
+    return L
+
+
+@njit(cache=True, error_model="numpy")
+def is_covariance(A: Float64s) -> bool:
+    """Whether A is finite, symmetric (to 1e-6 of its size) and positive definite."""
+    for i in range(len(A)):
+        for j in range(i):
+            if not abs(A[i, j] - A[j, i]) <= 1e-6 * math.sqrt(abs(A[i, i] * A[j, j])):
+                return False
+    L = cholesky(A)
+    for i in range(len(A)):
+        if not 0.0 < L[i, i] < np.inf:
+            return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def solve_lower(L: Float64s, B: Float64s) -> Float64s:
+    """L^-1 B for a lower triangle L."""
+    out = B.copy()
+    for i in range(len(L)):
+        for k in range(i):
+            for j in range(B.shape[1]):
+                out[i, j] -= L[i, k] * out[k, j]
+        for j in range(B.shape[1]):
+            out[i, j] /= L[i, i]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def gain_update(P: Float64s, C: Float64s, R: Float64s, innovation: Float64s) -> tuple[Float64s, Float64s]:
+    """K innovation and P - K C P with K = P C^T (R + C P C^T)^-1.
+
+    Through W = L^-1 C P with L L^T = R + C P C^T, since K C P = W^T W: symmetric by its making.
+    """
+    CP = multiply(C, P)
+    L = cholesky(R + multiply(C, CP.T.copy()))
+    W = solve_lower(L, CP)
+    whitened = solve_lower(L, innovation.reshape(-1, 1))
+    correction = np.zeros(len(P))
+    reduced = P.copy()
+    for k in range(len(C)):
+        for i in range(len(P)):
+            w = W[k, i]
+            correction[i] += w * whitened[k, 0]
+            for j in range(len(P)):
+                reduced[i, j] -= w * W[k, j]
+    return correction, reduced

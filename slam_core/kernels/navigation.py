@@ -1,0 +1,141 @@
+"""Section V-A in compiled form: eqs. (1)-(3) over one interval, their linearisation, and the bounds of the covariance.
+
+x: (19,) quaternion 0:4, position 4:7, velocity 7:10, gyro bias 10:13, accelerometer bias 13:16, and the specific
+force in body axes, smoothed, 16:19. P: (15, 15) of the errors of attitude (small rotation about the map's axes),
+position, velocity, gyro bias, accelerometer bias. u: (6,) angular rate and specific force in body axes.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from slam_core import geometry
+from slam_core.kernels.linalg import gain_update, sandwich
+from slam_core.measurements import Float64s
+
+STATES = 19
+ERRORS = 15
+
+_product = njit(geometry.multiply)
+_exponential = njit(geometry.from_rotation_vector)
+_matrix = njit(geometry.rotation_matrix)
+_heading_gradient = njit(geometry.heading_gradient)
+
+
+@njit(cache=True, error_model="numpy")
+def advance(
+    x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s
+) -> tuple[Float64s, Float64s]:
+    """The belief `dt` seconds later: eqs. (1)-(3), Phi P Phi^T + Q, and the pseudo measurements that bound P.
+
+    model: (7,) gravity, smoothing time of the specific force, squared noise densities of gyro, accelerometer and
+    of the walks of their biases. bounds: (15, 2), see `bound`.
+    """
+    moved = move(x, u, dt, model[0], model[1])
+    spread = sandwich(transition(x, moved, u, dt), P)
+    _add_noise(spread, dt, model[2:])
+    return bound(moved, spread, model[0], bounds)
+
+
+@njit(cache=True, error_model="numpy")
+def move(x: Float64s, u: Float64s, dt: float, gravity: float, smoothing: float) -> Float64s:
+    """Eqs. (1)-(3) under constant u: exact turn, trapezoid for velocity and position."""
+    out = x.copy()
+    turn = _exponential((u[:3] - x[10:13]) * dt)
+    q = _product(x[:4], turn)
+    out[:4] = q / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    before, after = _matrix(x[:4]), _matrix(out[:4])
+    back = _matrix(turn)
+    share = -math.expm1(-dt / smoothing)
+    for i in range(3):
+        force = smoothed = 0.0
+        for j in range(3):
+            force += 0.5 * (before[i, j] + after[i, j]) * (u[3 + j] - x[13 + j])
+            smoothed += back[j, i] * x[16 + j]
+        out[7 + i] += dt * (force - (gravity if i == 2 else 0.0))
+        out[4 + i] += 0.5 * dt * (x[7 + i] + out[7 + i])
+        out[16 + i] = smoothed + share * (u[3 + i] - smoothed)
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float) -> Float64s:
+    """Phi (15, 15): how the errors of x become the errors of `moved`, exact to second order in dt."""
+    before, after = _matrix(x[:4]), _matrix(moved[:4])
+    middle = 0.5 * (before + after)
+    f = u[3:] - x[13:16]
+    Phi = np.eye(ERRORS)
+    force, force_after = np.zeros(3), np.zeros(3)
+    for i in range(3):
+        for j in range(3):
+            force[i] += middle[i, j] * f[j]
+            force_after[i] += after[i, j] * f[j]
+            Phi[i, 9 + j] = -dt * middle[i, j]
+            Phi[6 + i, 12 + j] = -dt * middle[i, j]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        Phi[6 + i, j] = dt * force[k]
+        Phi[6 + i, k] = -dt * force[j]
+        for c in range(3):
+            turned = force_after[j] * middle[k, c] - force_after[k] * middle[j, c]
+            Phi[6 + i, 9 + c] = 0.5 * dt * dt * turned
+    for i in range(3):
+        for c in range(ERRORS):
+            if c < 3 or c > 8:
+                Phi[3 + i, c] = 0.5 * dt * Phi[6 + i, c]
+        Phi[3 + i, 6 + i] = dt
+    return Phi
+
+
+@njit(cache=True, error_model="numpy")
+def _add_noise(P: Float64s, dt: float, density: Float64s) -> None:
+    for i in range(3):
+        P[i, i] += density[0] * dt
+        P[3 + i, 3 + i] += density[1] * dt**3 / 3.0
+        P[3 + i, 6 + i] += density[1] * dt**2 / 2.0
+        P[6 + i, 3 + i] += density[1] * dt**2 / 2.0
+        P[6 + i, 6 + i] += density[1] * dt
+        P[9 + i, 9 + i] += density[2] * dt
+        P[12 + i, 12 + i] += density[3] * dt
+
+
+@njit(cache=True, error_model="numpy")
+def bound(x: Float64s, P: Float64s, gravity: float, bounds: Float64s) -> tuple[Float64s, Float64s]:
+    """A pseudo measurement for every error whose variance passes bounds[i, 0], with noise variance bounds[i, 1].
+
+    Tilt is measured by the smoothed specific force, velocity and biases are pulled to zero, the rest is held.
+    """
+    if P[0, 0] > bounds[0, 0] or P[1, 1] > bounds[1, 0]:
+        x, P = _level(x, P, gravity, bounds[0, 1])
+    for i in range(2, ERRORS):
+        if P[i, i] > bounds[i, 0]:
+            innovation = -x[1 + i] if i >= 6 else 0.0
+            gain = P[i] / (P[i, i] + bounds[i, 1])
+            reduced = P.copy()
+            for r in range(ERRORS):
+                for c in range(ERRORS):
+                    reduced[r, c] -= gain[r] * P[i, c]
+            x, P = inject(x, gain * innovation), reduced
+    return x, P
+
+
+@njit(cache=True, error_model="numpy")
+def _level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Float64s, Float64s]:
+    R = _matrix(x[:4])
+    force = np.zeros(3)
+    for i in range(3):
+        for j in range(3):
+            force[i] += R[i, j] * (x[16 + j] - x[13 + j])
+    return x, P
+
+
+@njit(cache=True, error_model="numpy")
+def inject(x: Float64s, error: Float64s) -> Float64s:
+    """x with an error (15,) put right."""
+    out = x.copy()
+    q = _product(_exponential(error[:3]), x[:4])
+    out[:4] = q / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    for i in range(3, ERRORS):
+        out[1 + i] += error[i]
+    return out

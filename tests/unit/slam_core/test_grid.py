@@ -1,0 +1,133 @@
+"""The log-odds level: what one scan may change, and where."""
+
+import math
+
+import numpy as np
+import pytest
+
+from slam_core.grid import GridLevel
+from slam_core.pyramid import log_odds
+
+FREE, OCCUPIED = log_odds(0.4), log_odds(0.9)
+NONE = np.empty((0, 2))
+
+
+def update(level, start, ends, cleared=NONE, caps=(-50.0, 50.0)):
+    level.update(np.array(start), np.array(ends, float).reshape(-1, 2), cleared, (FREE, OCCUPIED), caps)
+
+
+@pytest.fixture
+def level():
+    return GridLevel(1.0, (20, 30), np.array([-10.0, -5.0]))
+
+
+def test_steps_are_the_log_odds_of_the_factors():
+    """Factors 0.4 and 0.9 give the known steps of -0.405 and +2.197."""
+    assert (round(FREE, 3), round(OCCUPIED, 3)) == (-0.405, 2.197)
+
+
+def test_one_beam_frees_its_way_and_occupies_its_end(level):
+    """Cells from the laser up to the end get the free step, the end only the occupied one, others nothing."""
+    update(level, (0.5, 0.5), [(6.5, 0.5)])
+    row = level.log_odds[5]
+    np.testing.assert_allclose(row[10:16], FREE, rtol=1e-6)
+    assert row[16] == pytest.approx(OCCUPIED)
+    assert np.count_nonzero(level.log_odds) == 7
+
+
+def test_one_change_a_cell_a_scan(level):
+    """A hundred equal beams change each cell as much as one does."""
+    update(level, (0.5, 0.5), [(6.5, 0.5)] * 100)
+    assert level.log_odds[5, 16] == pytest.approx(OCCUPIED)
+    assert level.log_odds[5, 12] == pytest.approx(FREE)
+
+
+def test_a_hit_wins_over_a_passing_beam_in_either_order(level):
+    """A cell that one beam hits and another crosses takes the occupied step only, whatever comes first."""
+    other = level.copy()
+    update(level, (0.5, 0.5), [(6.5, 0.5), (9.5, 0.5)])
+    update(other, (0.5, 0.5), [(9.5, 0.5), (6.5, 0.5)])
+    assert level.log_odds[5, 16] == pytest.approx(OCCUPIED)
+    np.testing.assert_array_equal(level.log_odds, other.log_odds)
+
+
+def test_probability_follows_log_odds(level):
+    """The probability that the matcher reads is the logistic of the log-odds everywhere."""
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        update(level, (0.5, 0.5), rng.uniform((-9, -4), (18, 13), (40, 2)))
+    np.testing.assert_allclose(level.probability, 1 / (1 + np.exp(-level.log_odds)), atol=1e-6)
+
+
+def test_caps_hold(level):
+    """No cell leaves the range of the caps."""
+    for _ in range(200):
+        update(level, (0.5, 0.5), [(6.5, 0.5)], caps=(-3.0, 4.0))
+    assert level.log_odds.min() == -3.0
+    assert level.log_odds.max() == 4.0
+
+
+def test_beams_without_return_clear_and_occupy_nothing(level):
+    """A cleared ray frees its way and marks no end."""
+    update(level, (0.5, 0.5), NONE, cleared=np.array([[6.5, 0.5]]))
+    assert level.log_odds.max() == 0.0
+    assert np.count_nonzero(level.log_odds < 0) == 6
+
+
+@pytest.mark.parametrize("end", [(500.5, 0.5), (0.5, -300.0), (400.0, 500.0), (-77.0, -3.0)])
+def test_an_end_off_the_map_is_clipped(level, end):
+    """A beam that leaves the map frees its cells inside and touches nothing else; the known box stays inside."""
+    update(level, (0.5, 0.5), [end])
+    assert level.log_odds.max() == 0.0
+    assert np.count_nonzero(level.log_odds) >= 4
+    row0, row1, column0, column1 = level.known
+    assert 0 <= row0 < row1 <= 20
+    assert 0 <= column0 < column1 <= 30
+
+
+def test_a_laser_off_the_map_only_marks_ends(level):
+    """With the laser off the map no ray is drawn, and nothing breaks."""
+    update(level, (100.0, 0.5), [(6.5, 0.5)])
+    assert np.count_nonzero(level.log_odds) == 1
+
+
+def test_known_box_holds_every_touched_cell(level):
+    """Whatever was touched lies in the known box, and classes() is exactly that box."""
+    rng = np.random.default_rng(1)
+    update(level, (0.5, 0.5), rng.uniform((-9, -4), (18, 13), (25, 2)))
+    row0, row1, column0, column1 = level.known
+    outside = level.log_odds.copy()
+    outside[row0:row1, column0:column1] = 0.0
+    assert not outside.any()
+    classes = level.classes()
+    assert classes.shape == (row1 - row0, column1 - column0)
+    np.testing.assert_array_equal(classes == 2, level.log_odds[row0:row1, column0:column1] > 0)
+    np.testing.assert_array_equal(classes == 1, level.log_odds[row0:row1, column0:column1] < 0)
+
+
+def test_occupancy_is_a_ros_grid(level):
+    """-1 where unknown, else the probability in percent."""
+    update(level, (0.5, 0.5), [(6.5, 0.5)])
+    grid = level.occupancy()
+    assert grid.dtype == np.int8
+    assert grid[5, 16] == 90
+    assert grid[5, 12] == 40
+    assert grid[0, 0] == -1
+
+
+def test_the_free_way_matches_a_plain_walk(level):
+    """The cells freed are those of a Bresenham walk written the slow way, for every direction."""
+    rng = np.random.default_rng(7)
+    for _ in range(50):
+        fresh = GridLevel(1.0, (20, 30), np.array([-10.0, -5.0]))
+        end = np.floor(rng.uniform((-10, -5), (20, 15))) + 0.5
+        update(fresh, (4.5, 5.5), [end])
+        du, dv = end[0] - 4.5, end[1] - 5.5
+        n = int(max(abs(du), abs(dv)))
+        freed = {(int(c) - 10, int(r) - 5) for r, c in np.argwhere(fresh.log_odds < 0)}
+        # A tie (exactly half a cell) may go to either side.
+        assert len(freed) == max(n, 0)
+        for u, v in freed:
+            k = abs(u - 4) if abs(du) >= abs(dv) else abs(v - 5)
+            ideal = (4 + du * k / n, 5 + dv * k / n)
+            assert max(abs(u - ideal[0]), abs(v - ideal[1])) <= 0.5 + 1e-9

@@ -1,0 +1,232 @@
+"""Equations (7)-(15) against plain numpy in double precision, finite differences and brute force."""
+
+import math
+
+import numpy as np
+import pytest
+from tests.worlds import room_scan, smooth_level
+
+from slam_core import matcher
+from slam_core.config import MapConfig, MatcherConfig
+from slam_core.matcher import coarse_to_fine, hessian_covariance, normal_equations, sampled_covariance
+from slam_core.measurements import Transform
+from slam_core.pyramid import Pyramid
+from slam_core.stabilise import ScanConfig, stabilise
+
+POSE = np.array([1.6, 1.5, 0.3])
+ROOM = MapConfig(size=400, levels=3)
+
+
+def scan_points(n=200, seed=0):
+    """Endpoints within a metre of the sensor."""
+    return np.random.default_rng(seed).uniform(-0.9, 0.9, (n, 2)).astype(np.float32)
+
+
+def cost(level, points, pose):
+    """Eq. (7) with (8) and (4) in plain double-precision numpy."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    world = points.astype(float) @ np.array([[c, s], [-s, c]]) + pose[:2]
+    u, v = (world / level.resolution - 0.5).T
+    i, j = np.floor(u).astype(int), np.floor(v).astype(int)
+    fu, fv = u - i, v - j
+    p = level.probability.astype(float)
+    low = (1 - fu) * p[j, i] + fu * p[j, i + 1]
+    high = (1 - fu) * p[j + 1, i] + fu * p[j + 1, i + 1]
+    return (1 - ((1 - fv) * low + fv * high)), (world, u, v)
+
+
+def jacobian(level, points, pose, h=1e-7):
+    """d M(S_i(xi)) / d xi by central differences, (n, 3)."""
+    columns = []
+    for axis in np.eye(3):
+        plus, _ = cost(level, points, pose + h * axis)
+        minus, _ = cost(level, points, pose - h * axis)
+        columns.append(-(plus - minus) / (2 * h))
+    return np.column_stack(columns)
+
+
+def room_points(pose, **kwargs):
+    """The scan of the test room as endpoints."""
+    return stabilise(room_scan(pose, **kwargs), lambda _: Transform(), ScanConfig(range_min=0.1)).points
+
+
+@pytest.fixture(scope="module")
+def room():
+    """A pyramid that has seen the test room from five places."""
+    pyramid = Pyramid(ROOM)
+    for x, y, psi in [(0, 0, 0), (0.5, 0.2, 0.4), (-0.5, -0.3, 1.9), (1.0, -0.8, -2.0), (-1.2, 0.6, 3.0)]:
+        pose = np.array([x, y, psi], float)
+        pyramid.update(room_points(pose), np.empty((0, 2), np.float32), np.zeros(2), pose, ROOM)
+    return pyramid
+
+
+def test_cost_is_equation_7():
+    """The kernel's cost equals the sum of squared residuals in double precision."""
+    level, points = smooth_level(), scan_points()
+    errors, _ = cost(level, points, POSE)
+    assert normal_equations(level, points, POSE)[2] == pytest.approx(np.sum(errors**2), rel=1e-5)
+
+
+def test_hessian_and_right_side_are_equations_12_to_14():
+    """H is the sum over the beams of J^T J, and b that of J^T (1 - M), with J by finite differences."""
+    level, points = smooth_level(), scan_points()
+    J = jacobian(level, points, POSE)
+    errors, _ = cost(level, points, POSE)
+    hessian, right, _ = normal_equations(level, points, POSE)
+    np.testing.assert_allclose(hessian, J.T @ J, rtol=2e-3, atol=1e-3 * np.abs(J.T @ J).max())
+    np.testing.assert_allclose(right, J.T @ errors, rtol=2e-3, atol=1e-3 * np.abs(J.T @ errors).max())
+
+
+def test_right_side_is_the_downhill_gradient_of_the_cost():
+    """b of (12) is minus half the gradient of (7): a small step along it lowers the cost."""
+    level, points = smooth_level(3), scan_points()
+    _, right, here = normal_equations(level, points, POSE)
+    there = np.sum(cost(level, points, POSE + 1e-5 * right / np.linalg.norm(right))[0] ** 2)
+    assert there < np.sum(cost(level, points, POSE)[0] ** 2)
+    assert here == pytest.approx(np.sum(cost(level, points, POSE)[0] ** 2), rel=1e-5)
+
+
+def test_step_solves_the_normal_equations():
+    """The closed-form 3x3 solution equals numpy's."""
+    level, points = smooth_level(1), scan_points()
+    H, b, _ = normal_equations(level, points, POSE)
+    *step, solved = matcher.matching.solve3(H[0, 0], H[0, 1], H[0, 2], H[1, 1], H[1, 2], H[2, 2], *b)
+    assert solved
+    np.testing.assert_allclose(step, np.linalg.solve(H, b), rtol=1e-8)
+
+
+def test_singular_equations_are_left_alone():
+    """Without any gradient (an unknown map) there is no step, and the start estimate comes back."""
+    pyramid = Pyramid(MapConfig(size=128))
+    start = np.array([0.1, -0.2, 0.3])
+    result = coarse_to_fine(pyramid, scan_points(), start, MatcherConfig())
+    np.testing.assert_allclose(result.pose, start)
+    assert not result.converged
+    assert np.linalg.eigvalsh(result.covariance).min() > 1.0
+
+
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (0.15, -0.1, 0.08), (-0.25, 0.2, -0.12)])
+def test_match_finds_the_pose(room, offset):
+    """From a start off by decimetres the match comes within a fifth of a cell and 0.2 degrees."""
+    truth = np.array([0.3, -0.2, 0.7])
+    result = coarse_to_fine(room, room_points(truth), truth + offset, MatcherConfig(iterations_fine=15))
+    assert np.hypot(*(result.pose - truth)[:2]) < 0.01
+    assert abs(result.pose[2] - truth[2]) < math.radians(0.2)
+    assert result.converged
+    assert result.mean_residual < 0.35
+
+
+def test_match_minimises_the_cost(room):
+    """No pose of a fine grid around the match has a clearly lower cost."""
+    truth = np.array([0.3, -0.2, 0.7])
+    points = room_points(truth)
+    pose = coarse_to_fine(room, points, truth, MatcherConfig(iterations_fine=30)).pose
+    best = normal_equations(room.levels[0], points, pose)[2]
+    for dx in np.linspace(-0.02, 0.02, 9):
+        for dy in np.linspace(-0.02, 0.02, 9):
+            for dpsi in np.linspace(-0.01, 0.01, 5):
+                there = normal_equations(room.levels[0], points, pose + np.array([dx, dy, dpsi]))[2]
+                assert there > 0.985 * best
+
+
+def test_pyramid_reaches_further_than_one_level(room):
+    """A start that one fine level cannot recover from is recovered coarse to fine (section IV-C)."""
+    truth = np.array([0.3, -0.2, 0.7])
+    start, points = truth + np.array([0.3, 0.25, 0.2]), room_points(truth)
+    fine = Pyramid(ROOM)
+    fine.levels = room.levels[:1]
+    config = MatcherConfig(iterations_fine=12, iterations_coarse=12)
+    assert np.hypot(*(coarse_to_fine(room, points, start, config).pose - truth)[:2]) < 0.02
+    assert np.hypot(*(coarse_to_fine(fine, points, start, config).pose - truth)[:2]) > 0.05
+
+
+def test_trace_holds_every_iterate(room):
+    """On request each Gauss-Newton step of each level is kept, coarse first, ending at the match."""
+    truth = np.array([0.3, -0.2, 0.7])
+    result = coarse_to_fine(room, room_points(truth), truth + 0.05, MatcherConfig(), trace=True)
+    assert len(result.trace) == sum(result.iterations)
+    assert list(dict.fromkeys(result.trace[:, 0])) == [2.0, 1.0, 0.0]
+    np.testing.assert_allclose(result.trace[-1, 1:], result.pose)
+
+
+def test_yaw_step_is_clamped(room):
+    """No single step turns further than max_yaw_step."""
+    truth = np.array([0.3, -0.2, 0.7])
+    config = MatcherConfig(max_yaw_step=0.01)
+    result = coarse_to_fine(room, room_points(truth), truth + np.array([0, 0, 0.3]), config, trace=True)
+    assert np.abs(np.diff(np.concatenate([[truth[2] + 0.3], result.trace[:, 3]]))).max() <= 0.01 + 1e-12
+
+
+def test_converged_step_ends_early(room):
+    """With an early exit fewer steps are taken and the pose moves by less than the threshold's order."""
+    truth = np.array([0.3, -0.2, 0.7])
+    points = room_points(truth)
+    plain = coarse_to_fine(room, points, truth + 0.02, MatcherConfig(converged_step=0.0, iterations_fine=20))
+    early = coarse_to_fine(room, points, truth + 0.02, MatcherConfig(converged_step=0.0005, iterations_fine=20))
+    assert sum(early.iterations) < sum(plain.iterations)
+    assert np.abs(early.pose - plain.pose).max() < 0.002
+
+
+def test_equation_15():
+    """R is sigma^2 times the inverse of H, in metres and radians."""
+    H = np.array([[4e4, 100.0, 300.0], [100.0, 2e4, -50.0], [300.0, -50.0, 9e3]])
+    np.testing.assert_allclose(hessian_covariance(H, 0.2), 0.04 * np.linalg.inv(H), rtol=1e-4)
+
+
+def test_covariance_of_a_direction_without_information_is_bounded():
+    """A Hessian with a null direction (a bare corridor) gives metres of sigma there, not infinity."""
+    covariance = hessian_covariance(np.diag([0.0, 2e4, 9e3]), 0.2)
+    assert math.sqrt(covariance[0, 0]) == pytest.approx(10.0)
+    assert math.sqrt(covariance[1, 1]) < 0.01
+
+
+def test_sampled_covariance_of_a_quadratic_cost_is_equation_15():
+    """Where residuals are linear in the pose both covariances agree."""
+    level = smooth_level()
+    u, v = np.meshgrid(np.arange(64), np.arange(64))
+    level.probability[:] = 1.0 - 0.008 * np.abs(u - 31.5) - 0.012 * np.abs(v - 31.5)
+    # Points in the four quadrants of that tent, mirrored: moving one way improves as many as it worsens.
+    corner = np.random.default_rng(2).uniform(0.3, 0.6, (100, 2))
+    points = np.vstack([corner * signs for signs in [(1, 1), (1, -1), (-1, 1), (-1, -1)]]).astype(np.float32)
+    pose = np.array([1.6, 1.6, 0.0])
+    by_hessian = hessian_covariance(normal_equations(level, points, pose)[0], 0.1)
+    sampled = sampled_covariance(level, points, pose, by_hessian, 0.1)
+    np.testing.assert_allclose(np.diag(sampled)[:2], np.diag(by_hessian)[:2], rtol=0.02)
+
+
+def test_sampled_covariance_equals_the_integral_of_the_likelihood(room):
+    """Along each axis it is the variance of exp(-dE / 2 sigma^2), as a dense integration finds it."""
+    truth = np.array([0.3, -0.2, 0.7])
+    points, sigma = room_points(truth, noise=0.01), 0.6
+    pose = coarse_to_fine(room, points, truth, MatcherConfig(iterations_fine=30)).pose
+    level = room.levels[0]
+    H, _, best = normal_equations(level, points, pose)
+    by_hessian = hessian_covariance(H, sigma)
+    sampled = sampled_covariance(level, points, pose, by_hessian, sigma)
+    variances, axes = np.linalg.eigh(by_hessian)
+    for j in range(3):
+        offsets = np.linspace(-5, 5, 401) * math.sqrt(variances[j])
+        extra = np.array([normal_equations(level, points, pose + o * axes[:, j])[2] for o in offsets]) - best
+        weights = np.exp(-np.maximum(extra, 0) / (2 * sigma**2))
+        dense = np.sum(weights * offsets**2) / np.sum(weights)
+        assert axes[:, j] @ sampled @ axes[:, j] == pytest.approx(dense, rel=0.3)
+
+
+def test_sampled_covariance_is_a_choice(room):
+    """The configuration picks the method; both are symmetric and positive."""
+    truth = np.array([0.3, -0.2, 0.7])
+    for method in ("hessian", "sampled"):
+        result = coarse_to_fine(room, room_points(truth), truth, MatcherConfig(covariance=method))
+        np.testing.assert_allclose(result.covariance, result.covariance.T)
+        assert np.linalg.eigvalsh(result.covariance).min() > 0
+
+
+def test_points_off_the_map_pull_nowhere():
+    """Endpoints outside the map read 0.5 and add nothing to H and b."""
+    level = smooth_level()
+    inside = scan_points(100)
+    outside = np.vstack([inside, inside + np.float32(500.0)])
+    a, b = normal_equations(level, inside, POSE), normal_equations(level, outside, POSE)
+    np.testing.assert_allclose(a[0], b[0], rtol=1e-5)
+    np.testing.assert_allclose(a[1], b[1], rtol=1e-4, atol=1e-3)
+    assert b[2] - a[2] == pytest.approx(25.0, rel=1e-4)

@@ -1,0 +1,48 @@
+"""Small made worlds for tests of the core: smooth maps and rooms with exact ranges."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam_core.grid import GridLevel
+from slam_core.measurements import LaserScan, Transform
+
+
+def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> GridLevel:
+    """A level whose probability is a smooth random field in (0.1, 0.9), its corner at the map's origin."""
+    rng = np.random.default_rng(seed)
+    level = GridLevel(resolution, (cells, cells), np.zeros(2))
+    u, v = np.meshgrid(np.arange(cells), np.arange(cells))
+    waves = rng.uniform(0.05, 0.3, (4, 2))
+    phases = rng.uniform(0, 2 * np.pi, 4)
+    field = sum(np.sin(a * u + b * v + p) for (a, b), p in zip(waves, phases, strict=True))
+    level.probability[:] = 0.5 + 0.1 * field
+    return level
+
+
+def room_ranges(
+    pose: NDArray[np.float64], angles: NDArray[np.float64], half_width: float = 4.025, half_height: float = 3.025
+) -> NDArray[np.float64]:
+    """Exact ranges to the walls of a rectangle around the origin, in the middle of 5 cm cells, and one pillar."""
+    c, s = np.cos(angles + pose[2]), np.sin(angles + pose[2])
+    with np.errstate(divide="ignore"):
+        walls = np.minimum(
+            np.where(c > 0, half_width - pose[0], -half_width - pose[0]) / c,
+            np.where(s > 0, half_height - pose[1], -half_height - pose[1]) / s,
+        )
+    offset = np.array([1.5, 1.0]) - pose[:2]
+    along = offset[0] * c + offset[1] * s
+    inside = 0.3**2 - (offset @ offset - along**2)
+    pillar = np.where((inside > 0) & (along > 0), along - np.sqrt(np.maximum(inside, 0.0)), np.inf)
+    return np.minimum(walls, pillar)
+
+
+def room_scan(
+    pose: NDArray[np.float64], stamp_ns: int = 0, beams: int = 541, noise: float = 0.0, seed: int = 0
+) -> LaserScan:
+    """An instantaneous scan of that room over 270 degrees."""
+    angles = np.linspace(-0.75 * np.pi, 0.75 * np.pi, beams)
+    ranges = room_ranges(pose, angles) + noise * np.random.default_rng(seed + stamp_ns).standard_normal(beams)
+    return LaserScan(
+        stamp_ns, ranges.astype(np.float32), angles[0], angles[1] - angles[0], range_min=0.1, range_max=30.0,
+        T_base_laser=Transform(),
+    )  # fmt: skip
