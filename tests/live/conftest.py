@@ -1,0 +1,110 @@
+"""Servers for the live source: the real one in a process of its own, and one that says what a test tells it."""
+
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.server import ServerConnection, serve
+from websockets.typing import Subprotocol
+
+REPLAY = Path(__file__).parent / "replay_server.py"
+
+
+@dataclass
+class Replay:
+    """A running replay server."""
+
+    process: subprocess.Popen[str]
+    port: int
+
+    @property
+    def uri(self) -> str:
+        """Where it listens."""
+        return f"ws://127.0.0.1:{self.port}"
+
+    def wait_until_replayed(self) -> None:
+        """Until the last message was sent."""
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline() == "replayed\n"
+
+    def kill(self) -> None:
+        """As the power switch does it: no farewell."""
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+
+@pytest.fixture
+def replay() -> Iterator[Callable[..., Replay]]:
+    """A function that starts replay servers with the arguments of replay_server.py."""
+    running: list[Replay] = []
+
+    def start(recording: Path, *arguments: str) -> Replay:
+        command = [sys.executable, str(REPLAY), str(recording), *arguments]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        assert process.stdout is not None
+        greeting = process.stdout.readline().split()
+        assert greeting[:1] == ["listening"], "the replay server did not start"
+        running.append(Replay(process, int(greeting[1])))
+        return running[-1]
+
+    yield start
+    for server in running:
+        server.kill()
+
+
+@dataclass
+class Script:
+    """A server that sends the given frames to everybody who comes, and keeps what it was asked."""
+
+    frames: list[str | bytes]
+    subprotocols: list[Subprotocol] | None
+    answers: dict[str, list[str | bytes]]  # a word in a request -> the frames it brings
+    asked: list[str] = field(default_factory=list)
+    port: int = 0
+
+    @property
+    def uri(self) -> str:
+        """Where it listens."""
+        return f"ws://127.0.0.1:{self.port}"
+
+    def play(self, connection: ServerConnection) -> None:
+        """Serve one client."""
+        try:
+            for frame in self.frames:
+                connection.send(frame)
+            for request in connection:
+                self.asked.append(str(request))
+                for word, frames in self.answers.items():
+                    if word in str(request):
+                        for frame in frames:
+                            connection.send(frame)
+        except ConnectionClosed:
+            return
+
+
+@pytest.fixture
+def scripted() -> Iterator[Callable[..., Script]]:
+    """A function that starts scripted servers; protocol None takes whatever is offered and chooses nothing."""
+    stops: list[Callable[[], None]] = []
+
+    def start(
+        frames: list[str | bytes],
+        protocol: str | None = "foxglove.websocket.v1",
+        answers: dict[str, list[str | bytes]] | None = None,
+    ) -> Script:
+        script = Script(frames, [Subprotocol(protocol)] if protocol else None, answers or {})
+        server = serve(script.play, "127.0.0.1", 0, subprotocols=script.subprotocols)
+        script.port = server.socket.getsockname()[1]
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        stops.append(server.shutdown)
+        return script
+
+    yield start
+    for stop in stops:
+        stop()
