@@ -13,7 +13,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import MotionConfig
-from slam_core.intersection import covariance_intersection
+from slam_core.intersection import intersect
 from slam_core.measurements import Attitude, Float64s, Odometry, Transform
 from slam_core.results import PlanarGaussian
 
@@ -61,9 +61,7 @@ class PlanarMotion:
         """Covariance intersection with a match at the instant of the last `prior`; the fused pose."""
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
-        step, covariance = covariance_intersection(
-            self._covariance, OBSERVE_POSE, innovation, match.covariance, omega
-        )
+        step, covariance = intersect(self._covariance, OBSERVE_POSE, match.covariance, innovation, omega)
         self._mean = self._mean + step
         self._mean[2] = geometry.wrap(self._mean[2])
         self._set_covariance(covariance)

@@ -3,11 +3,11 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.worlds import smooth_level
 
 from slam_core.geometry import compose, inverse, transform_points
 from slam_core.grid import GridLevel
 from slam_core.matcher import hessian_covariance, normal_equations
+from tests.worlds import smooth_level
 
 seeds = st.integers(0, 10_000)
 quarter_turns = st.integers(0, 3)

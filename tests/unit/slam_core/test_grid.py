@@ -1,7 +1,5 @@
 """The log-odds level: what one scan may change, and where."""
 
-import math
-
 import numpy as np
 import pytest
 

@@ -1,9 +1,9 @@
 """Equations (4)-(6) against the paper's own form and finite differences."""
 
 import numpy as np
-from tests.worlds import smooth_level
 
 from slam_core.interpolate import interpolate
+from tests.worlds import smooth_level
 
 
 def paper_value(grid, u, v):

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from tests.worlds import room_scan, smooth_level
 
 from slam_core import matcher
 from slam_core.config import MapConfig, MatcherConfig
@@ -12,6 +11,7 @@ from slam_core.matcher import coarse_to_fine, hessian_covariance, normal_equatio
 from slam_core.measurements import Transform
 from slam_core.pyramid import Pyramid
 from slam_core.stabilise import ScanConfig, stabilise
+from tests.worlds import room_scan, smooth_level
 
 POSE = np.array([1.6, 1.5, 0.3])
 ROOM = MapConfig(size=400, levels=3)
@@ -36,7 +36,7 @@ def cost(level, points, pose):
 
 
 def jacobian(level, points, pose, h=1e-7):
-    """d M(S_i(xi)) / d xi by central differences, (n, 3)."""
+    """D M(S_i(xi)) / d xi by central differences, (n, 3)."""
     columns = []
     for axis in np.eye(3):
         plus, _ = cost(level, points, pose + h * axis)
@@ -78,7 +78,7 @@ def test_hessian_and_right_side_are_equations_12_to_14():
 
 
 def test_right_side_is_the_downhill_gradient_of_the_cost():
-    """b of (12) is minus half the gradient of (7): a small step along it lowers the cost."""
+    """B of (12) is minus half the gradient of (7): a small step along it lowers the cost."""
     level, points = smooth_level(3), scan_points()
     _, right, here = normal_equations(level, points, POSE)
     there = np.sum(cost(level, points, POSE + 1e-5 * right / np.linalg.norm(right))[0] ** 2)
