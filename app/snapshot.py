@@ -90,12 +90,13 @@ class SourceReport:
     """Counters of a source: nothing is lost in silence.
 
     skipped: reason (with the topic's name and the remedy) -> how often. dropped: scans given up to keep up with a
-    live stream.
+    live stream. waiting: why nothing flows at this moment, and the remedy; empty while all is well.
     """
 
     read: Mapping[str, int] = field(default_factory=dict)
     skipped: Mapping[str, int] = field(default_factory=dict)
     dropped: int = 0
+    waiting: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
