@@ -5,6 +5,7 @@ from typing import Protocol
 
 from app.registry import members
 from app.snapshot import Snapshot
+from app.web.stage import Stage
 
 
 class Panel(Protocol):
@@ -12,6 +13,9 @@ class Panel(Protocol):
 
     title: str
     order: int
+
+    def __init__(self, stage: Stage) -> None:
+        """Make the controls."""
 
     def draw(self, snapshot: Snapshot) -> None:
         """Bring the read-outs up to date; runs on the display thread."""

@@ -5,12 +5,19 @@ from typing import Protocol
 
 from app.registry import members
 from app.snapshot import Snapshot
+from app.web.stage import Stage
 
 
 class View(Protocol):
-    """Draws one thing. Made once with the Stage; `draw` runs on the display thread at a fixed rate."""
+    """Draws one thing. Made once with the Stage; `draw` runs on the display thread.
+
+    An attribute `rate` asks for fewer drawings a second than the display's own rate.
+    """
 
     title: str
+
+    def __init__(self, stage: Stage) -> None:
+        """Make the scene nodes."""
 
     def draw(self, snapshot: Snapshot) -> None:
         """Bring the scene up to date; cheap when nothing changed. Encode first, then assign to handles."""

@@ -1,0 +1,96 @@
+"""What a browser may say: values of controls, within the bounds that they show. Everything else is dropped."""
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import viser
+
+PASSED = frozenset({"ViewerCameraMessage", "GuiButtonHoldMessage", "CommandTriggerMessage"})
+MAX_TEXT = 1000  # characters in a text field
+
+Find = Callable[[str], Any]
+
+
+class RefusedError(ValueError):
+    """A value that its control could not have sent."""
+
+
+def admit(message: Any, find: Find) -> dict[str, Any] | None:
+    """The message as it may pass, None when it is dropped; `find` gives the control of a uuid, or None."""
+    if isinstance(message, dict) and message.get("type") in PASSED:
+        return message
+    try:
+        return checked(message, find)
+    except RefusedError:
+        return None
+
+
+def checked(message: Any, find: Find) -> dict[str, Any]:
+    """The change of a control's value, bounded; RefusedError for anything else."""
+    match message:
+        case {"type": "GuiUpdateMessage", "uuid": str(uuid), "updates": {"value": value, **others}} if not others:
+            control = find(uuid)
+            require(control, control is not None and not control.disabled)
+            return {"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": bounded(control, value)}}
+    raise RefusedError("no change of a value")
+
+
+def bounded(control: Any, value: Any) -> Any:
+    """`value` brought into the range of `control`; RefusedError when no such control sends it."""
+    for kinds, rule in RULES:
+        if isinstance(control, kinds):
+            return rule(control, value)
+    raise RefusedError(type(control).__name__)
+
+
+def clamp(value: Any, low: float | None, high: float | None) -> float:
+    """A finite number inside [low, high]; None means open."""
+    require(value, isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value))
+    number: float = value
+    if low is not None:
+        number = max(low, number)
+    return number if high is None else min(high, number)
+
+
+def row(value: Any, size: int) -> Iterable[Any]:
+    """A list of `size` items."""
+    return list(require(value, isinstance(value, list | tuple) and len(value) == size))
+
+
+def require(value: Any, good: bool) -> Any:
+    """`value` if it is good."""
+    if not good:
+        raise RefusedError(repr(value)[:80])
+    return value
+
+
+def vector(control: Any, value: Any) -> list[float]:
+    """Each component within its own bounds."""
+    size = len(control.value)
+    lows, highs = (bound or (None,) * size for bound in (control.min, control.max))
+    return [clamp(*item) for item in zip(row(value, size), lows, highs, strict=True)]
+
+
+RULES: tuple[tuple[tuple[type, ...], Callable[[Any, Any], Any]], ...] = (
+    ((viser.GuiButtonHandle,), lambda _, __: True),
+    ((viser.GuiCheckboxHandle,), lambda _, value: require(value, isinstance(value, bool))),
+    ((viser.GuiTextHandle,), lambda _, value: require(value, isinstance(value, str) and len(value) <= MAX_TEXT)),
+    (
+        (viser.GuiDropdownHandle, viser.GuiButtonGroupHandle),
+        lambda control, value: require(value, value in tuple(control.options)),
+    ),
+    (
+        (viser.GuiSliderHandle, viser.GuiNumberHandle),
+        lambda control, value: clamp(value, control.min, control.max),
+    ),
+    (
+        (viser.GuiMultiSliderHandle,),
+        lambda control, value: [clamp(v, control.min, control.max) for v in row(value, len(control.value))],
+    ),
+    (
+        (viser.GuiRgbHandle, viser.GuiRgbaHandle),
+        lambda control, value: [int(clamp(v, 0, 255)) for v in row(value, len(control.value))],
+    ),
+    ((viser.GuiVector2Handle, viser.GuiVector3Handle), vector),
+)

@@ -1,0 +1,109 @@
+"""The page's server: port, gate, stage, views, panels and the display thread, put together."""
+
+import re
+import socket
+import threading
+from typing import Protocol
+
+from app.mailbox import Mailbox
+from app.panels import panel_classes
+from app.snapshot import Command, Snapshot
+from app.views import view_classes
+from app.web import private
+from app.web.files import File, page, static_files, static_folder
+from app.web.gate import HEALTH, Gate, is_loopback
+from app.web.painter import Painter
+from app.web.stage import Stage
+from slam_core.errors import SlamError
+
+TOKEN = re.compile(r"[A-Za-z0-9_-]{8,128}")
+
+
+class ServerError(SlamError):
+    """The page cannot be served at this address."""
+
+
+class Driver(Protocol):
+    """What the page needs of an engine."""
+
+    @property
+    def mailbox(self) -> Mailbox[Snapshot]:
+        """The newest snapshot."""
+
+    def send(self, command: Command) -> None:
+        """Enqueue a command."""
+
+
+class PageServer:
+    """Serves one engine's page from `start` to `stop`; ServerError when the address cannot be had.
+
+    port 0 takes any free one. An address that others on the network can reach needs a token (8 to 128 letters,
+    digits, _ or -), which then is part of `url`.
+    """
+
+    def __init__(self, engine: Driver, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None):
+        self._engine, self._host, self._port, self._token = engine, host, port, token
+        self._check()
+
+    def _check(self) -> None:
+        if self._token is None and not is_loopback(self._host):
+            raise ServerError(f"{self._host} is open to the network: give a token too, or serve 127.0.0.1")
+        if self._token is not None and not TOKEN.fullmatch(self._token):
+            raise ServerError(
+                f"the token has {len(self._token)} characters: give 8 to 128 letters, digits, _ or -"
+            )
+
+    @property
+    def url(self) -> str:
+        """What to open in a browser."""
+        name = f"[{self._host}]" if ":" in self._host else self._host
+        return f"http://{name}:{self._port}/" + (f"?token={self._token}" if self._token else "")
+
+    def start(self) -> None:
+        """Take the port, build the page and begin to draw; returns at once."""
+        listener = listen(self._host, self._port)
+        self._port = listener.getsockname()[1]
+        self._server = private.open_server(listener, self._gate())
+        self.stage = Stage(self._server, self._engine.send)
+        views = [view(self.stage) for view in view_classes()]
+        panels = [panel(self.stage) for panel in panel_classes()]
+        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *panels])
+        self._painter.start()
+
+    def stop(self) -> None:
+        """Close the page and give the port back."""
+        self._painter.stop()
+        private.stop_server(self._server)
+
+    def _gate(self) -> Gate:
+        static = static_files(static_folder())
+        files = {"/": page(private.INDEX.read_bytes(), static), HEALTH: File("text/plain", b"ok\n"), **static}
+        # Cookies are shared by the ports of a host: the name keeps two programs apart.
+        cookie = f"hectorscope_{self._port}"
+        return Gate(files, self._token, cookie, any_host=not is_loopback(self._host))
+
+
+def serve(engine: Driver, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> None:
+    """Serve the page until interrupted; prints its address. ServerError when the port is taken."""
+    server = PageServer(engine, host=host, port=port, token=token)
+    server.start()
+    print(f"Hectorscope is at {server.url}", flush=True)
+    try:
+        threading.Event().wait()
+    except KeyboardInterrupt:
+        print("stopping")
+    finally:
+        server.stop()
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A listening socket on exactly this address; ServerError when it cannot be had."""
+    try:
+        family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        return socket.create_server(address[:2], family=family)
+    except socket.gaierror as error:
+        raise ServerError(f"host {host!r} is unknown here: give an address of this machine") from error
+    except OSError as error:
+        raise ServerError(
+            f"port {port} of {host} cannot be had ({error.strerror}): end the other program or give another --port"
+        ) from error
