@@ -1,0 +1,81 @@
+"""The configuration tree: what it accepts, what it refuses and how it says so."""
+
+import dataclasses
+
+import pytest
+
+from slam_core.config import ConfigError, FusionConfig, MapConfig, SlamConfig, leaves, needs_restart, with_value
+
+LEAVES = list(leaves(SlamConfig()))
+
+
+def test_names_are_unique_and_dotted():
+    """Every setting has one name, GROUP.KEY."""
+    names = [leaf.name for leaf in LEAVES]
+    assert len(set(names)) == len(names)
+    assert all(name.count(".") == 1 for name in names)
+
+
+@pytest.mark.parametrize("leaf", LEAVES, ids=lambda leaf: leaf.name)
+def test_every_setting_describes_itself(leaf):
+    """Each setting has a help sentence and, when it is a number, a range that holds its default."""
+    assert leaf.param.help.endswith(".")
+    if leaf.type in (int, float):
+        assert leaf.param.low <= leaf.value <= leaf.param.high
+    if leaf.param.log:
+        assert leaf.param.low > 0
+
+
+@pytest.mark.parametrize("leaf", [x for x in LEAVES if x.type in (int, float)], ids=lambda leaf: leaf.name)
+def test_out_of_range_is_refused_with_the_range(leaf):
+    """The message names the setting, the value and the range."""
+    with pytest.raises(ConfigError, match=f"{leaf.name} is .*give .* to "):
+        with_value(SlamConfig(), leaf.name, leaf.type(leaf.param.high + 1))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("map.nothing", 1, "is no setting: choose one of scan.range_min"),
+        ("map", 1, "is no setting"),
+        ("map.levels", 2.5, "give a whole number"),
+        ("map.levels", True, "give a finite number"),
+        ("fusion.omega", float("nan"), "give a finite number"),
+        ("fusion.omega", "0.5", "give a finite number"),
+        ("scan.deskew", 1, "give true or false"),
+        ("matcher.covariance", "guess", "choose one of hessian, sampled"),
+    ],
+)
+def test_wrong_kinds_are_refused(name, value, words):
+    """Nothing is silently converted."""
+    with pytest.raises(ConfigError, match=words):
+        with_value(SlamConfig(), name, value)
+
+
+def test_a_tree_out_of_range_cannot_be_made():
+    """The check holds however the tree is built."""
+    with pytest.raises(ConfigError, match=r"fusion.omega is 1.5: give 0.001 to 0.999"):
+        SlamConfig(fusion=FusionConfig(omega=1.5))
+
+
+def test_with_value_changes_one_setting_and_leaves_the_original():
+    """Trees are values."""
+    config = SlamConfig()
+    changed = with_value(config, "fusion.omega", 0.7)
+    assert (config.fusion.omega, changed.fusion.omega) == (FusionConfig().omega, 0.7)
+    assert dataclasses.replace(changed, fusion=config.fusion) == config
+
+
+def test_whole_numbers_may_come_as_floats():
+    """A slider's 4.0 is the integer 4."""
+    value = with_value(SlamConfig(), "map.levels", 4.0).map.levels
+    assert value == 4
+    assert isinstance(value, int)
+
+
+def test_only_marked_settings_need_a_restart():
+    """Changing the map's geometry does, changing a threshold does not."""
+    config = SlamConfig()
+    assert needs_restart(config, with_value(config, "map.resolution", 0.1))
+    assert not needs_restart(config, with_value(config, "map.update_angle", 0.1))
+    assert not needs_restart(config, SlamConfig(map=MapConfig()))
