@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.simulation.course import STILL
 from app.simulation.motion import Channels, Motion
 from app.simulation.options import SceneOptions
 from app.simulation.worlds import World
@@ -36,6 +37,19 @@ class Sway:
     def wave(self, t: Float64s, ratio: float = 1.0, phase: float = 0.0) -> Float64s:
         """Unit sine at `ratio` times the frequency."""
         return np.sin(2 * np.pi * ratio * self.frequency * t + phase)
+
+
+def rocking(sway: Sway) -> Channels:
+    """Roll and pitch that set in after the start; frequencies apart, so that every mixture occurs."""
+
+    def channels(t: Float64s) -> Float64s:
+        values = np.zeros((len(t), 6))
+        grown = sway.amplitude * ease_in(t, STILL, 2.0)
+        values[:, 3] = grown * sway.wave(t)
+        values[:, 4] = grown * sway.wave(t, 0.83, 1.0)
+        return values
+
+    return channels
 
 
 def ease_in(t: Float64s, start: float, length: float) -> Float64s:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from app.simulation.course import STILL, Pace, follow
+from app.simulation.course import Pace, follow
 from app.simulation.motion import Motion
 from app.simulation.options import SceneOptions
-from app.simulation.scene import Scene, Sway, ease_in, overlay
+from app.simulation.scene import Scene, Sway, overlay, rocking
 from app.simulation.worlds import Surface, World, box, post, wall
 from slam_core.measurements import Float64s, Transform
 
@@ -27,15 +27,7 @@ def build(options: SceneOptions) -> Scene:
     duration = options.duration or DURATION
     sway = Sway.chosen(options, 0.0, 0.5)
     pace = Pace(speed=SPEED * options.speed, turn_rate=np.radians(65), acceleration=0.8, radius=1.0)
-
-    def rocking(t: Float64s) -> Float64s:
-        values = np.zeros((len(t), 6))
-        grown = sway.amplitude * ease_in(t, STILL, 2.0)
-        values[:, 3] = grown * sway.wave(t)
-        values[:, 4] = grown * sway.wave(t, 0.83, 1.0)
-        return values
-
-    motion = Motion.through(overlay(follow(_WAYPOINTS, pace, duration), rocking), duration)
+    motion = Motion.through(overlay(follow(_WAYPOINTS, pace, duration), rocking(sway)), duration)
     return Scene(_world(), motion, Transform(np.array(LASER)))
 
 

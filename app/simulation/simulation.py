@@ -3,13 +3,18 @@
 import heapq
 from collections.abc import Callable, Iterator
 
-from app.simulation import scene_rooms, sensors
+from app.simulation import scene_arena, scene_handheld, scene_littoral, scene_rooms, sensors
 from app.simulation.options import ScenarioName, SceneOptions
 from app.simulation.scene import Scene
 from app.simulation.sensors import Arrival
 from slam_core.measurements import Height, Imu, LaserScan, Transform, TruthPose
 
-SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {"rooms": scene_rooms.build}
+SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {
+    "arena": scene_arena.build,
+    "littoral": scene_littoral.build,
+    "handheld": scene_handheld.build,
+    "rooms": scene_rooms.build,
+}
 
 
 class Simulation:
