@@ -1,30 +1,253 @@
 """The one owner of a running pipeline: drains commands, steps, publishes snapshots."""
 
+import logging
+import threading
+from collections import deque
+from queue import Empty, SimpleQueue
+
+from app.feeder import Feeder
 from app.mailbox import Mailbox
-from app.settings import Settings
-from app.snapshot import Command, Snapshot
+from app.pipeline import Pipeline, nothing_used
+from app.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, merged
+from app.settings import Setting, Settings, value_of
+from app.snapshot import (
+    Command,
+    Configure,
+    Pause,
+    Play,
+    Quit,
+    Restart,
+    Seek,
+    SetSpeed,
+    Snapshot,
+    StepScan,
+)
 from app.sources import Source
+from app.transport import Transport, valid_speed
+from slam_core.config import needs_restart
+from slam_core.errors import SlamError
+from slam_core.measurements import LaserScan, Measurement
+
+FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
+
+_logger = logging.getLogger("hectorscope")
 
 
 class Engine:
-    """Runs one source through the pipeline on a thread of its own.
+    """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
-    mailbox: the newest Snapshot; one is there from `start` on. The engine survives a failing source or core: it
-    reports the state "failed" with the reason and can be restarted by Restart, Seek or Play.
+    A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
+    The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
+    or Seek begin again.
     """
 
-    mailbox: Mailbox[Snapshot]
+    _settings: Settings
+    _pipeline: Pipeline
 
     def __init__(
         self, source: Source, settings: Settings | None = None, *, autoplay: bool = True, speed: float = 1.0
     ) -> None:
-        self.mailbox = Mailbox()
+        self._source = source
+        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
+        self._publisher = Publisher(source)
+        self._transport = Transport(source.live, autoplay, speed)
+        self._feeder: Feeder | None = None
+        self._epoch = -1
+        self._begin(settings or Settings())
+
+    @property
+    def mailbox(self) -> Mailbox[Snapshot]:
+        """Where the newest snapshot lies."""
+        return self._publisher.mailbox
 
     def start(self) -> None:
-        """Begin; a second call does nothing."""
+        """Begin to read and to step."""
+        self._thread.start()
 
     def send(self, command: Command) -> None:
         """Enqueue a command; returns at once, from any thread."""
+        self._commands.put(command)
 
     def stop(self) -> None:
-        """End both threads, close the source, and wait for it."""
+        """End the threads, close the source, and wait for it."""
+        self.send(Quit())
+        if self._thread.ident is not None:
+            self._thread.join(timeout=10.0)
+
+    # ------------------------------------------------------------------------------------ the engine's thread
+
+    def _run(self) -> None:
+        while not isinstance(command := self._next_command(), Quit):
+            self._guard(command)
+        self._source.close()
+        if self._feeder is not None:
+            self._feeder.close()
+
+    def _guard(self, command: Command | None) -> None:
+        try:
+            self._advance() if command is None else self._obey(command)
+        except SlamError as error:
+            self._fail(str(error))
+        except Exception as error:  # a bug or a broken input must not take the page away
+            _logger.exception("the run stopped at an unexpected error")
+            self._fail(f"{type(error).__name__}: {error}; restart, or look at the terminal for the details")
+
+    def _next_command(self) -> Command | None:
+        """The next command, or None when it is time to advance."""
+        head = self._ready[0] if self._ready else None
+        patience = self._transport.patience(head.stamp_ns if isinstance(head, LaserScan) else None)
+        self._publish(resting=patience is None or patience > SNAPSHOT_S)
+        if patience == 0.0 and self._commands.empty():
+            return None
+        try:
+            return self._commands.get(timeout=patience)
+        except Empty:
+            return None
+
+    def _advance(self) -> None:
+        """One item read, or one measurement stepped."""
+        if not self._ready:
+            self._fetch()
+        elif isinstance(self._ready[0], LaserScan):
+            self._scan(self._ready[0])
+        else:
+            self._pipeline.step(self._ready.popleft())
+
+    def _fetch(self) -> None:
+        if self._feeder is None:
+            self._feeder = Feeder(self._source)
+        item = self._feeder.get(FETCH_S)
+        if item is not None:
+            self._ready.extend(self._pipeline.admit(item))
+        elif self._feeder.done:
+            self._ready.extend(self._pipeline.flush())
+            if not self._ready:
+                self._end(self._feeder)
+
+    def _scan(self, scan: LaserScan) -> None:
+        if self._transport.arrives(scan.stamp_ns):
+            return
+        self._ready.popleft()
+        if self._transport.unwanted:
+            self._pipeline.skip("scan while the stream was paused")
+        else:
+            self._pipeline.step(scan)
+        self._transport.passed(scan.stamp_ns)
+        self._publisher.touch()
+
+    def _end(self, feeder: Feeder) -> None:
+        feeder.check()
+        if not self._pipeline.scans:
+            raise nothing_used(self._source.name, merged(self._source.report, self._pipeline.skipped, 0).skipped)
+        self._transport.end()
+        self._log(f"The recording ended after {self._pipeline.scans} scans")
+
+    def _fail(self, reason: str) -> None:
+        self._transport.fail(reason)
+        self._log(reason, "error")
+
+    # --------------------------------------------------------------------------------------------- commands
+
+    def _obey(self, command: Command) -> None:
+        self._publisher.touch()
+        match command:
+            case Play():
+                if self._transport.stopped:
+                    self._restart()
+                self._transport.play()
+            case Pause():
+                self._transport.pause()
+            case StepScan():
+                self._transport.step()
+            case SetSpeed(speed):
+                self._set_speed(speed)
+            case Restart():
+                self._restart()
+            case Seek(time_ns):
+                self._seek(time_ns)
+            case Configure(name, value):
+                self._configure(name, value)
+
+    def _set_speed(self, speed: float) -> None:
+        if valid_speed(speed):
+            self._transport.speed = speed
+        else:
+            self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning")
+
+    def _restart(self) -> None:
+        self._begin(self._settings_again())
+        self._log("Started again with an empty map")
+
+    def _seek(self, time_ns: int) -> None:
+        span = self._source.span_ns
+        if span is None:
+            self._log("A live stream has no other times: nothing was sought", "warning")
+            return
+        time_ns = min(max(time_ns, span[0]), span[1])
+        if self._transport.failure or time_ns < self._pipeline.time_ns:
+            self._begin(self._settings_again())
+        self._transport.seek(time_ns)
+
+    def _settings_again(self) -> Settings:
+        """For the next run: as planned, or, once somebody has moved a slider, the present values throughout."""
+        return self._settings.flattened(self._now_ns) if self._by_hand else self._settings
+
+    def _configure(self, name: str, value: Setting) -> None:
+        before, now_ns = self._settings, self._now_ns
+        try:
+            old = value_of(before.at(now_ns), name)
+            after = before.changed(now_ns, name, value)
+        except SlamError as error:
+            self._log(str(error), "warning")
+            return
+        new = value_of(after.at(now_ns), name)
+        if new == old:
+            return
+        self._by_hand = True
+        if needs_restart(before.start, after.start):
+            self._rebuild(after.flattened(now_ns))
+        else:
+            self._settings = self._pipeline.settings = after
+        self._log(f"{name}: {old} → {new}")
+
+    def _rebuild(self, settings: Settings) -> None:
+        """The same instant with another map; a stream cannot go back, so its map begins anew."""
+        target_ns = self._transport.target_ns or self._pipeline.time_ns
+        self._begin(settings)
+        if self._source.live:
+            self._log("A new map was begun: a live stream cannot be run again", "warning")
+        else:
+            self._transport.seek(target_ns)
+
+    def _begin(self, settings: Settings) -> None:
+        """An empty map at the beginning; a stream that still flows is left to flow."""
+        if self._feeder is not None and (not self._source.live or self._feeder.done):
+            self._feeder.close()
+            self._feeder = None
+        span = self._source.span_ns
+        self._settings = settings
+        self._pipeline = Pipeline(settings, span[0] if span else None)
+        self._ready: deque[Measurement] = deque()
+        self._by_hand = False
+        self._epoch += 1
+        self._transport.begin()
+        self._publisher.touch()
+
+    # ------------------------------------------------------------------------------------------- reporting
+
+    @property
+    def _now_ns(self) -> int:
+        """The time that a change made now belongs to: right after the last scan."""
+        return self._pipeline.time_ns + (self._pipeline.last_scan_ns is not None)
+
+    def _log(self, text: str, level: LogLevel = "info") -> None:
+        self._publisher.log(self._pipeline.time_ns, text, level)
+
+    def _publish(self, resting: bool) -> None:
+        if self._publisher.due(resting):
+            report = merged(
+                self._source.report, self._pipeline.skipped, self._feeder.dropped if self._feeder else 0
+            )
+            run = Run(self._pipeline, self._transport, self._settings.at(self._now_ns), report, self._epoch)
+            self._publisher.publish(run, complete=resting)

@@ -1,12 +1,32 @@
 """Files that a run leaves. One file a format; each has `EXPORTER`, an `Exporter`."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from app.registry import members
+from app.settings import Settings
+from app.snapshot import MapImage
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What a finished run has to tell.
+
+    trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
+    is known; empty without a map. metrics: plain values, as they will stand in metrics.json.
+    """
+
+    start_ns: int
+    trajectory: NDArray[np.float64]
+    maps: tuple[MapImage, ...]
+    settings: Settings
+    metrics: Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,7 +34,7 @@ class Exporter:
     """`write(run, folder)` leaves its files in `folder` (under a temporary name, then renamed)."""
 
     files: tuple[str, ...]
-    write: Callable[[Any, Path], None]
+    write: Callable[[Run, Path], None]
 
 
 def exporters() -> list[Exporter]:

@@ -1,0 +1,14 @@
+"""config.toml: every setting of the run, to be given to --config again."""
+
+from pathlib import Path
+
+from app.exporters import Exporter, Run
+from app.exporters._files import write_whole
+from app.toml import to_toml
+
+
+def _write(run: Run, folder: Path) -> None:
+    write_whole(folder / "config.toml", to_toml(run.settings).encode())
+
+
+EXPORTER = Exporter(("config.toml",), _write)

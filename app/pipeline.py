@@ -1,0 +1,142 @@
+"""The core with what it leaves behind: the one path that the page and the headless run share."""
+
+import time
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.buffers import GrowingRows, Rows
+from app.series import series_row
+from app.settings import Settings
+from app.snapshot import SERIES_FIELDS
+from app.sources import Item, SourceError
+from slam_core.evaluation import Trajectory, first_on_first, interpolate
+from slam_core.measurements import LaserScan, Measurement, Transform, TruthPose
+from slam_core.results import StepResult
+from slam_core.sequence import Sequencer
+from slam_core.slam import HectorSlam
+
+
+class Pipeline:
+    """Sequencer and HectorSlam, with the trajectory, the truth and the series of the scans so far.
+
+    start_ns: what the seconds in the rows count from; None takes the first measurement's time. The outcome is a
+    function of the items and the settings alone: changes act between scans, at their times.
+    """
+
+    def __init__(self, settings: Settings, start_ns: int | None = None) -> None:
+        self.settings = settings
+        self.slam = HectorSlam(settings.start, time.perf_counter_ns)
+        self.start_ns = start_ns
+        self.last_scan_ns: int | None = None
+        self.scans_read = 0
+        self.result: StepResult | None = None
+        self._sequencer = Sequencer()
+        self._passed_over: Counter[str] = Counter()
+        self._changes = 0
+        self._trajectory = GrowingRows(8)
+        self._truth = GrowingRows(8)
+        self._series = GrowingRows(len(SERIES_FIELDS))
+        self._truth_in_map: Rows | None = None
+
+    def admit(self, item: Item) -> list[Measurement]:
+        """Take in one item; the measurements that may be stepped now. Truth is kept, the core never sees it."""
+        if self.start_ns is None:
+            self.start_ns = item.stamp_ns
+        if isinstance(item, TruthPose):
+            self._truth.append(self._row(item.stamp_ns, item.T_map_base))
+            return []
+        self.scans_read += isinstance(item, LaserScan)
+        return self._sequencer.push(item)
+
+    def flush(self) -> list[Measurement]:
+        """What still waits for inertial data when there will be no more."""
+        return self._sequencer.flush()
+
+    def skip(self, reason: str) -> None:
+        """A scan goes by unprocessed, for this reason."""
+        self._passed_over[reason] += 1
+
+    @property
+    def skipped(self) -> Counter[str]:
+        """Scans that gave no result, by reason."""
+        return self.slam.skipped + self._passed_over
+
+    def step(self, measurement: Measurement) -> StepResult | None:
+        """Run the core on one measurement and keep what it brought."""
+        if not isinstance(measurement, LaserScan):
+            return self.slam.step(measurement)
+        self._apply_changes(measurement.stamp_ns)
+        self.last_scan_ns = measurement.stamp_ns
+        result = self.slam.step(measurement)
+        if result is not None:
+            self._keep(result)
+        return result
+
+    def _apply_changes(self, stamp_ns: int) -> None:
+        changes = self.settings.changes
+        due = self._changes
+        while due < len(changes) and changes[due].time_ns <= stamp_ns:
+            due += 1
+        if due > self._changes:
+            self.slam.configure(Settings(self.slam.config, changes[self._changes : due]).current)
+            self._changes = due
+
+    def _keep(self, result: StepResult) -> None:
+        row = self._row(result.stamp_ns, result.T_map_base)
+        self._trajectory.append(row)
+        self._series.append(series_row(result, row[0], self.slam.pyramid.updates))
+        self.result = result
+
+    def _row(self, stamp_ns: int, pose: Transform) -> tuple[float, ...]:
+        return ((stamp_ns - (self.start_ns or 0)) / 1e9, *pose.translation, *pose.rotation)
+
+    @property
+    def time_ns(self) -> int:
+        """Where the run is: at its last scan, or at the start."""
+        return (self.start_ns or 0) if self.last_scan_ns is None else self.last_scan_ns
+
+    @property
+    def scans(self) -> int:
+        """Scans that gave a result."""
+        return len(self._trajectory)
+
+    @property
+    def trajectory(self) -> Rows:
+        """(n, 8) seconds since the start, x, y, z, qw, qx, qy, qz; one row a result."""
+        return self._trajectory.view
+
+    @property
+    def truth(self) -> Rows:
+        """The same columns, in the truth's own frame."""
+        return self._truth.view
+
+    @property
+    def series(self) -> Rows:
+        """(n, len(SERIES_FIELDS)); one row a result."""
+        return self._series.view
+
+    @property
+    def truth_in_map(self) -> Rows:
+        """(4,) x, y, z, yaw that carry the truth into the map: at the first scan, both are in one place."""
+        if self._truth_in_map is None and len(self._trajectory):
+            self._truth_in_map = _onto(self.truth, self.trajectory[:1])
+        return np.zeros(4) if self._truth_in_map is None else self._truth_in_map
+
+
+def _onto(truth: Rows, first: Rows) -> Rows | None:
+    """The motion that puts `truth` (n, 8) on the pose `first` (1, 8); None while the truth does not reach it."""
+    there, covered = interpolate(Trajectory.from_rows(truth), first[:, 0])
+    if not covered.any():
+        return None
+    here = Trajectory.from_rows(first)
+    x, y, yaw = first_on_first(there.planar, here.planar)
+    return np.array([x, y, here.positions[0, 2] - there.positions[0, 2], yaw])
+
+
+def nothing_used(name: str, skipped: Mapping[str, int]) -> SourceError:
+    """For a run without a single result: the reasons, the commonest first."""
+    reasons = sorted(skipped.items(), key=lambda item: -item[1])
+    why = "; ".join(f"{count} x {reason}" for reason, count in reasons) or "it holds none"
+    return SourceError(f"{name}: no scan could be used ({why}): choose other topics or wider limits")

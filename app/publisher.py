@@ -1,0 +1,134 @@
+"""Composes snapshots of a pipeline and leaves them in the mailbox, no more often than anybody can look."""
+
+import time
+from collections import Counter
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from app.mailbox import Mailbox
+from app.pipeline import Pipeline
+from app.snapshot import SERIES_DTYPE, LogEntry, MapImage, PlaybackStatus, Snapshot, SourceReport
+from app.sources import Source
+from app.transport import Transport
+from slam_core.config import SlamConfig
+
+SNAPSHOT_S = 1 / 60
+MAPS_S = 1 / 5
+STREAM_S = 1 / 2  # a stream's counters are shown this often even when no scan comes
+LOG_LINES = 500
+
+LogLevel = Literal["info", "warning", "error"]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a snapshot is composed of. config: the one in force now."""
+
+    pipeline: Pipeline
+    transport: Transport
+    config: SlamConfig
+    report: SourceReport
+    epoch: int
+
+
+class Publisher:
+    """Keeps the log, the map images and the pace of the snapshots of one source."""
+
+    def __init__(self, source: Source) -> None:
+        self.mailbox: Mailbox[Snapshot] = Mailbox()
+        self._source = source
+        self._log: tuple[LogEntry, ...] = ()
+        self._news = True
+        self._sequence = 0
+        self._published = 0.0
+        self._maps: tuple[MapImage, ...] = ()
+        self._drawn: tuple[int, int] | None = None  # epoch and map updates that the images show
+        self._drawn_at = 0.0
+        self._revision = 0
+
+    def log(self, time_ns: int, text: str, level: LogLevel = "info") -> None:
+        """One more line for the page, at a time of the recording."""
+        self._log = (*self._log, LogEntry(time_ns, text, level))[-LOG_LINES:]
+        self.touch()
+
+    def touch(self) -> None:
+        """There is something new to show."""
+        self._news = True
+
+    def due(self, resting: bool) -> bool:
+        """Whether to publish now: news wait for their turn, unless the engine is about to rest."""
+        age = time.monotonic() - self._published
+        return (self._news and (resting or age >= SNAPSHOT_S)) or (self._source.live and age >= STREAM_S)
+
+    def publish(self, run: Run, *, complete: bool) -> None:
+        """Put a snapshot into the mailbox. complete: show the map as it is now, however recently it was drawn."""
+        self._published = time.monotonic()
+        self._news = False
+        self._sequence += 1
+        pipeline = run.pipeline
+        self._draw_maps(pipeline, run.epoch, complete)
+        snapshot = Snapshot(
+            sequence=self._sequence,
+            epoch=run.epoch,
+            source=self._source.name,
+            playback=status(self._source, pipeline, run.transport),
+            config=run.config,
+            result=pipeline.result,
+            trajectory=pipeline.trajectory,
+            truth=pipeline.truth,
+            truth_in_map=pipeline.truth_in_map,
+            series=pipeline.series.view(SERIES_DTYPE).reshape(-1),
+            maps=self._maps,
+            map_updates=pipeline.slam.pyramid.updates,
+            scans=pipeline.scans,
+            report=run.report,
+            log=self._log,
+        )
+        self.mailbox.put(snapshot)
+
+    def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
+        state = (epoch, pipeline.slam.pyramid.updates)
+        if state == self._drawn or not (complete or self._published - self._drawn_at >= MAPS_S):
+            return
+        self._drawn, self._drawn_at = state, self._published
+        self._revision += 1
+        self._maps = map_images(pipeline, self._revision)
+
+
+def status(source: Source, pipeline: Pipeline, transport: Transport) -> PlaybackStatus:
+    """Where the run is."""
+    span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
+    detail = transport.failure
+    if transport.target_ns is not None:
+        whole_ns = max(1, transport.target_ns - start_ns)
+        detail = f"running up to {whole_ns / 1e9:.1f} s: {100 * (time_ns - start_ns) // whole_ns} %"
+    return PlaybackStatus(
+        state=transport.state(pipeline.scans),
+        live=source.live,
+        time_ns=time_ns,
+        start_ns=start_ns,
+        end_ns=span[1] if span else None,
+        speed=transport.speed,
+        realtime_factor=transport.meter.realtime_factor,
+        scan_rate=transport.meter.scan_rate,
+        detail=detail,
+    )
+
+
+def map_images(pipeline: Pipeline, revision: int = 0) -> tuple[MapImage, ...]:
+    """The known part of every level, finest first; none before the first map update."""
+    images = []
+    for number, level in enumerate(pipeline.slam.pyramid.levels):
+        row, _, column, _ = level.known
+        x, y = level.origin + level.resolution * np.array([column, row])
+        cells = level.classes()
+        if cells.size:
+            images.append(MapImage(number, level.resolution, float(x), float(y), cells, revision))
+    return tuple(images)
+
+
+def merged(report: SourceReport, skipped: Counter[str], dropped: int) -> SourceReport:
+    """The source's counters with those of the queue and the core."""
+    return SourceReport(dict(report.read), dict(Counter(report.skipped) + skipped), report.dropped + dropped)

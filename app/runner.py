@@ -1,0 +1,79 @@
+"""The headless run: the whole recording through the pipeline as fast as it goes, and files at the end."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from app.exporters import Run, exporters
+from app.metrics import Effort, metrics
+from app.pipeline import Pipeline, nothing_used
+from app.publisher import map_images, merged
+from app.settings import Settings
+from app.sources import Source, SourceError
+from slam_core.errors import SlamError
+from slam_core.measurements import LaserScan
+
+Progress = Callable[[int], None]
+
+
+class OutputError(SlamError):
+    """The folder for the results cannot be used."""
+
+
+def run_headless(
+    source: Source, settings: Settings, progress: Progress = lambda _: None
+) -> tuple[Pipeline, Effort]:
+    """Every item of `source`, in a plain loop. progress: called with the time of every scan. Closes the source.
+
+    SourceError when not a single scan could be used.
+    """
+    begin = time.perf_counter()
+    span = source.span_ns
+    pipeline = Pipeline(settings, span[0] if span else None)
+    try:
+        for item in source.items():
+            for measurement in pipeline.admit(item):
+                pipeline.step(measurement)
+            if isinstance(item, LaserScan):
+                progress(item.stamp_ns)
+        for measurement in pipeline.flush():
+            pipeline.step(measurement)
+    finally:
+        source.close()
+    if not pipeline.scans:
+        raise nothing_used(source.name, merged(source.report, pipeline.skipped, 0).skipped)
+    recorded = (span[1] - span[0]) / 1e9 if span else float(pipeline.trajectory[-1, 0])
+    return pipeline, Effort(recorded, time.perf_counter() - begin)
+
+
+def prepare(folder: Path) -> None:
+    """Make the folder for the results before the work is done; OutputError if that cannot be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be made ({error.strerror}): give another --out") from error
+
+
+def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
+    """Write every format; the files written."""
+    run = Run(pipeline.start_ns or 0, pipeline.trajectory, map_images(pipeline), pipeline.settings, figures)
+    try:
+        for exporter in exporters():
+            exporter.write(run, folder)
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written to ({error.strerror}): give another --out") from error
+    return [folder / name for exporter in exporters() for name in exporter.files if (folder / name).exists()]
+
+
+def run(
+    source: Source, settings: Settings, folder: Path, *, truth: str | None, progress: Progress
+) -> dict[str, Any]:
+    """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
+    prepare(folder)
+    pipeline, effort = run_headless(source, settings, progress)
+    figures = metrics(pipeline, source.report, effort)
+    if truth is not None and figures["truth"] is None:
+        raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
+    export(pipeline, figures, folder)
+    return figures

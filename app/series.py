@@ -1,0 +1,44 @@
+"""One row of figures for every scan: what the plots draw and the metrics are computed from."""
+
+import math
+
+from app.snapshot import SERIES_FIELDS
+from slam_core.geometry import to_euler
+from slam_core.results import NavigationState, PlanarGaussian, StepResult
+
+_NAN = float("nan")
+
+
+def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[float, ...]:
+    """The values of SERIES_FIELDS, nan where this scan has none. time_s: seconds since the start."""
+    match, durations = result.match, result.durations
+    row = (
+        time_s,
+        *result.T_map_base.translation,
+        *to_euler(result.T_map_base.rotation),
+        *_sigmas(match and match.gaussian),
+        *_sigmas(result.prior),
+        *_sigmas(result.fused),
+        match.mean_residual if match else _NAN,
+        sum(match.iterations) if match else 0,
+        result.beams,
+        map_updates,
+        *_navigation(result.navigation),
+        *(ns / 1e6 for ns in (durations.stabilise, durations.match, durations.update, durations.filter)),
+    )
+    assert len(row) == len(SERIES_FIELDS)
+    return row
+
+
+def _sigmas(gaussian: PlanarGaussian | None) -> tuple[float, float, float]:
+    if gaussian is None:
+        return _NAN, _NAN, _NAN
+    c = gaussian.covariance
+    x, y, yaw = (math.sqrt(max(0.0, c[i, i])) for i in range(3))
+    return x, y, yaw
+
+
+def _navigation(state: NavigationState | None) -> tuple[float, ...]:
+    if state is None:
+        return (_NAN,) * 9
+    return (*state.gyro_bias, *state.accel_bias, *state.velocity)

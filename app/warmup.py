@@ -1,0 +1,50 @@
+"""Runs every compiled kernel once, so that the first real scan does not wait for the compiler."""
+
+import sys
+import threading
+
+import numpy as np
+
+from app.pipeline import Pipeline
+from app.settings import Settings
+from slam_core.config import SlamConfig, with_value
+from slam_core.measurements import Imu, LaserScan, Measurement
+
+PATIENCE_S = 1.0
+
+
+def warm_up() -> None:
+    """A few scans of a small made-up room through every branch; says so on stderr when it takes longer."""
+    notice = threading.Timer(PATIENCE_S, lambda: print("Compiling ... (first start only)", file=sys.stderr))
+    notice.start()
+    try:
+        for inertial in (True, False):
+            _run(inertial)
+    finally:
+        notice.cancel()
+
+
+def _run(inertial: bool) -> None:
+    config = with_value(SlamConfig(), "map.size", 256)
+    for method in ("hessian", "sampled"):
+        pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)))
+        for measurement in _room(inertial):
+            for ready in pipeline.admit(measurement):
+                pipeline.step(ready)
+        for ready in pipeline.flush():
+            pipeline.step(ready)
+
+
+def _room(inertial: bool) -> list[Measurement]:
+    """Two seconds in the middle of a room of 4 by 4 metres: a scan every 0.1 s, inertial data every 0.01 s."""
+    angles = np.linspace(-np.pi, np.pi, 181)
+    ranges = (2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))).astype(np.float32)
+    ranges[:3] = np.inf
+    measurements: list[Measurement] = []
+    for tick in range(200):
+        stamp_ns = tick * 10_000_000
+        if inertial:
+            measurements.append(Imu(stamp_ns, np.zeros(3), np.array([0.0, 0.0, 9.80665])))
+        if tick % 10 == 0:
+            measurements.append(LaserScan(stamp_ns, ranges, -np.pi, float(angles[1] - angles[0]), 1e-5, 0.1, 30.0))
+    return measurements
