@@ -91,12 +91,14 @@ class SourceReport:
 
     skipped: reason (with the topic's name and the remedy) -> how often. dropped: scans given up to keep up with a
     live stream. waiting: why nothing flows at this moment, and the remedy; empty while all is well.
+    notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file).
     """
 
     read: Mapping[str, int] = field(default_factory=dict)
     skipped: Mapping[str, int] = field(default_factory=dict)
     dropped: int = 0
     waiting: str = ""
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

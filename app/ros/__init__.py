@@ -1,1 +1,1 @@
-"""ROS messages to measurements and back, and the tf tree: once, for all sources."""
+"""ROS messages of either generation to measurements: once, for recordings and live streams alike."""

@@ -1,0 +1,192 @@
+"""Decoded messages in, measurements out; nothing is lost without being counted and named."""
+
+import math
+from collections import Counter, deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.ros import messages
+from app.ros.messages import BadMessage
+from app.ros.mounts import Mounts
+from app.ros.roles import PRESSURE, RANGE, Roles, tf_spec
+from app.ros.tf import TfTree
+from app.ros.tf_poses import TfPoses
+from app.snapshot import SourceReport
+from app.sources import Item, SourceOptions
+from slam_core import geometry
+from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry, Transform, TruthPose
+
+
+@dataclass(frozen=True, slots=True)
+class _Pending:
+    """A message on its way. stamp_ns: its own time. receive_ns: when it was recorded or received."""
+
+    duty: "_Duty"
+    topic: str
+    message: Any
+    stamp_ns: int
+    receive_ns: int
+
+
+# Gives the item of a message; None while tf does not tell its mount. The number: nanoseconds waited so far.
+_Duty = Callable[[_Pending, float], Item | None]
+
+
+class Converter:
+    """Messages of one recording or connection to measurements, in order of arrival.
+
+    A message whose mount is not known yet waits for tf, and those behind it wait too; `flush` ends the waiting.
+    """
+
+    def __init__(self, roles: Roles, options: SourceOptions) -> None:
+        self.tree = TfTree()
+        self.mounts = Mounts(self.tree, options.base_frame)
+        self._laser_pose = _laser_pose(options)
+        self._tf_poses = TfPoses(self.tree, self.mounts)
+        self._read: Counter[str] = Counter()
+        self._skipped: Counter[str] = Counter()
+        self._notes: dict[str, str] = {}
+        self._waiting: deque[_Pending] = deque()
+        self._latest_ns: dict[str, int] = {}
+        self._beams: dict[str, int] = {}
+        self._height_origin: float | None = None
+        self.assign(roles)
+
+    def assign(self, roles: Roles) -> None:
+        """Take the topics of `roles` from now on (a live stream learns of its topics bit by bit)."""
+        self.roles = roles
+        self._tf_poses.assign(roles)
+        parts: list[tuple[str | None, _Duty]] = [
+            (roles.scan, self._scan),
+            (roles.imu, self._imu),
+            (roles.attitude, self._attitude),
+            (roles.odometry, self._odometry),
+            (roles.height, self._height),
+            (roles.truth, self._truth),
+        ]
+        self._duties: dict[str, list[_Duty]] = {}
+        for topic, duty in parts:
+            if topic is not None and tf_spec(topic) is None:
+                self._duties.setdefault(topic, []).append(duty)
+
+    @property
+    def report(self) -> SourceReport:
+        """Counters so far, and what was found or assumed."""
+        notes = (*self.roles.notes, *self.mounts.notes.values(), *self._tf_poses.notes(), *self._notes.values())
+        return SourceReport(read=dict(self._read), skipped=dict(self._skipped), notes=notes)
+
+    def convert(self, topic: str, message: Any, receive_ns: int) -> list[Item]:
+        """What may go on now that `message` (a rosbags object) has come; a topic without a part gives nothing."""
+        if topic in self.roles.transforms:
+            self._read[topic] += 1
+            return [*self._transforms(topic, message, receive_ns), *self._release(receive_ns)]
+        if topic not in self._duties:
+            return []
+        self._read[topic] += 1
+        stamp_ns = messages.stamp_ns(message, receive_ns)
+        if stamp_ns < self._latest_ns.get(topic, stamp_ns):
+            self.skip(topic, "time runs backwards: stamped before the message ahead of it")
+            return []
+        self._latest_ns[topic] = stamp_ns
+        for duty in self._duties[topic]:
+            self._waiting.append(_Pending(duty, topic, message, stamp_ns, receive_ns))
+        return self._release(receive_ns)
+
+    def flush(self) -> list[Item]:
+        """What still waits for tf, at the end."""
+        return self._release(math.inf)
+
+    def skip(self, topic: str, reason: str) -> None:
+        """Count a message that was left out, under its topic and reason."""
+        self._skipped[f"{topic}: {reason}"] += 1
+
+    def _release(self, now_ns: float) -> list[Item]:
+        """Items of the messages that need not wait any more, in their order."""
+        items: list[Item] = []
+        while self._waiting:
+            pending = self._waiting[0]
+            waited_ns = now_ns - pending.receive_ns if self.roles.transforms else math.inf
+            try:
+                item = pending.duty(pending, waited_ns)
+                if item is None:
+                    break
+                items.append(item)
+            except BadMessage as reason:
+                self.skip(pending.topic, str(reason))
+            self._waiting.popleft()
+        return items
+
+    def _mount(self, pending: _Pending, waited_ns: float, time_ns: int | None = None) -> Transform | None:
+        return self.mounts.find(messages.frame_id(pending.message), time_ns or pending.stamp_ns, waited_ns)
+
+    # ---------------------------------------------------------------------------------------- duties
+
+    def _scan(self, pending: _Pending, waited_ns: float) -> LaserScan | None:
+        message = pending.message
+        middle_ns = pending.stamp_ns + messages.sweep_ns(message) // 2
+        mount = self._laser_pose or self._mount(pending, waited_ns, middle_ns)
+        if mount is None:
+            return None
+        beams = len(message.ranges)
+        if self._beams.setdefault(pending.topic, beams) != beams:
+            self._notes["beams"] = f"{pending.topic}: the number of beams varies"
+        return messages.laser_scan(message, pending.stamp_ns, mount)
+
+    def _imu(self, pending: _Pending, waited_ns: float) -> Imu | None:
+        mount = self._mount(pending, waited_ns)
+        if mount is None:
+            return None
+        return messages.imu(pending.message, pending.stamp_ns, mount.rotation)
+
+    def _attitude(self, pending: _Pending, waited_ns: float) -> Attitude | None:
+        mount = self._mount(pending, waited_ns)
+        if mount is None:
+            return None
+        return messages.imu_attitude(pending.message, pending.stamp_ns, mount.rotation)
+
+    def _odometry(self, pending: _Pending, _waited_ns: float) -> Odometry:
+        return messages.odometry(pending.message, pending.stamp_ns)
+
+    def _truth(self, pending: _Pending, _waited_ns: float) -> TruthPose:
+        return messages.truth_pose(pending.message, pending.stamp_ns)
+
+    def _height(self, pending: _Pending, waited_ns: float) -> Height | None:
+        """Heights count from the first one."""
+        message, kind = pending.message, messages.message_type(pending.message)
+        if kind == PRESSURE:
+            value = messages.pressure_altitude(message)
+        elif kind == RANGE:
+            mount = self._mount(pending, waited_ns)
+            if mount is None:
+                return None
+            value = messages.range_height(message, mount if self.roles.transforms else messages.LOOKING_DOWN)
+        else:
+            value = messages.point_height(message)
+        if self._height_origin is None:
+            self._height_origin = value
+        return Height(pending.stamp_ns, value - self._height_origin)
+
+    def _transforms(self, topic: str, message: Any, receive_ns: int) -> list[Item]:
+        """Grow the tf tree; items for the chains that stand for attitude or truth."""
+        static = topic.endswith("tf_static")
+        updated: dict[str, int] = {}
+        for stamped in message.transforms:
+            try:
+                T = messages.transform(stamped.transform)
+            except BadMessage as reason:
+                self.skip(topic, str(reason))
+                continue
+            child, stamp_ns = stamped.child_frame_id.strip("/"), messages.stamp_ns(stamped, receive_ns)
+            self.tree.add(messages.frame_id(stamped), child, stamp_ns, T, static=static)
+            updated[child] = stamp_ns
+        return self._tf_poses.after(updated)
+
+
+def _laser_pose(options: SourceOptions) -> Transform | None:
+    if options.laser_pose is None:
+        return None
+    x, y, z, roll, pitch, yaw = options.laser_pose
+    return Transform(np.array([x, y, z]), geometry.from_euler(roll, pitch, yaw))

@@ -1,0 +1,179 @@
+"""Decoded ROS messages (rosbags objects of either generation) to measurements in SI units and REP-103 axes.
+
+The functions are pure. A message that cannot be used raises `BadMessage` with the reason a person should read.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.measurements import Attitude, Float64s, Imu, LaserScan, Odometry, Transform, TruthPose
+
+# A sweep of more than two turns is a mistake in the angles.
+MAX_SWEEP_RAD = 4.0 * math.pi
+# Sweeps last seconds at most; a longer one is a mistake in time_increment.
+MAX_SWEEP_S = 10.0
+# Zero stands for "no return" on many devices that announce range_min = 0.
+SHORTEST_RANGE = 1e-3
+# No robot shakes like this: the driver publishes milli-g.
+MAX_ACCELERATION = 400.0
+# A range sensor at less than this sine under the horizon does not measure height.
+STEEP = 0.8
+# The mount of a height sensor whose recording has no tf.
+LOOKING_DOWN = Transform(rotation=geometry.from_euler(0.0, math.pi / 2, 0.0))
+
+
+class BadMessage(Exception):
+    """One message that is left out; the text is the reason."""
+
+
+def message_type(message: Any) -> str:
+    """The ROS 2 style name of a message's type."""
+    name: str = message.__msgtype__
+    return name
+
+
+def stamp_ns(message: Any, receive_ns: int) -> int:
+    """The message's own time; the time of receipt where it has none or leaves it at zero."""
+    header = getattr(message, "header", None)
+    if header is None:
+        return receive_ns
+    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec) or receive_ns
+
+
+def frame_id(message: Any) -> str:
+    """The frame of a stamped message, without the leading slash of old tf."""
+    name: str = message.header.frame_id
+    return name.strip("/")
+
+
+def laser_scan(message: Any, time_ns: int, T_base_laser: Transform) -> LaserScan:
+    """sensor_msgs/LaserScan; the stamp is the first ray's. Ranges keep the values of REP-117."""
+    increment, n = float(message.angle_increment), len(message.ranges)
+    if n == 0:
+        raise BadMessage("scan without beams")
+    if not (math.isfinite(message.angle_min) and math.isfinite(increment)):
+        raise BadMessage("scan whose angle_min or angle_increment is not a number")
+    if increment == 0.0:
+        raise BadMessage("scan with an angle_increment of 0")
+    if abs(increment) * (n - 1) > MAX_SWEEP_RAD:
+        raise BadMessage("scan over more than two turns: its angle_increment cannot be right")
+    ranges = np.array(message.ranges, np.float32)
+    if not (ranges == ranges).any():  # noqa: PLR0124  NaN is what differs from itself
+        raise BadMessage("scan with nothing but NaN ranges")
+    return LaserScan(
+        time_ns,
+        ranges,
+        float(message.angle_min),
+        increment,
+        _time_increment(message, n),
+        max(_finite(message.range_min, 0.0), SHORTEST_RANGE),
+        _range_max(message),
+        T_base_laser,
+    )
+
+
+def sweep_ns(message: Any) -> int:
+    """From the first ray of a sensor_msgs/LaserScan to its last."""
+    n = len(message.ranges)
+    return round(max(n - 1, 0) * _time_increment(message, n) * 1e9)
+
+
+def imu(message: Any, time_ns: int, rotation: Float64s) -> Imu:
+    """sensor_msgs/Imu turned into base axes; rotation (4,) is that of T_base_imu. The lever arm is left out."""
+    if message.angular_velocity_covariance[0] == -1.0 or message.linear_acceleration_covariance[0] == -1.0:
+        raise BadMessage("IMU message that declares its rates or accelerations absent")
+    omega, acceleration = message.angular_velocity, message.linear_acceleration
+    rates = _finite_vector("IMU message", omega.x, omega.y, omega.z)
+    forces = _finite_vector("IMU message", acceleration.x, acceleration.y, acceleration.z)
+    if math.hypot(acceleration.x, acceleration.y, acceleration.z) > MAX_ACCELERATION:
+        raise BadMessage(f"IMU message with more than {MAX_ACCELERATION:g} m/s²: its driver must publish SI units")
+    if rotation[0] != 1.0:
+        rates, forces = geometry.rotate(rotation, np.stack([rates, forces]))
+    return Imu(time_ns, rates, forces)
+
+
+def imu_attitude(message: Any, time_ns: int, rotation: Float64s) -> Attitude:
+    """The orientation in a sensor_msgs/Imu, as that of the base; rotation (4,) is that of T_base_imu."""
+    if message.orientation_covariance[0] == -1.0:
+        raise BadMessage("IMU message that declares its orientation absent")
+    world_imu = quaternion("IMU message", message.orientation)
+    return Attitude(time_ns, geometry.multiply(world_imu, geometry.conjugate(rotation)))
+
+
+def odometry(message: Any, time_ns: int) -> Odometry:
+    """The twist of a nav_msgs/Odometry, which is in the frame of the base."""
+    twist = message.twist.twist
+    forward, left, turn = _finite_vector("odometry", twist.linear.x, twist.linear.y, twist.angular.z)
+    return Odometry(time_ns, np.array([forward, left]), float(turn))
+
+
+def pressure_altitude(message: Any) -> float:
+    """International barometric formula: metres over the level of 1013.25 hPa of a sensor_msgs/FluidPressure."""
+    value = float(message.fluid_pressure)
+    if not (math.isfinite(value) and value > 0.0):
+        raise BadMessage("pressure that is no positive number")
+    return 44330.77 * (1.0 - math.pow(value / 101325.0, 0.1902632))
+
+
+def point_height(message: Any) -> float:
+    """The z of a geometry_msgs/PointStamped."""
+    return float(_finite_vector("point", message.point.x, message.point.y, message.point.z)[2])
+
+
+def range_height(message: Any, T_base_sensor: Transform) -> float:
+    """Height of the base over the ground by a sensor_msgs/Range, which looks along its x axis."""
+    value = float(message.range)
+    if not message.min_range <= value <= message.max_range:
+        raise BadMessage("distance to the ground out of the sensor's range")
+    downward = -float(geometry.rotation_matrix(T_base_sensor.rotation)[2, 0])
+    if downward < STEEP:
+        raise BadMessage("distance by a sensor that does not look down")
+    return value * downward - float(T_base_sensor.translation[2])
+
+
+def truth_pose(message: Any, time_ns: int) -> TruthPose:
+    """A pose of the base: PoseStamped, PoseWithCovarianceStamped, Odometry or TransformStamped."""
+    if hasattr(message, "transform"):
+        return TruthPose(time_ns, transform(message.transform))
+    pose = message.pose
+    pose = getattr(pose, "pose", pose)
+    position = pose.position
+    translation = _finite_vector("pose", position.x, position.y, position.z)
+    return TruthPose(time_ns, Transform(translation, quaternion("pose", pose.orientation)))
+
+
+def transform(message: Any) -> Transform:
+    """geometry_msgs/Transform."""
+    p = message.translation
+    return Transform(_finite_vector("transform", p.x, p.y, p.z), quaternion("transform", message.rotation))
+
+
+def quaternion(what: str, q: Any) -> Float64s:
+    """A geometry_msgs/Quaternion as unit w, x, y, z."""
+    norm = math.sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z)
+    if not (math.isfinite(norm) and norm > 1e-6):
+        raise BadMessage(f"{what} with a zero or NaN quaternion")
+    return geometry.normalise(np.array([q.w, q.x, q.y, q.z]))
+
+
+def _finite_vector(what: str, x: float, y: float, z: float) -> Float64s:
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
+        raise BadMessage(f"{what} with NaN or infinite values")
+    return np.array([x, y, z])
+
+
+def _finite(value: float, otherwise: float) -> float:
+    return float(value) if math.isfinite(value) else otherwise
+
+
+def _time_increment(message: Any, n: int) -> float:
+    """Seconds between rays; 0 (all at once) where the driver leaves it out or writes nonsense."""
+    value = _finite(message.time_increment, 0.0)
+    return value if 0.0 < value * n < MAX_SWEEP_S else 0.0
+
+
+def _range_max(message: Any) -> float:
+    return float(message.range_max) if message.range_max > SHORTEST_RANGE else math.inf
