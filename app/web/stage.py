@@ -53,11 +53,15 @@ class Display:
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """Something that can be shown and hidden: `root` is the scene node that everything of it hangs below."""
+    """Something that can be shown and hidden: `root` is the scene node that everything of it hangs below.
+
+    colour: the field of Theme that a legend shows for it, "" when it has no single colour.
+    """
 
     key: str
     title: str
     root: viser.FrameHandle
+    colour: str = ""
 
 
 @dataclass(slots=True)
@@ -65,6 +69,7 @@ class Stage:
     """Hands to views and panels what they may touch. Views are made before panels: `layers` is then complete.
 
     server: add nodes by `server.scene` and controls by `server.gui`. send: enqueues a command for the engine.
+    floor: the node of the finest level's plane; it sinks when the robot goes below the height it started at.
     failures: title of a view or panel that raised and was switched off -> reason.
     """
 
@@ -73,10 +78,12 @@ class Stage:
     display: Display = field(default_factory=Display)
     layers: list[Layer] = field(default_factory=list)
     failures: dict[str, str] = field(default_factory=dict)
+    floor: viser.FrameHandle = field(init=False)
     _failure_note: viser.GuiMarkdownHandle | None = None
     _lock: threading.RLock = field(default_factory=threading.RLock)
 
     def __post_init__(self) -> None:
+        self.floor = self.server.scene.add_frame("/floor", show_axes=False)
         self._apply_theme()
 
     @property
@@ -84,10 +91,13 @@ class Stage:
         """The colours now; compare with `is` to notice a change."""
         return self.display.theme
 
-    def layer(self, key: str, title: str, *, shown: bool = True) -> Layer:
-        """A new layer with root node `/key`; `title` is what the switch for it says."""
-        root = self.server.scene.add_frame(f"/{key}", show_axes=False, visible=shown)
-        layer = Layer(key, title, root)
+    def layer(
+        self, key: str, title: str, *, colour: str = "", on_floor: bool = False, shown: bool = True
+    ) -> Layer:
+        """A new layer; `title` is what its switch says. on_floor: it lies on the plane of the finest level."""
+        name = f"{self.floor.name if on_floor else ''}/{key}"
+        root = self.server.scene.add_frame(name, show_axes=False, visible=shown)
+        layer = Layer(key, title, root, colour)
         self.layers.append(layer)
         if not shown:
             self.show_layer(key, shown)

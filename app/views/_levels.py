@@ -1,0 +1,44 @@
+"""Where each level of the pyramid lies: stacked, side by side, or one alone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from app.snapshot import MapImage
+from app.web.stage import Display
+
+AISLE = 2.0  # metres between levels side by side
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Offset of a level from the map frame's place on the floor, metres. veiled: others lie below it."""
+
+    x: float = 0.0
+    z: float = 0.0
+    shown: bool = True
+    veiled: bool = False
+
+
+def placements(display: Display, maps: Sequence[MapImage]) -> list[Placement]:
+    """One for each level, finest first; the finest one stays where scan and robot are."""
+    if display.layout == "stacked":
+        return [Placement(z=display.gap * i, veiled=i > 0) for i in range(len(maps))]
+    if display.layout == "one":
+        only = min(display.level, len(maps) - 1)
+        return [Placement(shown=i == only) for i in range(len(maps))]
+    places: list[Placement] = []
+    right = None  # edge of the level before
+    for image in maps:
+        offset = 0.0 if right is None else right + AISLE - image.x
+        right = image.x + offset + image.cells.shape[1] * image.resolution
+        places.append(Placement(x=offset))
+    return places
+
+
+def emphasis(maps: Sequence[MapImage]) -> float:
+    """How much larger than life small things are drawn, so that they are still seen in a large map."""
+    if not maps:
+        return 1.0
+    rows, cols = maps[0].cells.shape
+    extent = max(rows, cols) * maps[0].resolution
+    return float(round(min(3.0, max(1.0, extent / 25.0)), 1))

@@ -1,0 +1,71 @@
+"""The scan where it was matched: endpoints coloured by how badly they fit the map."""
+
+import numpy as np
+
+from app.snapshot import Snapshot
+from app.views._levels import emphasis
+from app.web.stage import Display, Stage
+from slam_core.config import ScanConfig
+from slam_core.geometry import yaw_quaternion
+from slam_core.results import StepResult
+
+LIFT = 0.03  # metres over the floor
+SIZE = 0.07  # metres, in a small map
+UNKNOWN = 0.5  # residual of a first scan, which was matched to nothing
+
+
+class ScanView:
+    """A point cloud in the stabilised frame: its node takes the pose, so the points need half precision only."""
+
+    title = "Scan"
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        layer = stage.layer("scan", "Scan", on_floor=True)
+        self._frame = layer.root
+        self._cloud = stage.server.scene.add_point_cloud(
+            f"{layer.root.name}/points",
+            np.zeros((0, 3), np.float32),
+            np.zeros((0, 3), np.uint8),
+            point_size=SIZE,
+            point_shape="circle",
+            precision="float16",
+        )
+        self._drawn: object = None
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Send a new scan, or the same one in other colours."""
+        display, result = self._stage.display, snapshot.result
+        state = (snapshot.epoch, result.index if result else None, display.points, display.dark)
+        if state == self._drawn:
+            return
+        self._drawn = state
+        if result is None:
+            self._cloud.visible = False
+            return
+        points = np.zeros((len(result.points), 3), np.float16)
+        points[:, :2] = result.points
+        colours = point_colours(result, display, snapshot.config.scan)
+        x, y, psi = result.planar
+        with self._stage.server.atomic():
+            self._cloud.visible = True
+            self._cloud.points = points
+            self._cloud.colors = colours
+            self._cloud.point_size = SIZE * emphasis(snapshot.maps)
+            self._frame.position = (x, y, LIFT)
+            self._frame.wxyz = yaw_quaternion(psi)
+
+
+def point_colours(result: StepResult, display: Display, config: ScanConfig) -> np.ndarray:
+    """(n, 3) uint8, by residual or by height between the filter's limits, or all alike."""
+    theme, count = display.theme, len(result.points)
+    if display.points == "height":
+        span = max(config.z_max - config.z_min, 1e-6)
+        return theme.residual_colours((result.heights - config.z_min) / span)
+    if display.points == "residual":
+        residuals = result.match.residuals if result.match else np.full(count, UNKNOWN, np.float32)
+        return theme.residual_colours(residuals)
+    return np.tile(np.array(theme.accent, np.uint8), (count, 1))
+
+
+VIEW = ScanView
