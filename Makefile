@@ -1,0 +1,76 @@
+# The house: one environment in .venv, made from constraints.txt, and a handful of commands on it.
+# Only Python 3.11+ and make are needed beforehand.
+
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip
+INSTALL := $(PIP) install --constraint constraints.txt --editable
+ARGS ?=
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test check bench screenshots docs constraints clean chromium
+
+help:  ## this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: $(VENV)/ready-run  ## a robot maps a building in the browser; ARGS=littoral for another one
+	$(BIN)/hectorscope demo $(ARGS)
+
+test: $(VENV)/ready-dev chromium  ## every test; ARGS="-k matcher", ARGS="-m 'not browser'" choose
+	$(BIN)/python -m pytest $(ARGS)
+
+check: $(VENV)/ready-dev  ## style, types and import rules
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/ready-bench  ## measure and write docs/performance.md
+	$(BIN)/python -m benchmarks.performance $(ARGS)
+
+screenshots: $(VENV)/ready-dev chromium  ## take the pictures in docs/images
+	$(BIN)/python -m benchmarks.screenshots $(ARGS)
+
+docs: $(VENV)/ready-run  ## write docs/configuration.md from the configuration tree
+	$(BIN)/python docs/configuration.py
+
+constraints:  ## freeze the newest versions that pyproject.toml allows, in a throw-away environment
+	rm -rf build/freeze && $(call python) && "$$python" -m venv build/freeze
+	build/freeze/bin/python -m pip install '.[test,check,bench]'
+	{ echo "# Exact versions of every extra. Written by: make constraints"; \
+	  build/freeze/bin/python -m pip freeze --exclude hectorscope; } > build/constraints.txt
+	mv build/constraints.txt constraints.txt && rm -rf build/freeze
+
+clean:  ## remove the environment and every cache
+	rm -rf $(VENV) build dist .numba_cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .benchmarks
+	find app slam_core tests benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} +
+
+chromium:
+	@command -v chromium chromium-browser google-chrome >/dev/null || \
+	  echo "No Chromium: the browser tests are skipped. Install it with: sudo apt-get install chromium"
+
+# ------------------------------------------------------------------------------------------------ environment
+
+# The first Python that the pinned numba runs on and that can make environments (Debian keeps venv apart).
+python = python=; for candidate in $(PYTHON) python3 python3.13 python3.12 python3.11 python3.14; do \
+	  if "$$candidate" -c 'import ensurepip, sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' 2>/dev/null; \
+	  then python=$$candidate; break; fi; done; \
+	if [ -z "$$python" ]; then echo "Python 3.11 to 3.14 with venv is missing. Install it with:" \
+	  "sudo apt-get install python3 python3-venv (or name one: make PYTHON=/path/to/python3.12 ...)" >&2; exit 1; fi
+
+# A stamp is touched last, so an interrupted installation is done again.
+$(VENV)/made:
+	@$(call python); echo "Making $(VENV) with $$($$python --version)"; "$$python" -m venv --clear $(VENV)
+	@touch $@
+
+$(VENV)/ready-run: $(VENV)/made pyproject.toml constraints.txt
+	$(INSTALL) .
+	@touch $@
+
+$(VENV)/ready-dev: $(VENV)/made pyproject.toml constraints.txt
+	$(INSTALL) '.[test,check]'
+	@touch $@ $(VENV)/ready-run
+
+$(VENV)/ready-bench: $(VENV)/made pyproject.toml constraints.txt
+	$(INSTALL) '.[test,bench]'
+	@touch $@ $(VENV)/ready-run

@@ -1,0 +1,56 @@
+"""What every test may ask for: the real recordings, a Chromium, and kernels compiled from today's sources."""
+
+import hashlib
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
+
+
+def _kernel_fingerprint() -> str:
+    """A name for the text of every compiled function."""
+    sources = sorted(path for folder in ("slam_core", "app") for path in (ROOT / folder).rglob("*.py"))
+    texts = (path.read_bytes() for path in sources)
+    return hashlib.sha256(b"".join(text for text in texts if b"njit" in text)).hexdigest()[:16]
+
+
+# numba's cache notices a change in a kernel's own file but not in a kernel that it calls from another file, so a
+# test could pass on yesterday's machine code: each state of the kernels has a cache of its own. Set before numba is
+# loaded; processes that tests start inherit it.
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / _kernel_fingerprint()))
+
+
+def chromium_path() -> str | None:
+    """The Chromium on the path, or None."""
+    return next(filter(None, map(shutil.which, CHROMIUM_NAMES)), None)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip what is marked `browser` where there is no browser."""
+    if chromium_path() is None:
+        reason = "no Chromium on the path: apt-get install chromium"
+        for item in items:
+            if item.get_closest_marker("browser"):
+                item.add_marker(pytest.mark.skip(reason=reason))
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """Path of the Chromium that browser tests drive."""
+    path = chromium_path()
+    if path is None:
+        pytest.skip("no Chromium on the path: apt-get install chromium")
+    return path
+
+
+@pytest.fixture(scope="session")
+def recordings() -> Path:
+    """The folder of real recordings, which lies beside the project and is no part of it."""
+    folder = ROOT.parent / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip("no real recordings: ../shared/data is missing beside the project")
+    return folder
