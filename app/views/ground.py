@@ -29,6 +29,9 @@ class GroundView:
             position=(0.0, 0.0, LOWER),
         )
         self._theme: Theme | None = None
+        scene.configure_default_lights(enabled=False, cast_shadow=False)  # they wash colours out
+        scene.add_light_ambient("/light/ambient", intensity=1.6)
+        scene.add_light_directional("/light/sun", intensity=1.6, position=(-4.0, -6.0, 10.0))
         camera = stage.server.initial_camera
         camera.position, camera.look_at, camera.fov = (0.0, -18.0, 22.0), (0.0, 0.0, 0.0), 0.7
 

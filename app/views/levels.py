@@ -10,8 +10,9 @@ from app.web.private import set_png
 from app.web.stage import Stage
 from app.web.theme import Theme
 
-BLOCK = 64  # cells: images grow by whole blocks, so that their size seldom changes
-OPAQUE, VEIL = 255, 80  # opacity of free cells: with nothing and with other levels below
+BLOCK = 64  # cells of the finest level: images grow by whole blocks, so that their size seldom changes
+OPAQUE = 255
+VEILED_FREE, VEILED_OCCUPIED = 36, 220  # opacity of a level with others below
 SAFETY = 0.1  # metres that the floor lies below the lowest pose
 
 
@@ -82,10 +83,10 @@ class _Level:
         if state == self._drawn or not image.cells.size:
             return None
         self._drawn = state
-        veil = VEIL if place.veiled else OPAQUE
+        free, occupied = (VEILED_FREE, VEILED_OCCUPIED) if place.veiled else (OPAQUE, OPAQUE)
         cells, _, _ = aligned(image)
         # Unknown has the colour of free: filtering would else draw a fringe around the map.
-        return palette_png.encode(cells, (theme.free, theme.free, theme.occupied), (0, veil, OPAQUE))
+        return palette_png.encode(cells, (theme.free, theme.free, theme.occupied), (0, free, occupied))
 
     def show(self, image: MapImage, place: Placement, png: bytes | None) -> None:
         """Put picture and label in their place."""
@@ -108,9 +109,10 @@ class _Level:
 
 def aligned(image: MapImage) -> tuple[np.ndarray, float, float]:
     """The cells with unknown around them up to whole blocks, and the x, y of their lower left corner."""
-    column, row = (round(c / image.resolution) % BLOCK for c in (image.x, image.y))
+    block = max(1, BLOCK >> image.level)
+    column, row = (round(c / image.resolution) % block for c in (image.x, image.y))
     rows, cols = image.cells.shape
-    size = (-(-(row + rows) // BLOCK) * BLOCK, -(-(column + cols) // BLOCK) * BLOCK)
+    size = (-(-(row + rows) // block) * block, -(-(column + cols) // block) * block)
     cells = np.zeros(size, np.uint8)
     cells[row : row + rows, column : column + cols] = image.cells
     return cells, image.x - column * image.resolution, image.y - row * image.resolution

@@ -29,7 +29,7 @@ class Item:
 
 
 class Painter:
-    """Draws `items` (views and panels) until stopped. One that raises is named on the page and left out."""
+    """Draws `items` (views and panels) until stopped. One that raises is left out and named on the page."""
 
     def __init__(self, stage: Stage, mailbox: Mailbox[Snapshot], items: Iterable[Any]) -> None:
         self._stage = stage
@@ -74,4 +74,4 @@ class Painter:
         except Exception as error:  # one broken view must not take the others away
             log.exception("%s cannot be drawn any more", item.title)
             self._items.remove(item)
-            self._stage.report_failure(item.title, type(error).__name__)
+            self._stage.failures[item.title] = type(error).__name__

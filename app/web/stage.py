@@ -79,7 +79,6 @@ class Stage:
     layers: list[Layer] = field(default_factory=list)
     failures: dict[str, str] = field(default_factory=dict)
     floor: viser.FrameHandle = field(init=False)
-    _failure_note: viser.GuiMarkdownHandle | None = None
     _lock: threading.RLock = field(default_factory=threading.RLock)
 
     def __post_init__(self) -> None:
@@ -133,14 +132,6 @@ class Stage:
         """
         for target in [client] if client is not None else list(self.server.get_clients().values()):
             private.run_script(target, script)
-
-    def report_failure(self, title: str, reason: str) -> None:
-        """Name a view or panel that was switched off, at the top of the page, for everybody who looks."""
-        self.failures[title] = reason
-        text = ", ".join(f"**{name}** ({why})" for name, why in self.failures.items())
-        if self._failure_note is None:
-            self._failure_note = self.server.gui.add_markdown("", order=-1.0)
-        self._failure_note.content = f"Switched off after an error, see the terminal: {text}"
 
     def _apply_theme(self) -> None:
         theme = self.theme

@@ -1,0 +1,219 @@
+// What the scene needs inside the browser: crisp cells, and a camera that each person has for themselves.
+//
+// viser leaves its internals at window.__viserMutable. They are no interface: everything here looks before it
+// touches, and without them the page still shows everything, with blurred cells and viser's own camera.
+"use strict";
+
+(() => {
+  const NEAREST = 1003; // THREE.NearestFilter
+  const MAP = "/floor/map/";
+  const GRID = "/floor/grid/lines";
+  const ROBOT = "/robot";
+  const MARGIN = 1.08; // the map fills this much less than the window
+  const SMOOTH = 0.25; // seconds of lag of every movement
+  const TILT = 0.65; // radians off the vertical
+  const NEAR = 18; // metres: following begins no farther than this
+
+  const viser = () => window.__viserMutable;
+
+  // ------------------------------------------------------------------------------------------- crisp cells
+
+  const mapMeshes = () =>
+    Object.entries(viser()?.nodeRefFromName ?? {})
+      .filter(([name, node]) => name.startsWith(MAP) && node)
+      .flatMap(([, node]) => {
+        const found = [];
+        node.traverse((child) => child.isMesh && child.material?.map !== undefined && found.push(child));
+        return found;
+      });
+
+  // Called before each drawing of a mesh: a new picture never shows a blurred frame.
+  function sharpen(_renderer, _scene, _camera, _geometry, material) {
+    const texture = material.map;
+    if (!texture || texture.magFilter === NEAREST) return;
+    texture.magFilter = NEAREST;
+    texture.anisotropy = 4;
+    texture.needsUpdate = true;
+  }
+
+  function prepare(mesh) {
+    if (mesh.onBeforeRender === sharpen) return;
+    mesh.onBeforeRender = sharpen;
+    mesh.material.depthWrite = false; // what is transparent must not hide what lies below
+  }
+
+  // ------------------------------------------------------------------------------------------------ camera
+
+  // auto: keep the whole map in view until somebody touches the camera. goal: angles on the way to.
+  const state = { mode: "fit", auto: true, follow: false, top: false, goal: null, distance: null, last: null, pan: null };
+
+  const minus = (a, b) => ({ x: a.x - b.x, y: a.y - b.y, z: a.z - b.z });
+  const plus = (a, b) => ({ x: a.x + b.x, y: a.y + b.y, z: a.z + b.z });
+  const times = (a, k) => ({ x: a.x * k, y: a.y * k, z: a.z * k });
+  const dot = (a, b) => a.x * b.x + a.y * b.y + a.z * b.z;
+  const size = (a) => Math.sqrt(dot(a, a));
+  const column = (matrix, i) => ({ x: matrix.elements[4 * i], y: matrix.elements[4 * i + 1], z: matrix.elements[4 * i + 2] });
+  const shown = (node) => {
+    for (let at = node; at; at = at.parent) if (!at.visible) return false;
+    return true;
+  };
+
+  function corners() {
+    const found = [];
+    for (const mesh of mapMeshes()) {
+      const { width, height } = mesh.geometry?.parameters ?? {};
+      if (!width || !shown(mesh)) continue;
+      const [right, up, at] = [column(mesh.matrixWorld, 0), column(mesh.matrixWorld, 1), column(mesh.matrixWorld, 3)];
+      for (const i of [-0.5, 0.5])
+        for (const j of [-0.5, 0.5]) found.push(plus(at, plus(times(right, i * width), times(up, j * height))));
+    }
+    return found;
+  }
+
+  // Where to look, and from how far, to have all of the map in view: exact for a given direction.
+  function fitted(camera) {
+    const points = corners();
+    if (!points.length) return null;
+    const axes = ["x", "y", "z"];
+    const centre = {};
+    for (const k of axes) {
+      const values = points.map((p) => p[k]);
+      centre[k] = (Math.min(...values) + Math.max(...values)) / 2;
+    }
+    const [right, up, back] = [0, 1, 2].map((i) => column(camera.matrixWorld, i));
+    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    const wide = tall * camera.aspect;
+    let distance = 2;
+    for (const point of points) {
+      const v = minus(point, centre);
+      const lean = dot(v, back);
+      distance = Math.max(distance, lean + (MARGIN * Math.abs(dot(v, right))) / wide, lean + (MARGIN * Math.abs(dot(v, up))) / tall);
+    }
+    return { centre, distance };
+  }
+
+  // The turn about the vertical that puts the map's y axis upwards.
+  function northUp() {
+    const floor = viser()?.nodeRefFromName?.["/floor"];
+    if (!floor) return 0;
+    const north = column(floor.matrixWorld, 1);
+    return Math.atan2(-north.x, -north.z);
+  }
+
+  const nearest = (angle, to) => angle + 2 * Math.PI * Math.round((to - angle) / (2 * Math.PI));
+
+  function turn(controls, share) {
+    if (!state.goal) return;
+    const azimuth = nearest(state.goal.azimuth, controls.azimuthAngle);
+    const [a, p] = [azimuth - controls.azimuthAngle, state.goal.polar - controls.polarAngle];
+    const done = Math.abs(a) + Math.abs(p) < 0.002;
+    const k = done ? 1 : share;
+    controls.rotateTo(controls.azimuthAngle + k * a, controls.polarAngle + k * p, false);
+    if (done) state.goal = null;
+  }
+
+  function dolly(controls, goal, share) {
+    const gap = goal - controls.distance;
+    if (Math.abs(gap) > 0.002 * goal) controls.dollyTo(controls.distance + share * gap, false);
+  }
+
+  function move(controls, goal, share) {
+    const at = controls.getTarget();
+    const gap = minus(goal, at);
+    if (size(gap) < 1e-3) return;
+    const to = plus(at, times(gap, share));
+    controls.moveTo(to.x, to.y, to.z, false);
+  }
+
+  function keepInView(controls, camera, share) {
+    const goal = fitted(camera);
+    if (!goal) return;
+    move(controls, goal.centre, share);
+    dolly(controls, goal.distance, share);
+  }
+
+  // The target moves with the robot; whatever the person adds by hand (pan, zoom, turn) stays.
+  function chase(controls, share) {
+    const robot = viser().nodeRefFromName[ROBOT];
+    if (!robot) return;
+    const at = controls.getTarget();
+    if (state.last) state.pan = plus(state.pan, minus(at, state.last));
+    const goal = plus(column(robot.matrixWorld, 3), state.pan);
+    if (state.distance !== null) {
+      dolly(controls, state.distance, share);
+      if (Math.abs(controls.distance - state.distance) < 0.01 * state.distance) state.distance = null;
+    }
+    move(controls, goal, share);
+    state.last = controls.getTarget();
+  }
+
+  function setHands(controls, top) {
+    // From above, dragging moves the map; else it turns the view.
+    const [drag, other] = [controls.mouseButtons.left, controls.mouseButtons.right];
+    if (top !== state.top) {
+      controls.mouseButtons.left = other;
+      controls.mouseButtons.right = drag;
+    }
+    controls.maxPolarAngle = top ? Math.max(0, controls.polarAngle) : Math.PI;
+  }
+
+  function camera(mode) {
+    const controls = viser()?.cameraControl;
+    if (!controls || !["free", "follow", "top", "fit"].includes(mode)) return;
+    if (mode === "top" || mode === "free") {
+      setHands(controls, mode === "top");
+      state.goal = mode === "top" || state.top ? { polar: mode === "top" ? 0 : TILT, azimuth: northUp() } : null;
+      state.top = mode === "top";
+    }
+    state.auto = mode === "fit" || mode === "top";
+    state.follow = mode === "follow";
+    state.distance = state.follow && controls.distance > NEAR ? NEAR : null;
+    state.last = null;
+    state.pan = { x: 0, y: 0, z: 0 };
+    state.mode = mode;
+  }
+
+  function touched(event) {
+    if (event.type === "pointermove" && event.buttons === 0) return;
+    state.auto = false;
+    state.goal = null;
+    state.distance = null;
+  }
+
+  function watch(canvas) {
+    if (canvas.dataset.hectorscope) return;
+    canvas.dataset.hectorscope = "watched";
+    for (const kind of ["wheel", "pointermove"]) canvas.addEventListener(kind, touched, { passive: true });
+  }
+
+  // Lowest first: the finest level, the metre grid, the levels above it, and then all that is drawn on the map.
+  // From above, coarser levels of a stack would hide the finest one.
+  function order() {
+    for (const mesh of mapMeshes()) {
+      const above = (mesh.parent?.parent ?? mesh).position.z > 0.1;
+      mesh.renderOrder = above ? -1 : -3;
+      mesh.visible = !(state.top && above);
+    }
+    viser().nodeRefFromName[GRID]?.traverse((child) => (child.renderOrder = -2));
+  }
+
+  let before = performance.now();
+
+  function frame(now) {
+    requestAnimationFrame(frame);
+    const share = 1 - Math.exp(-Math.min(now - before, 200) / 1000 / SMOOTH);
+    before = now;
+    const page = viser();
+    if (!page?.cameraControl || !page.camera || !page.canvas) return;
+    watch(page.canvas);
+    mapMeshes().forEach(prepare);
+    order();
+    turn(page.cameraControl, share);
+    if (state.auto) keepInView(page.cameraControl, page.camera, share);
+    if (state.follow) chase(page.cameraControl, share);
+    if (state.top && !state.goal) page.cameraControl.maxPolarAngle = 0;
+  }
+
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { camera, cameraState: () => ({ ...state }) });
+  requestAnimationFrame(frame);
+})();
