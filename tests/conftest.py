@@ -18,9 +18,9 @@ def _kernel_fingerprint() -> str:
     return hashlib.sha256(b"".join(text for text in texts if b"njit" in text)).hexdigest()[:16]
 
 
-# numba's cache notices a change in a kernel's own file but not in a kernel that it calls from another file, so a
-# test could pass on yesterday's machine code: each state of the kernels has a cache of its own. Set before numba is
-# loaded; processes that tests start inherit it.
+# numba's cache notices a change in a kernel's own file but not in a kernel that it calls from another file, so
+# a test could pass on yesterday's machine code: each state of the kernels has a cache of its own. Set before numba
+# is loaded; processes that tests start inherit it.
 os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / _kernel_fingerprint()))
 
 
