@@ -82,6 +82,10 @@ class MatcherConfig:
     covariance: Annotated[CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")] = (
         "hessian"
     )
+    prior_weight: Annotated[
+        float,
+        Param("How much the predicted pose counts in the match (0: the paper's plain match).", "", 0.0, 10.0),
+    ] = 1.0
     start_estimate: Annotated[
         StartEstimate,
         Param("Where the search starts: projected filter, integrated velocities, or last pose."),
@@ -116,6 +120,19 @@ class NavigationConfig:
     zero_velocity_sigma: Annotated[
         float, Param("Noise of that pseudo measurement.", "m/s", 0.05, 20.0, log=True)
     ] = 1.0
+    tilt_threshold: Annotated[
+        float,
+        Param("A tilt less certain than this is leveled by the accelerometers.", "rad", 0.001, 1.0, log=True),
+    ] = 0.02
+    gravity_sigma: Annotated[
+        float, Param("Noise of that: accelerations that pass for gravity.", "m/s²", 0.01, 10.0, log=True)
+    ] = 1.0
+    height_threshold: Annotated[
+        float, Param("A height less certain than this is held.", "m", 0.1, 100.0, log=True)
+    ] = 3.0
+    level_time: Annotated[
+        float, Param("The attitude at the start is the mean over this.", "s", 0.1, 5.0, restart=True)
+    ] = 0.5
 
 
 @dataclass(frozen=True, slots=True)

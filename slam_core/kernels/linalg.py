@@ -53,11 +53,8 @@ def is_covariance(A: Float64s) -> bool:
         for j in range(i):
             if not abs(A[i, j] - A[j, i]) <= 1e-6 * math.sqrt(abs(A[i, i] * A[j, j])):
                 return False
-    L = cholesky(A)
-    for i in range(len(A)):
-        if not 0.0 < L[i, i] < np.inf:
-            return False
-    return True
+    roots = np.diag(cholesky(A))
+    return bool(np.all((roots > 0.0) & (roots < np.inf)))
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,4 +1,4 @@
-"""Section V-A in compiled form: eqs. (1)-(3) over one interval, their linearisation, and the bounds of the covariance.
+"""Section V-A in compiled form: eqs. (1)-(3) over one interval, their linearisation, the bounds of P.
 
 x: (19,) quaternion 0:4, position 4:7, velocity 7:10, gyro bias 10:13, accelerometer bias 13:16, and the specific
 force in body axes, smoothed, 16:19. P: (15, 15) of the errors of attitude (small rotation about the map's axes),
@@ -16,11 +16,12 @@ from slam_core.measurements import Float64s
 
 STATES = 19
 ERRORS = 15
+# The smoothed specific force shows where down is while its size is within this share of gravity.
+NEAR_GRAVITY = 0.1
 
-_product = njit(geometry.multiply)
-_exponential = njit(geometry.from_rotation_vector)
-_matrix = njit(geometry.rotation_matrix)
-_heading_gradient = njit(geometry.heading_gradient)
+_product = njit(cache=True)(geometry.multiply)
+_exponential = njit(cache=True)(geometry.from_rotation_vector)
+_matrix = njit(cache=True)(geometry.rotation_matrix)
 
 
 @njit(cache=True, error_model="numpy")
@@ -106,33 +107,38 @@ def bound(x: Float64s, P: Float64s, gravity: float, bounds: Float64s) -> tuple[F
 
     Tilt is measured by the smoothed specific force, velocity and biases are pulled to zero, the rest is held.
     """
-    if P[0, 0] > bounds[0, 0] or P[1, 1] > bounds[1, 0]:
-        x, P = _level(x, P, gravity, bounds[0, 1])
+    if P[0, 0] > bounds[0, 0] or P[1, 1] > bounds[0, 0]:
+        x, P = level(x, P, gravity, bounds[0, 1])
     for i in range(2, ERRORS):
         if P[i, i] > bounds[i, 0]:
-            innovation = -x[1 + i] if i >= 6 else 0.0
             gain = P[i] / (P[i, i] + bounds[i, 1])
-            reduced = P.copy()
-            for r in range(ERRORS):
-                for c in range(ERRORS):
-                    reduced[r, c] -= gain[r] * P[i, c]
-            x, P = inject(x, gain * innovation), reduced
+            P = P - gain.reshape(-1, 1) * P[i]
+            if i >= 6:
+                x = inject(x, -x[1 + i] * gain)
     return x, P
 
 
 @njit(cache=True, error_model="numpy")
-def _level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Float64s, Float64s]:
+def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Float64s, Float64s]:
+    """Tilt from the direction of the smoothed specific force, if its size says that it is mostly gravity."""
     R = _matrix(x[:4])
     force = np.zeros(3)
+    C = np.zeros((2, ERRORS))
     for i in range(3):
         for j in range(3):
             force[i] += R[i, j] * (x[16 + j] - x[13 + j])
-    return x, P
+    size = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+    if abs(size - gravity) > NEAR_GRAVITY * gravity:
+        return x, P
+    C[0, 1], C[1, 0] = force[2], -force[2]
+    C[:, 12:] = -R[:2]
+    error, P = gain_update(P, C, variance * np.eye(2), -force[:2])
+    return inject(x, error), P
 
 
 @njit(cache=True, error_model="numpy")
 def inject(x: Float64s, error: Float64s) -> Float64s:
-    """x with an error (15,) put right."""
+    """The state with an error (15,) put right."""
     out = x.copy()
     q = _product(_exponential(error[:3]), x[:4])
     out[:4] = q / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])

@@ -1,0 +1,33 @@
+"""Section V-B: covariance intersection of a full state with a projection of it that somebody else estimated.
+
+The two errors are correlated in an unknown way: the match starts from the filter, and the map was drawn with it.
+So the information of each is weighed, (1 - omega) and omega, before it is added. Printed slips are put right: (17)
+has no inverse after its bracket, (18) scales all of P, and (20) holds C P C^T.
+"""
+
+import numpy as np
+
+from slam_core.kernels.linalg import gain_update
+from slam_core.measurements import Float64s
+
+
+def intersect(
+    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, omega: float
+) -> tuple[Float64s, Float64s]:
+    """Eqs. (18)-(20): the correction K (xi - C x) to add to x, and P+.
+
+    P: (n, n), C: (m, n), R: (m, m), innovation: (m,) xi - C x with angles wrapped, omega in (0, 1).
+    K = P C^T ((1 - omega) / omega R + C P C^T)^-1 and P+ = (P - K C P) / (1 - omega).
+    """
+    correction, reduced = gain_update(P, C, (1.0 - omega) / omega * R, innovation)
+    return correction, reduced / (1.0 - omega)
+
+
+def intersect_information(
+    x: Float64s, P: Float64s, C: Float64s, xi: Float64s, R: Float64s, omega: float
+) -> tuple[Float64s, Float64s]:
+    """Eqs. (16)-(17): x+ and P+ by adding the weighed information; inverts P, which (18)-(20) avoid."""
+    prior = (1.0 - omega) * np.linalg.inv(P)
+    match = omega * C.T @ np.linalg.inv(R)
+    fused: Float64s = np.linalg.inv(prior + match @ C).astype(np.float64)
+    return fused @ (prior @ x + match @ xi), fused

@@ -1,0 +1,52 @@
+"""How the filter begins: level from the mean specific force of its first moment."""
+
+import math
+
+import numpy as np
+
+from slam_core.config import NavigationConfig
+from slam_core.kernels import navigation as kernels
+from slam_core.measurements import Float64s
+
+# Below these standard deviations of single samples the base is taken to stand still.
+STILL_GYRO = 0.03  # rad/s
+STILL_ACCEL = 0.25  # m/s²
+# Half a turn of tilt is as good as unknown before gravity is seen.
+UNKNOWN_TILT = 1.0  # rad
+
+
+def start_belief(samples: Float64s, config: NavigationConfig) -> tuple[Float64s, Float64s] | None:
+    """(x, P) at the last of the samples (n, 6), at the origin with heading 0; None if there is no gravity in them.
+
+    A base that stands still shows its gyro biases; one that moves begins with biases and a velocity unknown.
+    """
+    mean, spread = samples.mean(axis=0), samples.std(axis=0)
+    if np.linalg.norm(mean[3:]) < 0.1 * config.gravity:
+        return None
+    rates, force = mean[:3], mean[3:]
+    still = bool(
+        (spread[:3] < STILL_GYRO).all()
+        and (spread[3:] < STILL_ACCEL).all()
+        and (np.abs(rates) < 3.0 * config.gyro_bias_sigma).all()
+    )
+    x = np.zeros(kernels.STATES)
+    x[:4] = upright(force)
+    x[10:13] = rates if still else 0.0
+    x[16:19] = force
+    gyro_sigma = config.gyro_noise / math.sqrt(config.level_time) if still else config.gyro_bias_sigma
+    sigma = np.repeat([UNKNOWN_TILT, 0.01, 0.05 if still else 1.0, gyro_sigma, config.accel_bias_sigma], 3)
+    sigma[2] = 0.001  # the first heading is 0 by definition
+    # Gravity through the filter's own measurement, so that tilt and accelerometer bias start correlated.
+    noise = 0.02**2 + float(np.max(spread[3:]) / 3.0) ** 2
+    leveled: tuple[Float64s, Float64s] = kernels.level(x, np.diag(sigma**2), float(np.linalg.norm(force)), noise)
+    return leveled
+
+
+def upright(force: Float64s) -> Float64s:
+    """The attitude (4,) of heading 0 in which the specific force (3,) points up."""
+    f = force / np.linalg.norm(force)
+    if f[2] < -1.0 + 1e-9:
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    q = np.array([1.0 + f[2], f[1], -f[0], 0.0])
+    normed: Float64s = q / np.linalg.norm(q)
+    return normed
