@@ -11,7 +11,7 @@ import numpy as np
 from app.ros import messages
 from app.ros.messages import BadMessage
 from app.ros.mounts import Mounts
-from app.ros.roles import PRESSURE, RANGE, Roles, tf_spec
+from app.ros.roles import PRESSURE, RANGE, Roles, is_static_tf, tf_spec
 from app.ros.tf import TfTree
 from app.ros.tf_poses import TfPoses
 from app.snapshot import SourceReport
@@ -171,7 +171,7 @@ class Converter:
 
     def _transforms(self, topic: str, message: Any, receive_ns: int) -> list[Item]:
         """Grow the tf tree; items for the chains that stand for attitude or truth."""
-        static = topic.endswith("tf_static")
+        static = is_static_tf(topic)
         updated: dict[str, int] = {}
         for stamped in message.transforms:
             try:

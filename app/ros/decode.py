@@ -19,6 +19,12 @@ Decode = Callable[[bytes | memoryview], Any]
 _IDL_HEADING = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
 
 
+def ros2_name(msgtype: str) -> str:
+    """sensor_msgs/LaserScan as sensor_msgs/msg/LaserScan."""
+    package, _, name = msgtype.partition("/")
+    return msgtype if "/" in name or not name else f"{package}/msg/{name}"
+
+
 def decoder(
     generation: Generation, msgtype: str, definition: str = "", form: DefinitionFormat = "msg"
 ) -> Decode | None:

@@ -73,7 +73,7 @@ class Mounts:
 
     def _note(self, base: str, frame: str, *, moving: bool) -> None:
         if frame in self._given_up or frame not in self._tree.frames():
-            self.notes[frame] = f"no tf for {frame}: taken to be at the base (--laser-pose places the laser)"
+            self.notes[frame] = f"no tf for {frame}: taken to be at the base (a laser is placed by --laser-pose)"
         elif frame == base:
             self.notes[frame] = f"{frame} is the base"
         else:

@@ -78,6 +78,11 @@ def tf_spec(topic: str) -> TfSpec | None:
     return TfSpec(parent.strip("/ "), child.strip("/ "))
 
 
+def is_static_tf(topic: str) -> bool:
+    """Whether transforms of this topic hold for all times."""
+    return topic.rsplit("/", maxsplit=1)[-1] == "tf_static"
+
+
 def choose_roles(topics: Iterable[Topic], options: SourceOptions) -> Roles:
     """The best topic for each part; a part whose topic is not on offer (yet) stays None."""
     offer = sorted(topics, key=lambda topic: topic.name)

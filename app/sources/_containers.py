@@ -1,0 +1,118 @@
+"""Opens whatever a person calls a bag: .bag, .mcap, .db3, or a folder of the last two."""
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+from rosbags import rosbag1, rosbag2
+from rosbags.interfaces import Connection, MessageDefinitionFormat
+
+from app.ros.decode import Generation
+from app.sources import SourceError
+from app.sources._mcap_scan import scan_mcap
+from app.sources._recording import Channel, Raw, Recording, by_scanning, joined
+from app.sources._rosbag_scan import scan_rosbag
+
+SUFFIXES = (".bag", ".active", ".mcap", ".db3")
+_KINDS = {
+    ".bag": ("ROS 1 bag", b"#ROSBAG V2.0"),
+    ".active": ("ROS 1 bag", b"#ROSBAG V2.0"),
+    ".mcap": ("MCAP file", b"\x89MCAP0\r\n"),
+    ".db3": ("rosbag2 SQLite file", b"SQLite format 3\0"),
+}
+
+
+def open_recording(path: Path) -> Recording:
+    """The recording at `path`; SourceError if there is none, or nothing in it can be read."""
+    if not path.exists():
+        raise SourceError(f"{path} does not exist: check the path")
+    recording = _open_folder(path) if path.is_dir() else _open_file(path)
+    if not recording.messages.total():
+        because = f" ({recording.damage})" if recording.damage else ""
+        raise SourceError(f"{path} holds no messages{because}: record it again")
+    return recording
+
+
+def _open_folder(path: Path) -> Recording:
+    """A rosbag2 folder; without a usable metadata.yaml, the files in it."""
+    files = sorted((f for suffix in (".mcap", ".db3") for f in path.glob(f"*{suffix}")), key=_natural)
+    if not files:
+        raise SourceError(f"{path} holds no .mcap or .db3 files: give a rosbag2 folder or a file")
+    damage = "its metadata.yaml is missing"
+    if (path / "metadata.yaml").exists():
+        try:
+            return _indexed(path, f"rosbag2 folder ({files[0].suffix})")
+        except Exception as error:
+            damage = _reason(error)
+    return joined(path, [_open_file(file) for file in files], damage)
+
+
+def _open_file(path: Path) -> Recording:
+    container = _recognise(path)
+    try:
+        return _indexed(path, container)
+    except Exception as error:  # the parser's ways to stumble over a damaged file are many
+        reason = _reason(error)
+    if path.suffix == ".db3":
+        raise SourceError(f"{path} is damaged ({reason}): recover it with the .recover command of sqlite3")
+    if path.suffix == ".mcap":
+        damage = "" if "Profile is not ros2" in reason else reason
+        return by_scanning(path, container, lambda: scan_mcap(path), damage)
+    return by_scanning(path, container, lambda: scan_rosbag(path), reason)
+
+
+def _recognise(path: Path) -> str:
+    """The kind of a file, checked against its first bytes."""
+    if path.suffix not in _KINDS:
+        raise SourceError(f"{path} is no recording: give one that ends in {', '.join(SUFFIXES)}, or a folder")
+    container, magic = _KINDS[path.suffix]
+    try:
+        with path.open("rb") as file:
+            begin = file.read(len(magic))
+    except OSError as error:
+        raise SourceError(f"{path} cannot be opened ({error.strerror}): check its permissions") from error
+    if not begin:
+        raise SourceError(f"{path} is an empty file: record it again")
+    if begin != magic:
+        raise SourceError(f"{path} is not a {container}: it begins with {begin!r} in place of {magic!r}")
+    return container
+
+
+def _indexed(path: Path, container: str) -> Recording:
+    """By the container's own index."""
+    generation: Generation = "ros1" if path.suffix in (".bag", ".active") else "ros2"
+    make: Any = rosbag1.Reader if generation == "ros1" else rosbag2.Reader
+    with make(path) as reader:
+        messages: Counter[Channel] = Counter()
+        for connection in reader.connections:
+            messages[_channel(connection, generation)] += connection.msgcount
+        span_ns = (reader.start_time, reader.end_time - 1)
+
+    def read(channels: Collection[Channel]) -> Iterator[Raw]:
+        with make(path) as reader:
+            known = {c.id: _channel(c, generation) for c in reader.connections}
+            wanted = [c for c in reader.connections if known[c.id] in channels]
+            if wanted:
+                for connection, log_ns, data in reader.messages(connections=wanted):
+                    yield Raw(known[connection.id], log_ns, data)
+
+    return Recording(path, container, messages, span_ns, read)
+
+
+def _channel(connection: Connection, generation: Generation) -> Channel:
+    definition, form = connection.msgdef.data, connection.msgdef.format
+    is_idl = form == MessageDefinitionFormat.IDL
+    return Channel(connection.topic, connection.msgtype, generation, definition, "idl" if is_idl else "msg")
+
+
+def _reason(error: Exception) -> str:
+    """The parser's words, without the nested error that some carry behind."""
+    text = str(error) or type(error).__name__
+    return re.sub(r": \(.*\)$", "", text.splitlines()[0]).rstrip(".")
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    """Sorts part 10 behind part 9."""
+    return [(int(part or 0), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
