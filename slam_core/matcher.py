@@ -10,7 +10,7 @@ from slam_core.grid import GridLevel
 from slam_core.kernels import matching
 from slam_core.measurements import Float32s, Float64s
 from slam_core.pyramid import Pyramid
-from slam_core.results import MatchResult
+from slam_core.results import MatchResult, PlanarGaussian
 
 # A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
 LARGEST_SIGMA = np.array([10.0, 10.0, math.pi])
@@ -19,21 +19,30 @@ SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
 
 def coarse_to_fine(
-    pyramid: Pyramid, points: Float32s, start: Float64s, config: MatcherConfig, *, trace: bool = False
+    pyramid: Pyramid,
+    points: Float32s,
+    start: Float64s,
+    config: MatcherConfig,
+    *,
+    prior: PlanarGaussian | None = None,
+    trace: bool = False,
 ) -> MatchResult:
     """xi* of eq. (7) from a start estimate: each level's result starts the next finer one (section IV-C).
 
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
+    prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
+    config.prior_weight; R stays what the scan alone says.
     """
     xs, ys = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     pose = np.array(start, np.float64)
+    held = _prior_term(prior, start, config)
     iterations: list[int] = []
     traces: list[Float64s] = []
     converged = False
     for i in reversed(range(len(pyramid.levels))):
         allowed = config.iterations_coarse if i else config.iterations_fine
         steps = np.empty((allowed if trace else 0, 3))
-        taken, converged = _climb(pyramid.levels[i], xs, ys, pose, allowed, config, steps)
+        taken, converged = _climb(pyramid.levels[i], xs, ys, pose, held, allowed, config, steps)
         iterations.insert(0, taken)
         traces.append(np.column_stack([np.full(len(steps[:taken]), float(i)), steps[:taken]]))
     finest = pyramid.levels[0]
@@ -52,14 +61,25 @@ def _climb(
     xs: Float32s,
     ys: Float32s,
     pose: Float64s,
+    held: Float64s,
     allowed: int,
     config: MatcherConfig,
     steps: Float64s,
 ) -> tuple[int, bool]:
     taken, converged = matching.gauss_newton(
-        *_grid_arguments(level), xs, ys, pose, allowed, config.converged_step, config.max_yaw_step, steps
+        *_grid_arguments(level), xs, ys, pose, held, allowed, config.converged_step, config.max_yaw_step, steps
     )
     return int(taken), bool(converged)
+
+
+def _prior_term(prior: PlanarGaussian | None, start: Float64s, config: MatcherConfig) -> Float64s:
+    """(4, 3): the prior's information in units of the cost, whose scale is sigma^2 by eq. (15), and its mean."""
+    term = np.zeros((4, 3))
+    if prior is not None and config.prior_weight > 0.0:
+        term[:3] = config.prior_weight * config.sigma**2 * np.linalg.inv(prior.covariance)
+        term[3] = prior.mean
+        term[3, 2] = start[2] + wrap(prior.mean[2] - start[2])
+    return term
 
 
 def _grid_arguments(level: GridLevel) -> tuple[Float32s, int, int, float, float, float]:

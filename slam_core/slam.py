@@ -123,7 +123,9 @@ class HectorSlam:
         if not self.pyramid.updates:
             return None
         start = self._start_estimate(prior)
-        match = coarse_to_fine(self.pyramid, leveled.points, start, self.config.matcher, trace=self.trace)
+        match = coarse_to_fine(
+            self.pyramid, leveled.points, start, self.config.matcher, prior=prior, trace=self.trace
+        )
         self._pose = match.pose
         return match
 

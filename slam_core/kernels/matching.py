@@ -112,6 +112,7 @@ def gauss_newton(
     xs,
     ys,
     pose,
+    prior,
     iterations,
     converged_step,
     max_yaw_step,
@@ -119,6 +120,7 @@ def gauss_newton(
 ):
     """Iterate (12) on one level; `pose` (3,) is updated in place and every iterate goes to `trace` (k, 3).
 
+    prior: (4, 3), information of a predicted pose in units of the cost, and below it that pose; zeros for none.
     Ends early when a step is shorter than `converged_step` metres (its yaw counted at one metre's arm).
     Returns the number of steps taken and whether the last one was that short.
     """
@@ -127,7 +129,18 @@ def gauss_newton(
         h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(
             cells, rows, columns, origin_x, origin_y, inverse, xs, ys, pose[0], pose[1], pose[2]
         )
-        dx, dy, dpsi, solved = solve3(h00, h01, h02, h11, h12, h22, b0, b1, b2)
+        e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
+        dx, dy, dpsi, solved = solve3(
+            h00 + prior[0, 0],
+            h01 + prior[0, 1],
+            h02 + prior[0, 2],
+            h11 + prior[1, 1],
+            h12 + prior[1, 2],
+            h22 + prior[2, 2],
+            b0 + prior[0, 0] * e0 + prior[0, 1] * e1 + prior[0, 2] * e2,
+            b1 + prior[1, 0] * e0 + prior[1, 1] * e1 + prior[1, 2] * e2,
+            b2 + prior[2, 0] * e0 + prior[2, 1] * e1 + prior[2, 2] * e2,
+        )
         if not solved:
             return steps, False
         dpsi = min(max(dpsi, -max_yaw_step), max_yaw_step)
