@@ -28,11 +28,6 @@ class Replay:
         """Where it listens."""
         return f"ws://127.0.0.1:{self.port}"
 
-    def wait_until_replayed(self) -> None:
-        """Until the last message was sent."""
-        assert self.process.stdout is not None
-        assert self.process.stdout.readline() == "replayed\n"
-
     def kill(self) -> None:
         """As the power switch does it: no farewell."""
         self.process.send_signal(signal.SIGKILL)

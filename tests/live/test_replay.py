@@ -1,0 +1,177 @@
+"""The live source against the real server: recordings replayed by it are taken as from the file."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from app.engine import Engine
+from app.feeder import Feeder
+from app.runner import run_headless
+from app.settings import Settings
+from app.simulation import SimulateOptions, simulate
+from app.snapshot import Snapshot
+from app.sources import Item, Source, SourceOptions, open_source
+from slam_core.measurements import Imu, LaserScan
+from tests.live.conftest import Replay
+
+TOPICS = ("--topics", "/tf_static", "/scan", "/imu/data_raw", "/pressure", "/ground_truth")
+GIVE_UP_S = 60.0
+
+
+@pytest.fixture(scope="session", params=["drive.bag", "drive.mcap"])
+def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six seconds through the arena with everything on board, of either ROS generation."""
+    path = tmp_path_factory.mktemp("drive") / str(request.param)
+    simulate(SimulateOptions(scenario="arena", duration=6.0, scan_rate=20.0, beams=181, out=path))
+    return path
+
+
+def plain(value: Any) -> Any:
+    """A measurement as something that can be compared, to the last bit."""
+    if is_dataclass(value):
+        return type(value).__name__, *(plain(getattr(value, f.name)) for f in fields(value))
+    return value.tobytes() if isinstance(value, np.ndarray) else value
+
+
+@contextmanager
+def opened(uri: str | Path) -> Iterator[Source]:
+    """An open source that ends by itself when a test would otherwise wait for ever."""
+    source = open_source(str(uri), SourceOptions())
+    watchdog = threading.Timer(GIVE_UP_S, source.close)
+    watchdog.start()
+    try:
+        yield source
+    finally:
+        watchdog.cancel()
+        source.close()
+
+
+def recorded(path: Path) -> list[Item]:
+    with opened(path) as source:
+        return list(source.items())
+
+
+def test_a_replay_gives_the_measurements_of_the_file(drive: Path, replay: Callable[..., Replay]) -> None:
+    """Every measurement arrives, bit by bit the same and in the same order, and nothing was dropped."""
+    expected = recorded(drive)
+    with opened(replay(drive, *TOPICS, "--speed", "6").uri) as source:
+        received = list(islice(source.items(), len(expected)))
+        assert [plain(item) for item in received] == [plain(item) for item in expected]
+        assert source.report.dropped == 0
+        assert not source.report.skipped
+
+
+@pytest.mark.real
+def test_a_real_recording_arrives_as_from_the_file(recordings: Path, replay: Callable[..., Replay]) -> None:
+    """Scans, odometry and the mount on /tf of a real robot, without definitions in its recording."""
+    bag = recordings / "turtlebot4_rosbag2" / "macfirst_floor_take_2"
+    server = replay(bag, "--topics", "/scan", "/odom", "/tf", "/tf_static", "--speed", "8", "--end", "16")
+    expected = recorded(bag)
+    with opened(server.uri) as source:
+        received = list(islice(source.items(), 500))
+    assert [plain(item) for item in received] == [plain(item) for item in expected[:500]]
+
+
+def test_a_slow_consumer_loses_old_scans_only(drive: Path, replay: Callable[..., Replay]) -> None:
+    """Whoever looks away finds the newest scans, every other measurement, and the number of scans given up."""
+    with opened(drive) as source:
+        expected = list(source.items())
+        everything = source.report.read
+    server = replay(drive, *TOPICS, "--speed", "6")
+    with opened(server.uri) as source:
+        feeder = Feeder(source)
+        wait_for(lambda: source.report.read == everything)
+        received = list(iter(lambda: feeder.get(1.0), None))
+        source.close()
+        feeder.close()
+    scans = [item for item in expected if isinstance(item, LaserScan)]
+    kept = [item for item in received if isinstance(item, LaserScan)]
+    assert 0 < len(kept) < len(scans)
+    assert feeder.dropped == len(scans) - len(kept)
+    newest = {scan.stamp_ns for scan in scans[-len(kept) :]}
+    others = [item for item in expected if not isinstance(item, LaserScan) or item.stamp_ns in newest]
+    assert [plain(item) for item in received] == [plain(item) for item in others]
+
+
+def test_a_killed_server_is_waited_for(drive: Path, replay: Callable[..., Replay]) -> None:
+    """When the server dies in the middle and another one takes its place, the stream goes on."""
+    first = replay(drive, *TOPICS)
+    with opened(first.uri) as source:
+        items = source.items()
+        before = list(islice(items, 200))
+        first.kill()
+        replay(drive, *TOPICS, "--port", str(first.port), "--begin", "4")
+        resumed_ns = before[0].stamp_ns + 4_000_000_000
+        after = next(item for item in items if isinstance(item, Imu) and item.stamp_ns >= resumed_ns)
+        assert after.stamp_ns < resumed_ns + 100_000_000
+        assert source.report.waiting == ""
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Until it holds; a test that waits too long fails."""
+    done = threading.Event()
+    for _ in range(int(GIVE_UP_S / 0.02)):
+        if condition():
+            return
+        done.wait(0.02)
+    raise AssertionError("waited in vain")
+
+
+@contextmanager
+def running(source: Source) -> Iterator[Engine]:
+    engine = Engine(source, Settings())
+    engine.start()
+    try:
+        yield engine
+    finally:
+        engine.stop()
+
+
+def snapshot(engine: Engine) -> Snapshot:
+    latest = engine.mailbox.latest
+    assert latest is not None
+    return latest
+
+
+def poses(start_ns: int, rows: NDArray[np.float64]) -> tuple[list[int], bytes]:
+    """The nanoseconds of a trajectory and the bytes of its poses; runs may count from different starts."""
+    return [start_ns + round(seconds * 1e9) for seconds in rows[:, 0]], rows[:, 1:].tobytes()
+
+
+def test_a_live_run_gives_the_trajectory_of_the_file(drive: Path, replay: Callable[..., Replay]) -> None:
+    """Mapping from the stream ends in the same poses as mapping from the recording, to the last bit."""
+    with opened(drive) as source:
+        pipeline, _ = run_headless(source, Settings())
+    with opened(replay(drive, *TOPICS, "--speed", "2").uri) as source, running(source) as engine:
+        wait_for(lambda: snapshot(engine).scans >= pipeline.scans - 3)
+        live = snapshot(engine)
+    assert live.report.dropped == 0
+    rows = min(live.scans, pipeline.scans)
+    assert poses(live.playback.start_ns, live.trajectory[:rows]) == poses(
+        pipeline.start_ns or 0, pipeline.trajectory[:rows]
+    )
+
+
+def test_the_map_survives_a_killed_server(drive: Path, replay: Callable[..., Replay]) -> None:
+    """While the server is away the page waits and says so; then the same run goes on with its map."""
+    first = replay(drive, *TOPICS)
+    with opened(first.uri) as source, running(source) as engine:
+        wait_for(lambda: snapshot(engine).scans >= 20)
+        first.kill()
+        wait_for(lambda: snapshot(engine).playback.state == "waiting")
+        alone = snapshot(engine)
+        replay(drive, *TOPICS, "--port", str(first.port), "--begin", "4")
+        wait_for(lambda: snapshot(engine).scans >= alone.scans + 10)
+        resumed = snapshot(engine)
+    assert first.uri in alone.playback.detail
+    assert resumed.epoch == alone.epoch
+    assert resumed.map_updates >= alone.map_updates > 0
+    assert resumed.trajectory[: alone.scans].tobytes() == alone.trajectory.tobytes()
