@@ -34,8 +34,11 @@ def decoder(
     that name is used. None: the type is unknown. Each decoder keeps its own types, so that two definitions of one
     name do not get in each other's way.
     """
-    store = (_defined(msgtype, definition, form) if definition else None) or _standard(generation)
+    standard = _standard(generation)
+    store = (_defined(msgtype, definition, form) if definition else None) or standard
     if msgtype not in store.fielddefs:
+        return None
+    if not _field_names(standard, msgtype) <= _field_names(store, msgtype):
         return None
     deserialise = store.deserialize_ros1 if generation == "ros1" else store.deserialize_cdr
 
@@ -61,6 +64,11 @@ def _defined(msgtype: str, definition: str, form: DefinitionFormat) -> Typestore
     except (TypesysError, KeyError):
         return None
     return store
+
+
+def _field_names(store: Typestore, msgtype: str) -> set[str]:
+    """The fields of a type; none for a type that the store does not know."""
+    return {name for name, _ in store.fielddefs[msgtype][1]} if msgtype in store.fielddefs else set()
 
 
 @cache
