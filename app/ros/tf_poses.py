@@ -21,7 +21,7 @@ class TfPoses:
         self._tree = tree
         self._mounts = mounts
         self._leaning = False
-        self._latest_ns: dict[TfSpec, int] = {}
+        self._latest_ns: dict[str, int] = {}
 
     def assign(self, roles: Roles) -> None:
         """Follow the chains that `roles` names."""
@@ -33,10 +33,10 @@ class TfPoses:
         """The poses that tf tells anew, after transforms of these child frames came with these stamps."""
         items: list[Item] = []
         spec = self._automatic_chain() if self._automatic else self._attitude
-        pose = self._news(spec, updated)
+        pose = self._news("attitude", spec, updated)
         if pose is not None and (not self._automatic or self._leans(pose[1])):
             items.append(Attitude(pose[0], pose[1].rotation))
-        truth = self._news(self._truth, updated)
+        truth = self._news("truth", self._truth, updated)
         if truth is not None:
             items.append(TruthPose(*truth))
         return items
@@ -55,15 +55,15 @@ class TfPoses:
         base = self._mounts.guess_base()
         return TfSpec(self._tree.climb(base)[-1], base) if base else None
 
-    def _news(self, spec: TfSpec | None, updated: dict[str, int]) -> tuple[int, Transform] | None:
-        """(stamp, T_parent_child) if the edge that carries the child just got a newer stamp."""
+    def _news(self, use: str, spec: TfSpec | None, updated: dict[str, int]) -> tuple[int, Transform] | None:
+        """(stamp, T_parent_child) for one use of a chain, if the edge that carries the child just got a newer stamp."""
         carrier = self._tree.carrier(spec.parent, spec.child) if spec else None
         if spec is None or carrier not in updated:
             return None
         stamp_ns = updated[carrier]
-        if stamp_ns <= self._latest_ns.get(spec, stamp_ns - 1):
+        if stamp_ns <= self._latest_ns.get(use, stamp_ns - 1):
             return None
-        self._latest_ns[spec] = stamp_ns
+        self._latest_ns[use] = stamp_ns
         T = self._tree.lookup(spec.parent, spec.child, stamp_ns)
         return None if T is None else (stamp_ns, T)
 
