@@ -1,0 +1,59 @@
+"""Writes docs/configuration.md from the configuration tree: `make docs`."""
+
+from collections.abc import Iterator
+from dataclasses import fields
+from itertools import groupby
+from pathlib import Path
+
+from slam_core.config import Leaf, SlamConfig, leaves
+
+TARGET = Path(__file__).with_suffix(".md")
+
+HEAD = """# Settings
+
+Written by `make docs` from `slam_core/config.py`; do not edit.
+
+Every setting stands in one tree. Its name is the same everywhere:
+
+- on the command line, with dashes: `hectorscope view BAG --matcher.sigma 0.3 --map.update-distance 0.2`;
+- in a file, given by `--config FILE`: the table `[matcher]` with `sigma = 0.3` (a run leaves such a file);
+- on the page, as a slider or switch with the same help.
+
+Flags win over the file. A value out of range is refused with the range. A change on the page acts from the next
+scan and is logged with its time; a setting marked *restart* rebuilds the map (a recording is run again up to the same
+instant, a live stream begins a new map).
+"""
+
+
+def document() -> str:
+    """The whole file."""
+    return "\n".join([HEAD, *_groups()])
+
+
+def _groups() -> Iterator[str]:
+    config = SlamConfig()
+    titles = {field.name: type(getattr(config, field.name)).__doc__ or "" for field in fields(config)}
+    for name, members in groupby(leaves(config), key=lambda leaf: leaf.name.partition(".")[0]):
+        yield f"## {name}\n\n{titles[name].splitlines()[0]}\n"
+        yield "| setting | default | range | unit | what it does |\n|---|---|---|---|---|"
+        yield from map(_row, members)
+        yield ""
+
+
+def _row(leaf: Leaf) -> str:
+    name = leaf.name.partition(".")[2]
+    default = str(leaf.value).lower() if leaf.type is bool else leaf.value
+    remark = " *restart*" if leaf.param.restart else ""
+    return f"| `{name}` | {default} | {_range(leaf)} | {leaf.param.unit} | {leaf.param.help}{remark} |"
+
+
+def _range(leaf: Leaf) -> str:
+    if leaf.choices:
+        return ", ".join(leaf.choices)
+    if leaf.type is bool:
+        return "true, false"
+    return f"{leaf.param.low:g} to {leaf.param.high:g}"
+
+
+if __name__ == "__main__":
+    TARGET.write_text(document(), encoding="utf-8")
