@@ -3,6 +3,8 @@
 import logging
 import threading
 from collections import deque
+from collections.abc import Callable
+from functools import partial
 from queue import Empty, SimpleQueue
 
 from app.feeder import Feeder
@@ -36,6 +38,7 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
+    prepare: called on the engine's thread before anything is read.
     A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
     or Seek begin again.
@@ -45,9 +48,16 @@ class Engine:
     _pipeline: Pipeline
 
     def __init__(
-        self, source: Source, settings: Settings | None = None, *, autoplay: bool = True, speed: float = 1.0
+        self,
+        source: Source,
+        settings: Settings | None = None,
+        *,
+        autoplay: bool = True,
+        speed: float = 1.0,
+        prepare: Callable[[], None] = lambda: None,
     ) -> None:
         self._source = source
+        self._prepare = prepare
         self._commands: SimpleQueue[Command] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
         self._publisher = Publisher(source)
@@ -78,15 +88,17 @@ class Engine:
     # ------------------------------------------------------------------------------------ the engine's thread
 
     def _run(self) -> None:
+        self._publish(resting=True)
+        self._guard(self._prepare)
         while not isinstance(command := self._next_command(), Quit):
-            self._guard(command)
+            self._guard(self._advance if command is None else partial(self._obey, command))
         self._source.close()
         if self._feeder is not None:
             self._feeder.close()
 
-    def _guard(self, command: Command | None) -> None:
+    def _guard(self, action: Callable[[], None]) -> None:
         try:
-            self._advance() if command is None else self._obey(command)
+            action()
         except SlamError as error:
             self._fail(str(error))
         except Exception as error:  # a bug or a broken input must not take the page away
@@ -126,6 +138,7 @@ class Engine:
                 self._end(self._feeder)
 
     def _scan(self, scan: LaserScan) -> None:
+        self._publisher.touch()
         if self._transport.arrives(scan.stamp_ns):
             return
         self._ready.popleft()
@@ -134,7 +147,6 @@ class Engine:
         else:
             self._pipeline.step(scan)
         self._transport.passed(scan.stamp_ns)
-        self._publisher.touch()
 
     def _end(self, feeder: Feeder) -> None:
         feeder.check()
@@ -226,8 +238,9 @@ class Engine:
             self._feeder.close()
             self._feeder = None
         span = self._source.span_ns
+        now_ns = (self._pipeline.time_ns or None) if self._epoch >= 0 else None
         self._settings = settings
-        self._pipeline = Pipeline(settings, span[0] if span else None)
+        self._pipeline = Pipeline(settings, span[0] if span else now_ns)
         self._ready: deque[Measurement] = deque()
         self._by_hand = False
         self._epoch += 1

@@ -27,6 +27,11 @@ class Feeder:
         self._queue.finish()
 
     @property
+    def reading(self) -> bool:
+        """Whether the source may still give something."""
+        return self._thread.is_alive()
+
+    @property
     def dropped(self) -> int:
         """Scans given up because the pipeline was too slow for a live stream."""
         return self._queue.dropped

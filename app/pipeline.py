@@ -75,12 +75,9 @@ class Pipeline:
         return result
 
     def _apply_changes(self, stamp_ns: int) -> None:
-        changes = self.settings.changes
-        due = self._changes
-        while due < len(changes) and changes[due].time_ns <= stamp_ns:
-            due += 1
+        due = sum(change.time_ns <= stamp_ns for change in self.settings.changes)
         if due > self._changes:
-            self.slam.configure(Settings(self.slam.config, changes[self._changes : due]).current)
+            self.slam.configure(self.settings.at(stamp_ns))
             self._changes = due
 
     def _keep(self, result: StepResult) -> None:

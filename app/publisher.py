@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -90,7 +90,8 @@ class Publisher:
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
         state = (epoch, pipeline.slam.pyramid.updates)
-        if state == self._drawn or not (complete or self._published - self._drawn_at >= MAPS_S):
+        anew = self._drawn is None or epoch != self._drawn[0]
+        if state == self._drawn or not (anew or complete or self._published - self._drawn_at >= MAPS_S):
             return
         self._drawn, self._drawn_at = state, self._published
         self._revision += 1
@@ -100,7 +101,7 @@ class Publisher:
 def status(source: Source, pipeline: Pipeline, transport: Transport) -> PlaybackStatus:
     """Where the run is."""
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
-    detail = transport.failure
+    detail = transport.failure or source.report.waiting
     if transport.target_ns is not None:
         whole_ns = max(1, transport.target_ns - start_ns)
         detail = f"running up to {whole_ns / 1e9:.1f} s: {100 * (time_ns - start_ns) // whole_ns} %"
@@ -131,4 +132,5 @@ def map_images(pipeline: Pipeline, revision: int = 0) -> tuple[MapImage, ...]:
 
 def merged(report: SourceReport, skipped: Counter[str], dropped: int) -> SourceReport:
     """The source's counters with those of the queue and the core."""
-    return SourceReport(dict(report.read), dict(Counter(report.skipped) + skipped), report.dropped + dropped)
+    counted = dict(Counter(report.skipped) + skipped)
+    return replace(report, skipped=counted, dropped=report.dropped + dropped)

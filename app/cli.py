@@ -1,0 +1,157 @@
+"""The command line: hectorscope demo, view, live, run, inspect, simulate."""
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from app.options import PageArgs, PageFlags, SettingArgs, SettingFlags, SourceArgs, source_options
+from app.sources import SourceOptions, open_source
+from slam_core.errors import SlamError
+
+# What takes long to import (viser, numba, rosbags) is imported by the command that needs it: help comes at once.
+
+Scene = Literal["arena", "littoral", "handheld"]
+Bag = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(help="A .bag, .mcap, .db3 or a rosbag2 folder.")]
+
+MISTAKE = 2
+INTERRUPTED = 130
+
+
+class DemoError(SlamError):
+    """The recordings that come with the program are not there."""
+
+
+def demo(
+    scene: Annotated[Scene, tyro.conf.Positional, tyro.conf.arg(help="Which of the paper's scenarios.")] = "arena",
+    *,
+    settings: SettingArgs,
+    page: PageArgs,
+) -> None:
+    """Show one of the simulated recordings that come with the program."""
+    _show(str(demo_bag(scene)), SourceOptions(), settings, page)
+
+
+def view(bag: Bag, *, settings: SettingArgs, source: SourceArgs, page: PageArgs) -> None:
+    """Show a recording in the browser."""
+    _show(str(bag), source_options(source), settings, page)
+
+
+def live(
+    address: Annotated[
+        str, tyro.conf.Positional, tyro.conf.arg(metavar="ws://HOST:PORT", help="A Foxglove bridge.")
+    ],
+    *,
+    settings: SettingArgs,
+    source: SourceArgs,
+    page: PageArgs,
+) -> None:
+    """Show the stream of a running robot in the browser."""
+    _show(address, source_options(source), settings, page)
+
+
+def run(
+    bag: Bag,
+    *,
+    out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
+    settings: SettingArgs,
+    source: SourceArgs,
+) -> None:
+    """Process a recording as fast as it goes; leave trajectory, map, settings and figures."""
+    from app.report import show_progress, summary  # noqa: PLC0415
+    from app.runner import run as run_to_files  # noqa: PLC0415
+    from app.warmup import warm_up  # noqa: PLC0415
+
+    options, chosen = source_options(source), settings.settings()
+    recording = open_source(str(bag), options)
+    warm_up()
+    with show_progress(recording) as progress:
+        figures = run_to_files(recording, chosen, out, truth=options.truth_topic, progress=progress)
+    summary(recording.name, figures, out)
+
+
+def inspect(bag: Bag, *, source: SourceArgs) -> None:
+    """Say what a recording holds and what would be used for what."""
+    from app.inspect import inspect_bag  # noqa: PLC0415
+
+    print(inspect_bag(bag, source_options(source)))
+
+
+def _show(uri: str, options: SourceOptions, settings: SettingFlags, page: PageFlags) -> None:
+    from app.engine import Engine  # noqa: PLC0415
+    from app.warmup import warm_up  # noqa: PLC0415
+    from app.web.server import serve  # noqa: PLC0415
+
+    chosen = settings.settings()
+    engine = Engine(open_source(uri, options), chosen, prepare=warm_up)
+    engine.start()
+    try:
+        serve(engine, host=page.host, port=page.port, token=page.token)
+    finally:
+        engine.stop()
+
+
+def demo_bag(scene: Scene) -> Path:
+    """The recording of a scene, in a checkout or in an installed package; DemoError if it is in neither."""
+    here = Path(__file__).parent
+    for folder in (here / "_demo_bags", here.parent / "demo_bags"):
+        for name in (f"{scene}.bag", f"{scene}.mcap", scene):
+            if (folder / name).exists():
+                return folder / name
+    raise DemoError(f"the recording of {scene!r} is missing: make one by `hectorscope simulate --help`")
+
+
+def _simulate_command(wanted: bool) -> Callable[..., None]:
+    """The simulator's command; its options are only known after a slow import, done when it is `wanted`."""
+
+    def described() -> None:
+        """Make a recording of a simulated robot, with its truth."""
+
+    if not wanted:
+        return described
+    from app.report import show_simulation  # noqa: PLC0415
+    from app.simulation import SimulateOptions  # noqa: PLC0415
+
+    def simulate(options: Any) -> None:
+        show_simulation(options)
+
+    simulate.__doc__ = described.__doc__
+    simulate.__annotations__["options"] = Annotated[SimulateOptions, tyro.conf.arg(name="")]
+    return simulate
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; the exit code. Mistakes are one line on stderr and 2, an interruption is 130."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    commands: dict[str, Callable[..., Any]] = {
+        "demo": demo,
+        "view": view,
+        "live": live,
+        "run": run,
+        "inspect": inspect,
+        "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
+    }
+    try:
+        tyro.extras.subcommand_cli_from_dict(
+            commands,
+            prog="hectorscope",
+            description="Watch a SLAM system think: Hector SLAM on a bag or a live stream.",
+            args=arguments,
+            config=(tyro.conf.DisallowNone,),
+        )
+    except SlamError as error:
+        print(f"hectorscope: {' '.join(str(error).split())}", file=sys.stderr)
+        return MISTAKE
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

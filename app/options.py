@@ -1,0 +1,104 @@
+"""The command line's flags: every setting from its tree, the topics, the page's address."""
+
+from dataclasses import asdict, dataclass, field, fields, make_dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from app.settings import Settings
+from app.sources import SourceOptions
+from app.toml import read_toml
+from slam_core.config import Leaf, SlamConfig, leaves, with_value
+
+_TOPICS = {
+    "scan_topic": "Topic of the laser scans.",
+    "imu_topic": "Topic of the inertial data.",
+    "attitude_topic": "Topic of an attitude that somebody else estimated; /tf takes it from there.",
+    "odometry_topic": "Topic of the wheel odometry.",
+    "height_topic": "Topic of the height or the air pressure.",
+    "truth_topic": "Topic of the true poses, which are shown and scored but never used.",
+    "base_frame": "Frame of the robot's base.",
+    "laser_pose": "The laser in the base, metres and radians; overrides tf.",
+}
+
+
+def _flag(leaf: Leaf) -> Any:
+    kind: Any = Literal["true", "false"] if leaf.type is bool else leaf.type
+    default = str(leaf.value).lower() if leaf.type is bool else leaf.value
+    param = leaf.param
+    limits = "" if param.low is None else f"{param.low:g} to {param.high:g} {param.unit}".rstrip()
+    words = ", ".join(leaf.choices or (("true", "false") if leaf.type is bool else ()))
+    return Annotated[
+        kind | None,
+        tyro.conf.arg(
+            help=param.help,
+            metavar="{" + words.replace(" ", "") + "}" if words else kind.__name__.upper(),
+            help_behavior_hint=f"({'; '.join(filter(None, (f'default: {default}', limits)))})",
+        ),
+    ]
+
+
+@dataclass
+class SettingFlags:
+    """What was given on the command line; a group for every group of the settings is added below."""
+
+    config: Annotated[Path | None, tyro.conf.arg(help="Settings file (TOML); flags win over it.")] = None
+
+    def settings(self) -> Settings:
+        """The file's settings with the flags on top; SlamError for a bad file or value."""
+        settings = read_toml(self.config) if self.config else Settings()
+        start = settings.start
+        for group, given in asdict(self).items():
+            for key, value in given.items() if isinstance(given, dict) else ():
+                if value is not None:
+                    start = with_value(start, f"{group}.{key}", {"true": True, "false": False}.get(value, value))
+        return Settings(start, settings.changes)
+
+
+def _setting_flags() -> type[SettingFlags]:
+    groups: list[Any] = []
+    for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
+        flags = [(leaf.name.split(".")[1], _flag(leaf), None) for leaf in members]
+        group = make_dataclass(f"{name.title()}Flags", flags, namespace={"__doc__": None})
+        groups.append((name, group, field(default_factory=group)))
+    return make_dataclass("AllSettingFlags", groups, bases=(SettingFlags,))
+
+
+def _source_flags() -> type[Any]:
+    flags: list[Any] = []
+    for option in fields(SourceOptions):
+        metavar = {"laser_pose": "X Y Z ROLL PITCH YAW", "base_frame": "FRAME"}.get(option.name, "TOPIC")
+        aliases = ["--truth"] if option.name == "truth_topic" else []
+        hint = tyro.conf.arg(
+            help=_TOPICS[option.name],
+            metavar=metavar,
+            aliases=aliases,
+            help_behavior_hint="(default: found by type)",
+        )
+        flags.append((option.name, Annotated[option.type, hint], None))
+    return make_dataclass("SourceFlags", flags)
+
+
+@dataclass
+class PageFlags:
+    """Where the page is served."""
+
+    host: Annotated[str, tyro.conf.arg(help="Address to serve; others than this machine need a token.")] = (
+        "127.0.0.1"
+    )
+    port: Annotated[int, tyro.conf.arg(help="Port to serve.")] = 8080
+    token: Annotated[
+        str | None, tyro.conf.arg(help="Secret that a browser must bring.", help_behavior_hint="(default: none)")
+    ] = None
+
+
+SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor=_setting_flags())]
+SourceArgs = Annotated[Any, tyro.conf.arg(name="", constructor=_source_flags())]
+PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
+
+
+def source_options(flags: Any) -> SourceOptions:
+    """The flags of `SourceArgs` as the sources take them."""
+    return SourceOptions(**asdict(flags))
