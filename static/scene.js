@@ -7,6 +7,7 @@
 (() => {
   const NEAREST = 1003; // THREE.NearestFilter
   const MAP = "/floor/map/";
+  const FOCUS = "/floor/focus/"; // boxes around what a camera should show, of size one before their scale
   const GRID = "/floor/grid/lines";
   const ROBOT = "/robot";
   const MARGIN = 1.08; // the map fills this much less than the window
@@ -18,14 +19,15 @@
 
   // ------------------------------------------------------------------------------------------- crisp cells
 
-  const mapMeshes = () =>
+  const meshesBelow = (root) =>
     Object.entries(viser()?.nodeRefFromName ?? {})
-      .filter(([name, node]) => name.startsWith(MAP) && node)
+      .filter(([name, node]) => name.startsWith(root) && node)
       .flatMap(([, node]) => {
         const found = [];
-        node.traverse((child) => child.isMesh && child.material?.map !== undefined && found.push(child));
+        node.traverse((child) => child.isMesh && found.push(child));
         return found;
       });
+  const mapMeshes = () => meshesBelow(MAP);
 
   // Called before each drawing of a mesh: a new picture never shows a blurred frame.
   function sharpen(_renderer, _scene, _camera, _geometry, material) {
@@ -53,19 +55,14 @@
   const dot = (a, b) => a.x * b.x + a.y * b.y + a.z * b.z;
   const size = (a) => Math.sqrt(dot(a, a));
   const column = (matrix, i) => ({ x: matrix.elements[4 * i], y: matrix.elements[4 * i + 1], z: matrix.elements[4 * i + 2] });
-  const shown = (node) => {
-    for (let at = node; at; at = at.parent) if (!at.visible) return false;
-    return true;
-  };
 
   function corners() {
     const found = [];
-    for (const mesh of mapMeshes()) {
-      const { width, height } = mesh.geometry?.parameters ?? {};
-      if (!width || !shown(mesh)) continue;
-      const [right, up, at] = [column(mesh.matrixWorld, 0), column(mesh.matrixWorld, 1), column(mesh.matrixWorld, 3)];
+    for (const box of meshesBelow(FOCUS)) {
+      if (!box.parent.visible || (state.top && isAbove(box.parent))) continue;
+      const [right, up, , at] = [0, 1, 2, 3].map((i) => column(box.matrixWorld, i));
       for (const i of [-0.5, 0.5])
-        for (const j of [-0.5, 0.5]) found.push(plus(at, plus(times(right, i * width), times(up, j * height))));
+        for (const j of [-0.5, 0.5]) found.push(plus(at, plus(times(right, i), times(up, j))));
     }
     return found;
   }
@@ -186,11 +183,13 @@
     for (const kind of ["wheel", "pointermove"]) canvas.addEventListener(kind, touched, { passive: true });
   }
 
+  const isAbove = (level) => level.position.z > 0.1;
+
   // Lowest first: the finest level, the metre grid, the levels above it, and then all that is drawn on the map.
   // From above, coarser levels of a stack would hide the finest one.
   function order() {
     for (const mesh of mapMeshes()) {
-      const above = (mesh.parent?.parent ?? mesh).position.z > 0.1;
+      const above = isAbove(mesh.parent?.parent ?? mesh);
       mesh.renderOrder = above ? -1 : -3;
       mesh.visible = !(state.top && above);
     }

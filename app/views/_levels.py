@@ -1,12 +1,19 @@
-"""Where each level of the pyramid lies: stacked, side by side, or one alone."""
+"""Where each level of the pyramid lies (stacked, side by side, or one alone), and how large it is."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.snapshot import MapImage
 from app.web.stage import Display
+from slam_core.measurements import Float64s
 
 AISLE = 2.0  # metres between levels side by side
+OCCUPIED = 2  # class of a cell
+STRAYS = 0.03  # share of the walls on each side that may lie outside: a few beams far out must not shrink the rest
+
+Bounds = tuple[Float64s, Float64s]  # lowest and highest x, y in the map, metres
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,3 +49,18 @@ def emphasis(maps: Sequence[MapImage]) -> float:
     rows, cols = maps[0].cells.shape
     extent = max(rows, cols) * maps[0].resolution
     return float(round(min(3.0, max(1.0, extent / 25.0)), 1))
+
+
+def bulk(image: MapImage) -> Bounds:
+    """Where the walls are, without strays; all that is known when there are no walls yet."""
+    cells = image.cells
+    marked = cells == OCCUPIED if (cells == OCCUPIED).any() else np.ones_like(cells, bool)
+    spans = [span(marked.sum(axis=axis)) for axis in (0, 1)]
+    low, high = np.array(spans, float).T * image.resolution + [[image.x, image.y]] * 2
+    return low, high
+
+
+def span(counts: np.ndarray) -> tuple[int, int]:
+    """First and last index (exclusive) between which all but STRAYS of the counts on each side lie."""
+    share = np.cumsum(counts) / counts.sum()
+    return int(np.searchsorted(share, STRAYS)), int(np.searchsorted(share, 1.0 - STRAYS)) + 1

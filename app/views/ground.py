@@ -30,8 +30,9 @@ class GroundView:
         )
         self._theme: Theme | None = None
         scene.configure_default_lights(enabled=False, cast_shadow=False)  # they wash colours out
-        scene.add_light_ambient("/light/ambient", intensity=1.6)
-        scene.add_light_directional("/light/sun", intensity=1.6, position=(-4.0, -6.0, 10.0))
+        scene.configure_environment_map(None)
+        scene.add_light_ambient("/light/ambient", intensity=2.0)
+        scene.add_light_directional("/light/sun", intensity=1.5, position=(-4.0, -6.0, 10.0))
         camera = stage.server.initial_camera
         camera.position, camera.look_at, camera.fov = (0.0, -18.0, 22.0), (0.0, 0.0, 0.0), 0.7
 

@@ -4,7 +4,7 @@ import numpy as np
 import viser
 
 from app.snapshot import MapImage, Snapshot
-from app.views._levels import Placement, placements
+from app.views._levels import Placement, bulk, placements
 from app.web import palette_png
 from app.web.private import set_png
 from app.web.stage import Stage
@@ -76,6 +76,7 @@ class _Level:
         )
         self._index = index
         self._drawn: object = None
+        self._corner = (0.0, 0.0)
 
     def encoded(self, image: MapImage, epoch: int, place: Placement, theme: Theme) -> bytes | None:
         """The PNG to send; None when the one there is right."""
@@ -83,6 +84,8 @@ class _Level:
         if state == self._drawn or not image.cells.size:
             return None
         self._drawn = state
+        low, high = bulk(image)
+        self._corner = (float(low[0]), float(high[1]))
         free, occupied = (VEILED_FREE, VEILED_OCCUPIED) if place.veiled else (OPAQUE, OPAQUE)
         cells, _, _ = aligned(image)
         # Unknown has the colour of free: filtering would else draw a fringe around the map.
@@ -98,8 +101,7 @@ class _Level:
             set_png(self._image, png)
         self._image.position = (x + cols / 2 + place.x, y + rows / 2, place.z)
         self._label.text = f"level {self._index}: {100 * image.resolution:g} cm"
-        top = image.y + image.cells.shape[0] * image.resolution
-        self._label.position = (image.x + place.x, top, place.z)
+        self._label.position = (self._corner[0] + place.x, self._corner[1], place.z)
 
     def remove(self) -> None:
         """Take both away."""

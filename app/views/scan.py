@@ -10,7 +10,7 @@ from slam_core.geometry import yaw_quaternion
 from slam_core.results import StepResult
 
 LIFT = 0.03  # metres over the floor
-SIZE = 0.07  # metres, in a small map
+SIZE = 0.06  # metres, in a small map
 UNKNOWN = 0.5  # residual of a first scan, which was matched to nothing
 
 
