@@ -45,7 +45,8 @@ class TrajectoryError:
     """Root mean square errors over `poses` poses that the truth covers.
 
     raw: metres in the plane, truth's first pose put on the estimate's first. aligned: metres, after the best
-    rigid motion of the plane. height: metres over the first. roll, pitch: radians. None where truth is planar.
+    rigid motion of the plane. height: metres over the first. roll, pitch: radians. None where the
+    estimate or the truth is planar.
     """
 
     poses: int
@@ -69,14 +70,15 @@ def evaluate(estimate: Trajectory, truth: Trajectory) -> TrajectoryError | None:
         reference.positions[:, 2] - reference.positions[0, 2]
     )
     tilt = tilt_errors(ours.rotations, reference.rotations)
-    flat = not np.ptp(euler_angles(truth.rotations)[:, :2])
+    level = any(not np.ptp(euler_angles(each.rotations)[:, :2]) for each in (ours, truth))
+    flat = any(not np.ptp(each.positions[:, 2]) for each in (ours, truth))
     return TrajectoryError(
         poses=len(ours),
         raw=rms(np.hypot(*(planar - raw)[:, :2].T)),
         aligned=rms(np.hypot(*(planar - best)[:, :2].T)),
-        height=rms(heights) if np.ptp(truth.positions[:, 2]) else None,
-        roll=None if flat else rms(tilt[:, 0]),
-        pitch=None if flat else rms(tilt[:, 1]),
+        height=None if flat else rms(heights),
+        roll=None if level else rms(tilt[:, 0]),
+        pitch=None if level else rms(tilt[:, 1]),
     )
 
 

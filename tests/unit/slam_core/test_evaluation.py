@@ -105,13 +105,15 @@ def test_known_tilt_error_is_reported():
     assert error.pitch == pytest.approx(0.0, abs=1e-9)
 
 
-def test_planar_truth_says_nothing_of_height_and_tilt():
-    """A truth without height and tilt yields no such errors instead of flattering zeros."""
-    t = np.arange(0.0, 5.0, 0.1)
-    flat = ev.Trajectory(t, np.column_stack([t, t * 0, t * 0]), np.array([quaternion(0, 0, a) for a in 0.1 * t]))
-    error = ev.evaluate(flat, flat)
-    assert error is not None
-    assert (error.height, error.roll, error.pitch) == (None, None, None)
+def test_planar_poses_say_nothing_of_height_and_tilt():
+    """Where the truth or the estimate is planar there are no such errors, neither flattering nor frightening."""
+    full = walk()
+    level = np.array([quaternion(0, 0, yaw) for yaw in full.planar[:, 2]])
+    planar = ev.Trajectory(full.times, full.positions * [1, 1, 0], level)
+    for estimate, truth in ((planar, full), (full, planar), (planar, planar)):
+        error = ev.evaluate(estimate, truth)
+        assert error is not None
+        assert (error.height, error.roll, error.pitch) == (None, None, None)
 
 
 def test_too_little_common_time_is_no_figure():
