@@ -75,6 +75,21 @@ def _hit(corner: Float64s, o: Float64s, d: Float64s) -> float:
 
 
 @njit(cache=True)
+def _entry(grid: ColumnGrid, o: Float64s, d: Float64s) -> float:
+    """Distance at which the ray comes over the grid: 0 inside, inf when it never does (slab method)."""
+    first, last = 0.0, np.inf
+    for k in range(2):
+        low, high = grid.origin[k] - o[k], grid.origin[k] + grid.shape[k] * grid.cell - o[k]
+        if d[k] == 0.0:
+            if low > 0.0 or high < 0.0:
+                return np.inf
+        else:
+            a, b = low / d[k], high / d[k]
+            first, last = max(first, min(a, b)), min(last, max(a, b))
+    return first if first <= last else np.inf
+
+
+@njit(cache=True)
 def cast(grid: ColumnGrid, origins: Float64s, directions: Float64s, reach: float) -> tuple[Float64s, Ints]:
     """(n,) distances along unit `directions` (n, 3) from `origins` (n, 3), inf beyond `reach`, and what was hit.
 
@@ -90,14 +105,17 @@ def cast(grid: ColumnGrid, origins: Float64s, directions: Float64s, reach: float
     square = np.empty(2, np.int64)
     for i in range(n):
         o, d = origins[i], directions[i]
+        entered = _entry(grid, o, d)
+        if entered == np.inf:
+            continue
         for k in range(2):
-            place = (o[k] - grid.origin[k]) / grid.cell
-            square[k] = int(np.floor(place))
+            place = (o[k] + entered * d[k] - grid.origin[k]) / grid.cell
+            square[k] = min(max(int(np.floor(place)), 0), grid.shape[k] - 1)
             step[k] = 1 if d[k] > 0.0 else -1
             stride[k] = grid.cell / abs(d[k]) if d[k] != 0.0 else np.inf
             ahead = square[k] + 1 - place if d[k] > 0.0 else place - square[k]
-            exit_at[k] = ahead * stride[k] if d[k] != 0.0 else np.inf
-        best, hit, entered = reach, MISS, 0.0
+            exit_at[k] = entered + ahead * stride[k] if d[k] != 0.0 else np.inf
+        best, hit = reach, MISS
         while entered < best and 0 <= square[0] < nx and 0 <= square[1] < ny:
             where = square[1] * nx + square[0]
             for j in range(grid.starts[where], grid.starts[where + 1]):

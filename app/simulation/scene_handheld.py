@@ -9,7 +9,7 @@ from app.simulation.scene import Scene, Sway, ease_in, overlay
 from app.simulation.worlds import Surface, World, box, post, wall
 from slam_core.measurements import Float64s, Transform
 
-DURATION = 56.0
+DURATION = 59.0
 SPEED = 1.2  # m/s
 LASER = (0.05, 0.0, 0.08)  # m
 FLOOR, CEILING = -1.2, 1.5  # m from the hand

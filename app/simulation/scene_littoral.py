@@ -10,7 +10,7 @@ from app.simulation.shore import BED, Shore
 from app.simulation.worlds import Surface, World, box, post
 from slam_core.measurements import Float64s, Transform
 
-DURATION = 56.0
+DURATION = 58.0
 SPEED = 1.4  # m/s
 LASER = (0.4, 0.0, 0.7)  # m over the waterline amidships
 SWAY, SWELL = 8.0, 0.45  # degrees, Hz
@@ -28,6 +28,7 @@ _ISLAND = np.array(
     [(1.5, 7), (4, 4.8), (8, 5.4), (12, 4.6), (16, 5.6), (17.6, 7.4), (15, 9.4), (10, 9), (6, 9.8), (2.5, 9)],
     dtype=np.float64,
 )
+_ISLET = np.array([(27, 11), (29, 9.5), (32, 10), (33, 12.5), (30.5, 14), (28, 13.2)], dtype=np.float64)
 
 
 def build(options: SceneOptions) -> Scene:
@@ -58,10 +59,11 @@ def _waves(sway: Sway) -> Channels:
 
 
 def _world(rng: np.random.Generator) -> World:
-    ring = np.concatenate((_ISLAND, _ISLAND[:1]))[::-1]  # the water on the left, as a shore wants it
+    island, islet = (np.concatenate((ring, ring[:1]))[::-1] for ring in (_ISLAND, _ISLET))  # water on the left
     shores = [
         Shore.along(_MAINLAND, (0.0, 0.8, 6.0), (-0.2, 0.35, 1.4), rng),
-        Shore.along(ring, (0.0, 0.7, 1.9), (-0.2, 0.35, 0.6), rng),
+        Shore.along(island, (0.0, 0.7, 1.9), (-0.2, 0.35, 0.6), rng),
+        Shore.along(islet, (0.0, 0.6, 1.4), (-0.2, 0.3, 0.5), rng),
     ]
     firm = [shape for shore in shores for shape in (shore.bank(), shore.trunks(rng))]
     surfaces = [

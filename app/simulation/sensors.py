@@ -35,7 +35,7 @@ class Utm30lx:
 
 @dataclass(frozen=True, slots=True)
 class Mems:
-    """A consumer inertial unit: standard deviations, rad/s and m/s^2; noise is that of a sample at IMU_RATE."""
+    """A consumer inertial unit, rad/s and m/s^2: noise of a sample at IMU_RATE, largest bias, its random walk."""
 
     gyro_noise: float = 0.005
     gyro_bias: float = float(np.radians(0.5))
@@ -130,7 +130,7 @@ def inertial(motion: Motion, options: SceneOptions, unit: Mems = MEMS) -> Iterat
 def _drifting(rng: np.random.Generator, count: int, bias: float, walk: float, noise: float) -> Float64s:
     """(count, 3) errors of three axes at IMU_RATE."""
     steps = rng.normal(scale=walk / np.sqrt(IMU_RATE), size=(count, 3))
-    return rng.normal(scale=bias, size=3) + np.cumsum(steps, axis=0) + rng.normal(scale=noise, size=(count, 3))
+    return rng.uniform(-bias, bias, size=3) + np.cumsum(steps, axis=0) + rng.normal(scale=noise, size=(count, 3))
 
 
 def heights(motion: Motion, options: SceneOptions, barometer: Barometer = BAROMETER) -> Iterator[Arrival]:

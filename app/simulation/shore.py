@@ -54,10 +54,10 @@ class Shore:
 
     def bushes(self, rng: np.random.Generator) -> Float64s:
         """Ragged bushes that stand together in groups, the upper half narrower."""
-        crowded = _soften(rng.normal(size=len(self.edge)), 9) > -0.12
+        crowded = _soften(rng.normal(size=len(self.edge)), 9) > -0.2
         shapes = []
         for place in self._places(rng, 0.75, 0.1, 1.4, crowded):
-            radius, height = rng.uniform(0.35, 1.0), rng.uniform(0.7, 2.6)
+            radius, height = rng.uniform(0.35, 1.0), rng.uniform(1.0, 2.8)
             for share, low, high in ((1.0, BED, 0.5 * height), (0.65, 0.5 * height, height)):
                 shapes.append(fence(_ragged(place, share * radius, rng), low, high))
         return np.concatenate(shapes)

@@ -1,7 +1,7 @@
 """Worlds of triangles over a ground plane, and the few shapes they are built from."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -30,17 +30,16 @@ class World:
     ceiling: float = np.inf
     water: bool = False
     cell: float = 0.5
-    depths: Float64s = field(init=False)
-
-    def __post_init__(self) -> None:
-        """Note for each triangle how deep beams enter it."""
-        depths = [np.full(len(surface.triangles), surface.depth) for surface in self.surfaces]
-        object.__setattr__(self, "depths", np.concatenate(depths))
 
     @cached_property
     def triangles(self) -> Float64s:
         """(n, 3, 3) corners of all surfaces."""
         return np.concatenate([surface.triangles for surface in self.surfaces])
+
+    @cached_property
+    def depths(self) -> Float64s:
+        """(n,) how deep beams enter each triangle, metres."""
+        return np.concatenate([np.full(len(surface.triangles), surface.depth) for surface in self.surfaces])
 
     @cached_property
     def _grid(self) -> ColumnGrid:
