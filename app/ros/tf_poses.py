@@ -56,7 +56,7 @@ class TfPoses:
         return TfSpec(self._tree.climb(base)[-1], base) if base else None
 
     def _news(self, use: str, spec: TfSpec | None, updated: dict[str, int]) -> tuple[int, Transform] | None:
-        """(stamp, T_parent_child) for one use of a chain, if the edge that carries the child just got a newer stamp."""
+        """(stamp, T_parent_child) for one use of a chain, if the edge that carries it got a newer stamp."""
         carrier = self._tree.carrier(spec.parent, spec.child) if spec else None
         if spec is None or carrier not in updated:
             return None

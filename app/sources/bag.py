@@ -41,6 +41,7 @@ class BagSource:
         self.topics = _topics(recording, {topic: len(m.ranges) for topic, (m, _) in scans.items()})
         check_overrides(self.topics, options)
         self.roles = choose_roles(self.topics, options)
+        self.has_scans = self.roles.scan in scans
         self.span_ns = self._span_ns(scans)
         self._converter = Converter(self.roles, options)
 
@@ -54,6 +55,11 @@ class BagSource:
         return replace(
             report, notes=(f"{self.name} is cut off or damaged ({damage}): read as far as it goes", *report.notes)
         )
+
+    @property
+    def damage(self) -> str:
+        """Why the recording is known not to be whole; empty if it is."""
+        return self._failure or self.recording.damage
 
     def items(self) -> Iterator[Item]:
         """Measurements in the order of recording. The static transforms go ahead: they hold for all times."""
@@ -125,6 +131,9 @@ def _open(uri: str, options: SourceOptions) -> BagSource:
     if source.roles.scan is None:
         held = ", ".join(f"{topic.name} ({topic.msgtype})" for topic in source.topics)
         raise SourceError(f"{uri} has no laser scan (sensor_msgs/LaserScan): it holds {held}")
+    if not source.has_scans:
+        because = f" ({source.damage})" if source.damage else ""
+        raise SourceError(f"{uri}: no scan of {source.roles.scan} can be read{because}: record it again")
     return source
 
 

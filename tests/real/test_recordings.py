@@ -1,0 +1,144 @@
+"""Recordings that others made, in every container, with every peculiarity."""
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.inspect import inspect_bag
+from app.sources import Item, Source, SourceOptions, open_source
+from slam_core import geometry
+from slam_core.measurements import Attitude, LaserScan, Odometry, TruthPose
+
+pytestmark = pytest.mark.real
+
+JACKAL = "jackal_vicon/test_2026-02-17-15-54-31"
+JARVIS = "jarvis_nav350/jarvis_circular_path_fast.bag"
+
+
+def open_recording(path: Path, **options: Any) -> Source:
+    return open_source(str(path), SourceOptions(**options))
+
+
+def first_scan(items: list[Item]) -> LaserScan:
+    return next(item for item in items if isinstance(item, LaserScan))
+
+
+def content(source: Source) -> list[tuple[Any, ...]]:
+    """Every number of every item, as bytes."""
+    out: list[tuple[Any, ...]] = []
+    for item in source.items():
+        if isinstance(item, LaserScan):
+            out.append(
+                (item.stamp_ns, item.ranges.tobytes(), item.angle_min, item.angle_increment, item.range_max)
+            )
+        elif isinstance(item, TruthPose):
+            pose = item.T_map_base
+            out.append((item.stamp_ns, pose.translation.tobytes(), pose.rotation.tobytes()))
+    return out
+
+
+def test_three_containers_hold_one_run(recordings: Path) -> None:
+    """The same measurements come from the .bag, the sqlite3 folder, the mcap folder and the bare files."""
+    bag = content(open_recording(recordings / f"{JACKAL}.bag"))
+    assert len(bag) == 414 + 4734
+    bare = [next((recordings / JACKAL).glob("*.db3")), next((recordings / f"{JACKAL}_mcap").glob("*.mcap"))]
+    for other in (recordings / JACKAL, recordings / f"{JACKAL}_mcap", *bare):
+        assert content(open_recording(other)) == bag
+
+
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_half_a_file_gives_nearly_half_the_run(recordings: Path, tmp_path: Path, suffix: str) -> None:
+    """A recording cut in the middle is read up to there, with a warning."""
+    whole = recordings / f"{JACKAL}.bag"
+    if suffix == "mcap":
+        whole = next((recordings / f"{JACKAL}_mcap").glob("*.mcap"))
+    data = whole.read_bytes()
+    (tmp_path / f"half.{suffix}").write_bytes(data[: len(data) // 2])
+    source = open_recording(tmp_path / f"half.{suffix}")
+    kinds = Counter(type(item) for item in source.items())
+    assert kinds[LaserScan] >= (200 if suffix == "bag" else 100)
+    assert "cut off or damaged" in source.report.notes[0]
+
+
+def test_jarvis_has_its_laser_where_tf_says(recordings: Path) -> None:
+    """Of two scanners the one with more beams is chosen, and both mounts come from /tf."""
+    source = open_recording(recordings / JARVIS)
+    items = list(source.items())
+    assert len(first_scan(items).ranges) == 1440
+    np.testing.assert_allclose(first_scan(items).T_base_laser.translation, [0.194, 0.0, 2.0], atol=1e-3)
+    assert Counter(type(item) for item in items) == {LaserScan: 204, TruthPose: 204}
+    assert any("--scan-topic takes another" in note for note in source.report.notes)
+    other = open_recording(recordings / JARVIS, scan_topic="driver_laser_security/laser_scan")
+    scan = first_scan(list(other.items()))
+    assert len(scan.ranges) == 761
+    np.testing.assert_allclose(scan.T_base_laser.translation, [0.895, 0.0, 0.1], atol=1e-3)
+
+
+def test_turtlebot4_needs_no_definitions(recordings: Path) -> None:
+    """Scan, odometry and the turned mount from /tf_static come out of a bag that describes no type."""
+    source = open_recording(recordings / "turtlebot4_rosbag2" / "macfirst_floor_take_2")
+    items = list(source.items())
+    kinds = Counter(type(item) for item in items)
+    assert (kinds[LaserScan], kinds[Odometry]) == (357, 920)
+    assert geometry.heading(first_scan(items).T_base_laser.rotation) == pytest.approx(np.pi / 2, abs=1e-3)
+    assert not source.report.skipped
+
+
+def test_mumble_publishes_milli_g(recordings: Path) -> None:
+    """The laser is used, the IMU is refused by name: both with and without definitions in the bag."""
+    for name in ("kitchen_1", "kitchen_1_mcap"):
+        source = open_recording(recordings / "mumble_lidar_imu" / name)
+        assert Counter(type(item) for item in source.items()) == {LaserScan: 675}
+        (reason,) = source.report.skipped
+        assert reason.startswith("/imu_data: IMU message with more than 400 m/s²")
+
+
+def test_ccny_leans_by_its_tf(recordings: Path) -> None:
+    """Without an IMU topic the attitude comes from /tf, with the roll and pitch that are known."""
+    source = open_recording(recordings / "ccny_tilted_handheld" / "demo_v2.bag")
+    items = list(source.items())
+    angles = np.degrees([geometry.to_euler(item.rotation)[:2] for item in items if isinstance(item, Attitude)])
+    assert len(angles) == 1680
+    np.testing.assert_allclose(angles.min(axis=0), [-16.7, -14.6], atol=0.1)
+    np.testing.assert_allclose(angles.max(axis=0), [21.1, 18.2], atol=0.1)
+    np.testing.assert_allclose(first_scan(items).T_base_laser.translation, [0.05, 0.0, 0.15])
+    asked = open_recording(recordings / "ccny_tilted_handheld" / "demo_v2.bag", attitude_topic="tf:odom>base_link")
+    assert sum(isinstance(item, Attitude) for item in asked.items()) == 1680
+
+
+def test_hallway_has_a_topic_without_a_slash(recordings: Path) -> None:
+    """`scan` is found by itself and as /scan."""
+    path = recordings / "hallway_rplidar" / "hallway.bag"
+    for options in ({}, {"scan_topic": "/scan"}):
+        assert sum(isinstance(item, LaserScan) for item in open_recording(path, **options).items()) == 881
+
+
+def test_stage_has_its_truth_on_tf(recordings: Path) -> None:
+    """tf:map>base_link gives the simulator's poses as truth."""
+    source = open_recording(recordings / "stage_sim_gt" / "run1_fixed.bag", truth_topic="tf:map>base_link")
+    kinds = Counter(type(item) for item in source.items())
+    assert kinds == {LaserScan: 1838, TruthPose: 1837}
+
+
+@pytest.mark.parametrize("name", ["ccny_handheld/demo_initial_commit.bag", "utm30lx_static_40hz/hokuyo.bag"])
+def test_a_laser_alone_is_enough(recordings: Path, name: str) -> None:
+    """Nothing but scans: all of them are used, with their timing."""
+    source = open_recording(recordings / name)
+    items = list(source.items())
+    assert {type(item) for item in items} == {LaserScan}
+    assert first_scan(items).time_increment > 0.0
+    assert not source.report.skipped
+
+
+def test_inspect_needs_no_laser(recordings: Path) -> None:
+    """A bag of inertial data alone is described: rate, longest gap, and that nothing plays the scan."""
+    report = inspect_bag(recordings / "imu_only" / "ardrone_imu.bag", SourceOptions())
+    imu = next(part for part in report.parts if part.role == "imu")
+    assert (imu.topic, imu.measurements) == ("/ardrone/imu", 4308)
+    line = next(line for line in report.topics if line.name == "/ardrone/imu")
+    assert line.rate_hz == pytest.approx(46.6, abs=0.1)
+    assert line.longest_gap_s == pytest.approx(1.0, abs=0.01)
+    assert next(part for part in report.parts if part.role == "scan").topic is None
