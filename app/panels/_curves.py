@@ -1,0 +1,71 @@
+"""Which columns of the series are drawn together, and in which units."""
+
+import math
+from dataclasses import dataclass
+
+DEGREES = 180.0 / math.pi
+LOG_FLOOR = 1e-4  # of a plotted value: zero has no logarithm
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A column of SERIES_DTYPE under a short name."""
+
+    column: str
+    name: str
+    colour: str | int  # a colour's name in Theme, or an index into Theme.series
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """Curves that share an axis; values are multiplied by `factor`. log: by decades, from LOG_FLOOR up."""
+
+    title: str
+    factor: float
+    curves: tuple[Curve, ...]
+    log: bool = False
+
+
+def sigmas(title: str, axis: str, factor: float) -> Chart:
+    """The three standard deviations of one coordinate, in the colours of their ellipses."""
+    names = (("match", "match"), ("filter", "prior"), ("fused", "fused"))
+    return Chart(
+        title, factor, tuple(Curve(f"{name}_sigma_{axis}", name, colour) for name, colour in names), log=True
+    )
+
+
+def columns(title: str, factor: float, *names: str) -> Chart:
+    """One curve a column, in the order of the palette; 'gyro_bias_x:x' shows it as x."""
+    pairs = [name.partition(":") for name in names]
+    return Chart(title, factor, tuple(Curve(c, short or c, i) for i, (c, _, short) in enumerate(pairs)))
+
+
+PAGES: dict[str, tuple[Chart, ...]] = {
+    "Covariance": (sigmas("σ x, mm", "x", 1e3), sigmas("σ y, mm", "y", 1e3), sigmas("σ ψ, °", "yaw", DEGREES)),
+    "Match": (
+        columns("Mean residual", 1.0, "residual"),
+        columns("Iterations", 1.0, "iterations"),
+        columns("Beams used", 1.0, "beams"),
+    ),
+    "Attitude": (
+        columns("Roll and pitch, °", DEGREES, "roll", "pitch"),
+        columns("Yaw, °", DEGREES, "yaw"),
+        columns("Height, m", 1.0, "z"),
+    ),
+    "Biases": (
+        columns("Gyro bias, °/s", DEGREES, "gyro_bias_x:x", "gyro_bias_y:y", "gyro_bias_z:z"),
+        columns("Accelerometer bias, m/s²", 1.0, "accel_bias_x:x", "accel_bias_y:y", "accel_bias_z:z"),
+    ),
+    "Motion": (columns("Velocity, m/s", 1.0, "vx:x", "vy:y", "vz:z"), columns("Map updates", 1.0, "map_updates")),
+    "Time spent": (
+        columns(
+            "A scan's time, ms",
+            1.0,
+            "stabilise_ms:stabilise",
+            "match_ms:match",
+            "update_ms:map",
+            "filter_ms:filter",
+        ),
+    ),
+}
+WINDOWS = {"10 s": 10.0, "30 s": 30.0, "2 min": 120.0, "all": math.inf}

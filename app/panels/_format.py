@@ -1,0 +1,85 @@
+"""Numbers and names as a person reads them."""
+
+import math
+from html import escape
+
+from slam_core.config import Leaf
+
+GREEK = {"sigma": "σ", "omega": "ω"}
+
+
+def clock(seconds: float) -> str:
+    """Minutes, seconds and tenths: 01:02.3; with hours from one hour on."""
+    tenths = max(0, round(seconds * 10)) if math.isfinite(seconds) else 0
+    minutes, rest = divmod(tenths, 600)
+    hours, minutes = divmod(minutes, 60)
+    lead = f"{hours}:" if hours else ""
+    return f"{lead}{minutes:02d}:{rest // 10:02d}.{rest % 10}"
+
+
+def number(value: float, digits: int = 3) -> str:
+    """`digits` significant digits without an exponent where that stays short; a dash for what is not finite."""
+    if not math.isfinite(value):
+        return "–"
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return minus(text)
+    mantissa, exponent = text.split("e")
+    times = "" if mantissa == "1" else minus(mantissa) + "×"
+    return f"{times}10{str(int(exponent)).translate(SUPERSCRIPT)}"
+
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def fixed(value: float, decimals: int) -> str:
+    """A fixed number of decimals, so that digits do not dance; a dash for what is not finite."""
+    return minus(f"{value + 0.0:.{decimals}f}") if math.isfinite(value) else "–"
+
+
+def minus(text: str) -> str:
+    """A true minus sign, as wide as a plus; a rounded -0 loses it."""
+    return text.removeprefix("-") if float_is_zero(text) else text.replace("-", "−")
+
+
+def float_is_zero(text: str) -> bool:
+    """Whether a number's text is all zeros."""
+    return not text.strip("-0.")
+
+
+def label(leaf: Leaf) -> str:
+    """A setting's name for a person, with its unit: 'Update distance (m)'."""
+    words = leaf.name.split(".")[-1].split("_")
+    words = [GREEK.get(word, word) for word in words]
+    words[0] = words[0][:1].upper() + words[0][1:] if words[0] not in GREEK.values() else words[0]
+    unit = f" ({leaf.param.unit})" if leaf.param.unit else ""
+    return " ".join(words) + unit
+
+
+def hint(leaf: Leaf) -> str:
+    """What a setting does, its range, its default, and what changing it costs."""
+    parts = [leaf.param.help]
+    unit = f" {leaf.param.unit}" if leaf.param.unit else ""
+    if leaf.param.low is not None and leaf.param.high is not None:
+        parts.append(f"Range {number(leaf.param.low, 6)} to {number(leaf.param.high, 6)}{unit}.")
+    value = leaf.value
+    shown = number(value, 6) if isinstance(value, float | int) and not isinstance(value, bool) else _word(value)
+    parts.append(f"Default {shown}{unit}.")
+    if leaf.param.restart:
+        parts.append("Changing it rebuilds the map from the start.")
+    return " ".join(parts)
+
+
+def _word(value: object) -> str:
+    return {True: "on", False: "off"}[value] if isinstance(value, bool) else str(value).replace("_", " ")
+
+
+def text(value: object) -> str:
+    """Escaped for the page: names of files and topics come from outside."""
+    return escape(str(value), quote=True)
+
+
+def figure(name: str, value: str, kind: str = "") -> str:
+    """A small caption and a value as HTML; `kind` colours it: "", "good" or "bad"."""
+    style = f"hs-figure hs-{kind}" if kind else "hs-figure"
+    return f'<span class="{style}"><small>{name}</small>{value}</span>'
