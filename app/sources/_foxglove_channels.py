@@ -3,7 +3,7 @@
 import re
 from dataclasses import fields, replace
 
-from app.ros.decode import Decode, decoder
+from app.ros.decode import Decode, Generation, decoder
 from app.ros.roles import ROLE_TYPES, TF_TYPES, Roles, Topic, check_overrides, choose_roles
 from app.sources import SourceError, SourceOptions
 from app.sources._foxglove_wire import Offer
@@ -58,7 +58,7 @@ class Channels:
         """Make ready for the messages of a wanted channel; ChannelError if they cannot be decoded."""
         if len(offer.schema) > LONGEST_DEFINITION:
             raise ChannelError(f"its definition of {offer.schema_name} is too long to be one")
-        generation = "ros2" if offer.encoding == "cdr" else "ros1"
+        generation: Generation = "ros2" if offer.encoding == "cdr" else "ros1"
         try:
             decode = decoder(generation, message_type(offer), offer.schema)
         except Exception as error:  # text from a stranger has many ways to be no definition

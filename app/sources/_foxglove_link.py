@@ -39,10 +39,7 @@ _REMEDIES: tuple[tuple[type[Exception], str], ...] = (
     ),
     (ssl.SSLError, "{uri} does not speak TLS: give ws:// in place of wss://"),
     (InvalidStatus, "{uri} answers with HTTP status {error.response.status_code}: " + _NEEDED),
-    (
-        InvalidMessage,
-        "{uri} does not answer like a WebSocket server (one with a certificate takes wss://): " + _NEEDED,
-    ),
+    (InvalidMessage, "{uri} does not greet like a WebSocket server (with a certificate: wss://): " + _NEEDED),
     (InvalidHandshake, "{uri} speaks another protocol: " + _NEEDED),
 )
 _REMEDY = "{uri} cannot be reached ({error}): check the network"

@@ -57,7 +57,7 @@ def test_web_server_is_refused() -> None:
 def test_something_that_is_no_web_server_is_refused() -> None:
     """A service that does not speak HTTP at all is told apart from silence."""
     port = answering_once(b"SSH-2.0-OpenSSH_9.2\r\n")
-    with pytest.raises(SourceError, match=r"does not answer like a WebSocket server"):
+    with pytest.raises(SourceError, match=r"does not greet like a WebSocket server"):
         Link(f"ws://127.0.0.1:{port}")
 
 
