@@ -37,15 +37,15 @@ def open_recording(path: Path) -> Recording:
 
 def _open_folder(path: Path) -> Recording:
     """A rosbag2 folder; without a usable metadata.yaml, the files in it."""
-    files = sorted((f for suffix in (".mcap", ".db3") for f in path.glob(f"*{suffix}")), key=_natural)
-    if not files:
-        raise SourceError(f"{path} holds no .mcap or .db3 files: give a rosbag2 folder or a file")
     damage = "its metadata.yaml is missing"
     if (path / "metadata.yaml").exists():
         try:
-            return _indexed(path, f"rosbag2 folder ({files[0].suffix})")
-        except Exception as error:
+            return _indexed(path, "rosbag2 folder")
+        except Exception as error:  # as in _open_file
             damage = _reason(error)
+    files = sorted((f for suffix in (".mcap", ".db3") for f in path.glob(f"*{suffix}")), key=_natural)
+    if not files:
+        raise SourceError(f"{path} is no rosbag2 folder ({damage}, no .mcap or .db3 file): give a recording")
     return joined(path, [_open_file(file) for file in files], damage)
 
 
