@@ -12,8 +12,8 @@ Indices = NDArray[np.intp]
 def decimate(x: Column, columns: Sequence[Column], limit: int, first: int = 0) -> tuple[Column, list[Column]]:
     """At most `limit` points: of every run of samples its smallest and largest value, in their order.
 
-    x: (n,) ascending. columns: (n,) each; NaN is passed over, and stays where a whole run is NaN. first: the number
-    of x[0] in the whole series: runs begin at fixed numbers, so that a moving window does not make a curve shimmer.
+    x: (n,) ascending. columns: (n,) each; NaN is passed over, and stays where a whole run is NaN.
+    first: the number of x[0] in the whole series; runs begin at fixed numbers, else a moving curve shimmers.
     """
     if len(x) <= limit:
         return x, list(columns)

@@ -47,8 +47,8 @@ class AttitudePanel:
 def turn_css(roll: float, pitch: float, yaw: float) -> str:
     """The variables that turn the dials; angles in radians."""
     degrees = [float(np.nan_to_num(math.degrees(angle))) for angle in (roll, pitch, yaw)]
-    lift = max(-90.0, min(90.0, degrees[1])) * -UNIT
-    turned = f"--hs-roll:{-degrees[0]:.1f}deg;--hs-lift:{lift:.1f}px;--hs-yaw:{-degrees[2]:.1f}deg"
+    lift = 0.0 - max(-90.0, min(90.0, degrees[1])) * UNIT
+    turned = f"--hs-roll:{0.0 - degrees[0]:.1f}deg;--hs-lift:{lift:.1f}px;--hs-yaw:{0.0 - degrees[2]:.1f}deg"
     return f"<style>.hs-attitude{{{turned}}}</style>"
 
 

@@ -10,7 +10,7 @@ from app.panels import _workspace
 from app.panels._controls import Choice, Control, LinearSlider, LogSlider, Switch
 from app.panels._slider import Scale
 from app.snapshot import MapImage, Snapshot
-from app.web.stage import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Display, Stage
+from app.web.stage import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Display, Layer, Stage
 
 CAMERAS: dict[str, Camera] = {"Top": "top", "Follow": "follow", "Free": "free", "Whole map": "fit"}
 LAYOUTS = {"stacked": "levels stacked", "side": "levels side by side", "one": "one level"}
@@ -43,7 +43,7 @@ class DisplayPanel:
                 "Level", ("finest",), initial_value="finest", hint="The one level shown."
             )
             with gui.add_folder("Layers"):
-                self._layers = {layer.key: self._add_layer(layer.key, layer.title) for layer in stage.layers}
+                self._layers = {layer.key: self._add_layer(layer) for layer in stage.layers}
         camera.on_click(self._point_camera)
         for key, name in enumerate(CAMERAS, start=1):
             self._add_hotkey(str(key), name)
@@ -71,10 +71,16 @@ class DisplayPanel:
     def _setter(self, name: str) -> Callable[[GuiEvent[Any]], None]:
         return lambda _: self._stage.show(**{name: self._controls[name].read()})
 
-    def _add_layer(self, key: str, title: str) -> Control:
-        shown = key not in self._stage.display.hidden
+    def _add_layer(self, layer: Layer) -> Control:
+        shown = layer.key not in self._stage.display.hidden
+        if layer.colour:
+            _workspace.mark(self._stage, f"swatch hs-{layer.colour}")
         box = Switch(
-            self._stage.server.gui, title, shown, None, lambda e: self._stage.show_layer(key, e.target.value)
+            self._stage.server.gui,
+            layer.title,
+            shown,
+            None,
+            lambda e: self._stage.show_layer(layer.key, e.target.value),
         )
         return cast(Control, box)
 

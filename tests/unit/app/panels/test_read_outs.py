@@ -1,0 +1,119 @@
+import math
+from dataclasses import replace
+
+import pytest
+
+from app.panels.attitude import turn_css
+from app.panels.log import folded, log_html
+from app.panels.match import match_html, sigmas_html
+from app.panels.status import REASONS_SHOWN, losses_html, run_html
+from app.panels.transport import clock_html, name_of_speed
+from app.snapshot import LogEntry, PlaybackStatus, SourceReport
+from tests.page import room_snapshot
+
+S = 1_000_000_000
+
+
+def test_the_status_tells_where_the_run_is() -> None:
+    """Source, state, time since the start, scan rate and real-time factor."""
+    playback = PlaybackStatus("playing", False, 70 * S, 10 * S, 100 * S, 1.0, 1.5, 39.96)
+    html = run_html("arena.bag", playback)
+    for part in ("arena.bag", ">playing<", "01:00.0", "40.0 Hz", "×1.50"):
+        assert part in html
+
+
+def test_nothing_from_outside_becomes_html() -> None:
+    """Names of files, reasons and log lines are escaped wherever they are shown."""
+    bad = "<script>"
+    shown = [
+        run_html(bad, PlaybackStatus("failed", detail=bad)),
+        losses_html(SourceReport({}, {bad: 1}, 0), {bad: bad}),
+        log_html((LogEntry(0, bad),), 0),
+    ]
+    assert all(bad not in html and "&lt;script&gt;" in html for html in shown)
+
+
+def test_losses_are_counted_and_explained() -> None:
+    """Skipped counts add up, each reason is named, too many are summed up, and a clean run says nothing more."""
+    html = losses_html(SourceReport({}, {"/scan: all NaN": 3, "/imu: late": 4}, 2), {})
+    assert ">skipped</small>7<" in html
+    assert ">dropped</small>2<" in html
+    assert "3 × /scan: all NaN" in html
+    many = {f"reason {i}": 1 for i in range(REASONS_SHOWN + 5)}
+    assert "and 5 more reasons" in losses_html(SourceReport({}, many, 0), {})
+    assert "<ul" not in losses_html(SourceReport(), {})
+
+
+def test_a_view_that_broke_is_named() -> None:
+    """What was switched off is told on the page."""
+    assert "Scan is switched off: ValueError" in losses_html(SourceReport(), {"Scan": "ValueError"})
+
+
+def test_a_drag_is_one_line_of_the_log() -> None:
+    """Changes of one setting close together fold into first → last; others stay apart."""
+    entries = (
+        LogEntry(0, "fusion.omega: 0.1 → 0.2"),
+        LogEntry(S // 2, "fusion.omega: 0.2 → 0.3"),
+        LogEntry(S // 2, "map.levels: 3 → 2"),
+        LogEntry(9 * S, "map.levels: 2 → 3"),
+        LogEntry(9 * S, "Started again with an empty map"),
+    )
+    assert [(e.time_ns, e.text) for e in folded(entries)] == [
+        (S // 2, "fusion.omega: 0.1 → 0.3"),
+        (S // 2, "map.levels: 3 → 2"),
+        (9 * S, "map.levels: 2 → 3"),
+        (9 * S, "Started again with an empty map"),
+    ]
+
+
+def test_the_log_shows_the_newest_first() -> None:
+    """Times are since the start of the recording."""
+    html = log_html((LogEntry(5 * S, "one"), LogEntry(7 * S, "two", "warning")), 5 * S)
+    assert html.index("two") < html.index("one")
+    assert "00:02.0" in html
+
+
+def test_the_match_says_whether_it_converged() -> None:
+    """Mean residual, iterations of each level, and the outcome; a first scan has nothing to match."""
+    snapshot = room_snapshot()
+    assert snapshot.result is not None
+    match = snapshot.result.match
+    assert match is not None
+    html = match_html(match, 180, snapshot)
+    assert "converged" in html
+    assert "3 · 4 · 4" in html
+    assert "0.500" in html
+    assert "out of steps" in match_html(replace(match, converged=False), 180, snapshot)
+    assert "first scan" in match_html(None, 180, snapshot)
+
+
+def test_sigmas_are_millimetres_and_degrees() -> None:
+    """A missing covariance is a dash."""
+    row = room_snapshot().series[-1].copy()
+    row["match_sigma_x"], row["match_sigma_yaw"], row["filter_sigma_x"] = 0.0123, math.radians(0.5), math.nan
+    html = sigmas_html(row)
+    assert "<td>12.3</td>" in html
+    assert "<td>0.50</td>" in html
+    assert "<td>–</td>" in html
+
+
+def test_the_horizon_turns_against_the_robot() -> None:
+    """Right side down (roll > 0) turns the horizon left; nose down (pitch > 0) lifts it; NaN keeps it level."""
+    assert "--hs-roll:-10.0deg" in turn_css(math.radians(10), 0.0, 0.0)
+    assert "--hs-lift:-16.0px" in turn_css(0.0, math.radians(10), 0.0)
+    assert "--hs-yaw:-90.0deg" in turn_css(0.0, 0.0, math.pi / 2)
+    assert "--hs-roll:0.0deg" in turn_css(math.nan, math.nan, math.nan)
+
+
+@pytest.mark.parametrize(
+    ("speed", "name"), [(1.0, "1×"), (0.1, "0.1×"), (math.inf, "max"), (1.9, "2×"), (1e9, "10×"), (0.0, "0.1×")]
+)
+def test_a_speed_shows_as_the_nearest_on_offer(speed: float, name: str) -> None:
+    """The command line may ask for any speed."""
+    assert name_of_speed(speed) == name
+
+
+def test_the_clock_of_a_stream_has_no_end() -> None:
+    """A recording shows its length, a stream says live."""
+    assert "/ 00:58.0" in clock_html(PlaybackStatus(end_ns=58 * S))
+    assert "live" in clock_html(PlaybackStatus(live=True))
