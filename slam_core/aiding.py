@@ -11,8 +11,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.intersection import intersect
-from slam_core.kernels.linalg import gain_update, is_covariance
-from slam_core.kernels.navigation import ERRORS, inject
+from slam_core.kernels.navigation import ERRORS, gain_update, inject, is_covariance
 from slam_core.measurements import Float64s
 
 # Nothing that a robot reports about its place or its speed is further out than this, in metres or m/s.

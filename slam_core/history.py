@@ -6,9 +6,8 @@ The belief is a function of what was measured, whatever order it came in.
 from bisect import bisect_left, bisect_right
 from typing import NamedTuple
 
-import numpy as np
-
 from slam_core.aiding import Correction
+from slam_core.kernels.navigation import is_sound
 from slam_core.measurements import Float64s
 from slam_core.strapdown import Strapdown
 
@@ -69,7 +68,7 @@ class History:
         """Predict on to an inertial sample later than the last one: its interval holds the mean of both."""
         known = stamp_ns - self.sample_ns <= MAX_GAP_NS
         u = 0.5 * (self._sample + sample) if known else None
-        ahead = self._take(bisect_right(self._entries, self.sample_ns, key=_stamp))
+        ahead = self._take_ahead()
         self.sample_ns, self._sample = stamp_ns, sample
         for entry in ahead:
             if entry.stamp_ns <= stamp_ns:
@@ -101,6 +100,13 @@ class History:
         """The input after the last sample: that sample, for a while."""
         return self._sample if time_ns - self.sample_ns <= MAX_GAP_NS else None
 
+    def _take_ahead(self) -> list[Entry]:
+        """Take the corrections later than the last sample; mostly there are none."""
+        first = len(self._entries)
+        while self._entries[first - 1].stamp_ns > self.sample_ns:
+            first -= 1
+        return self._take(first)
+
     def _take(self, first: int) -> list[Entry]:
         taken = self._entries[first:]
         del self._entries[first:]
@@ -122,5 +128,4 @@ class History:
 def _corrected(x: Float64s, P: Float64s, correction: Correction) -> tuple[Float64s, Float64s]:
     """The belief after a correction, or the one before it if the numbers do not bear it."""
     better, reduced = correction.apply(x, P)
-    sound = np.isfinite(better).all() and np.isfinite(reduced).all() and (np.diagonal(reduced) > 0.0).all()
-    return (better, reduced) if sound else (x, P)
+    return (better, reduced) if is_sound(better, reduced) else (x, P)

@@ -7,7 +7,7 @@ has no inverse after its bracket, (18) scales all of P, and (20) holds C P C^T.
 
 import numpy as np
 
-from slam_core.kernels.linalg import gain_update
+from slam_core.kernels.navigation import gain_update
 from slam_core.measurements import Float64s
 
 

@@ -10,15 +10,14 @@ import numpy as np
 from slam_core.aiding import BodyVelocity, Correction, HeightAid, PlanarPose, observer, project
 from slam_core.config import NavigationConfig
 from slam_core.history import MAX_GAP_NS, History
-from slam_core.kernels.linalg import sandwich
+from slam_core.kernels.navigation import sandwich, within
 from slam_core.leveling import start_belief
 from slam_core.measurements import Float64s, Imu, Transform
 from slam_core.results import NavigationState, PlanarGaussian
 from slam_core.strapdown import Strapdown
 
-# No robot turns or accelerates like this: such a sample is broken.
-MAX_RATE = 200.0  # rad/s
-MAX_FORCE = 2000.0  # m/s²
+# No robot turns (rad/s) or accelerates (m/s²) like this: such a sample is broken.
+SAMPLE_LIMITS = np.array([200.0] * 3 + [2000.0] * 3)
 # A stamp this far ahead is believed only when the next one confirms it.
 LEAP_NS = 10_000_000_000
 
@@ -84,7 +83,7 @@ class NavigationFilter:
     def predict(self, imu: Imu) -> None:
         """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
         sample = np.concatenate([imu.angular_velocity, imu.linear_acceleration])
-        if not ((np.abs(sample[:3]) < MAX_RATE).all() and (np.abs(sample[3:]) < MAX_FORCE).all()):
+        if not within(sample, SAMPLE_LIMITS):
             self.counts["inertial sample without a plausible value"] += 1
         elif self._history is None:
             self._level(imu.stamp_ns, sample)

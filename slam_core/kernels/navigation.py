@@ -3,6 +3,9 @@
 x: (19,) quaternion 0:4, position 4:7, velocity 7:10, gyro bias 10:13, accelerometer bias 13:16, and the specific
 force in body axes, smoothed, 16:19. P: (15, 15) of the errors of attitude (small rotation about the map's axes),
 position, velocity, gyro bias, accelerometer bias. u: (6,) angular rate and specific force in body axes.
+
+All in one file, since numba renews cached code only when the file that holds it changes; and in closed form, since
+its own `@` and np.linalg would need scipy.
 """
 
 import math
@@ -11,7 +14,6 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.linalg import gain_update, sandwich
 from slam_core.measurements import Float64s
 
 STATES = 19
@@ -19,9 +21,9 @@ ERRORS = 15
 # The smoothed specific force shows where down is while its size is within this share of gravity.
 NEAR_GRAVITY = 0.1
 
-_product = njit(cache=True)(geometry.multiply)
-_exponential = njit(cache=True)(geometry.from_rotation_vector)
-_matrix = njit(cache=True)(geometry.rotation_matrix)
+_product = njit(error_model="numpy")(geometry.multiply)
+_exponential = njit(error_model="numpy")(geometry.from_rotation_vector)
+_matrix = njit(error_model="numpy")(geometry.rotation_matrix)
 
 
 @njit(cache=True, error_model="numpy")
@@ -105,16 +107,15 @@ def _add_noise(P: Float64s, dt: float, density: Float64s) -> None:
 def bound(x: Float64s, P: Float64s, gravity: float, bounds: Float64s) -> tuple[Float64s, Float64s]:
     """A pseudo measurement for every error whose variance passes bounds[i, 0], with noise variance bounds[i, 1].
 
-    Tilt is measured by the smoothed specific force, velocity and biases are pulled to zero, the rest is held.
+    Tilt is measured by the smoothed specific force; height, velocity and biases are pulled to zero.
     """
     if P[0, 0] > bounds[0, 0] or P[1, 1] > bounds[0, 0]:
         x, P = level(x, P, gravity, bounds[0, 1])
-    for i in range(2, ERRORS):
+    for i in range(5, ERRORS):
         if P[i, i] > bounds[i, 0]:
             gain = P[i] / (P[i, i] + bounds[i, 1])
             P = P - gain.reshape(-1, 1) * P[i]
-            if i >= 6:
-                x = inject(x, -x[1 + i] * gain)
+            x = inject(x, -x[1 + i] * gain)
     return x, P
 
 
@@ -145,3 +146,101 @@ def inject(x: Float64s, error: Float64s) -> Float64s:
     for i in range(3, ERRORS):
         out[1 + i] += error[i]
     return out
+
+
+@njit(cache=True, error_model="numpy")
+def multiply(A: Float64s, B: Float64s) -> Float64s:
+    """A B, skipping the zeros of A: transition and observer matrices are mostly empty."""
+    out = np.zeros((A.shape[0], B.shape[1]))
+    for i in range(A.shape[0]):
+        for k in range(A.shape[1]):
+            a = A[i, k]
+            if a != 0.0:
+                for j in range(B.shape[1]):
+                    out[i, j] += a * B[k, j]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def sandwich(A: Float64s, P: Float64s) -> Float64s:
+    """A P A^T of a symmetric P, symmetric to the last bit."""
+    AP = multiply(A, P)
+    out = multiply(A, AP.T.copy())
+    for i in range(len(out)):
+        for j in range(i):
+            out[i, j] = out[j, i] = 0.5 * (out[i, j] + out[j, i])
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def cholesky(A: Float64s) -> Float64s:
+    """Lower L with L L^T = A; the diagonal of L holds NaN or 0 where A is not positive definite."""
+    n = len(A)
+    L = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            rest = A[i, j]
+            for k in range(j):
+                rest -= L[i, k] * L[j, k]
+            L[i, j] = math.sqrt(rest) if i == j else rest / L[j, j]
+    return L
+
+
+@njit(cache=True, error_model="numpy")
+def is_covariance(A: Float64s) -> bool:
+    """Whether A is finite, symmetric (to 1e-6 of its size) and positive definite."""
+    for i in range(len(A)):
+        for j in range(i):
+            if not abs(A[i, j] - A[j, i]) <= 1e-6 * math.sqrt(abs(A[i, i] * A[j, j])):
+                return False
+    roots = np.diag(cholesky(A))
+    return bool(np.all((roots > 0.0) & (roots < np.inf)))
+
+
+@njit(cache=True, error_model="numpy")
+def within(values: Float64s, limits: Float64s) -> bool:
+    """Whether every |value| is below its limit; NaN is not."""
+    inside = True
+    for i in range(len(values)):
+        inside &= abs(values[i]) < limits[i]
+    return inside
+
+
+@njit(cache=True, error_model="numpy")
+def is_sound(x: Float64s, P: Float64s) -> bool:
+    """Whether x and P are finite and no variance is zero or negative."""
+    return bool(np.isfinite(x).all() and np.isfinite(P).all() and (np.diag(P) > 0.0).all())
+
+
+@njit(cache=True, error_model="numpy")
+def solve_lower(L: Float64s, B: Float64s) -> Float64s:
+    """L^-1 B for a lower triangle L."""
+    out = B.copy()
+    for i in range(len(L)):
+        for k in range(i):
+            for j in range(B.shape[1]):
+                out[i, j] -= L[i, k] * out[k, j]
+        for j in range(B.shape[1]):
+            out[i, j] /= L[i, i]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def gain_update(P: Float64s, C: Float64s, R: Float64s, innovation: Float64s) -> tuple[Float64s, Float64s]:
+    """K innovation and P - K C P with K = P C^T (R + C P C^T)^-1.
+
+    Through W = L^-1 C P with L L^T = R + C P C^T, since K C P = W^T W: symmetric by its making.
+    """
+    CP = multiply(C, P)
+    L = cholesky(R + multiply(C, CP.T.copy()))
+    W = solve_lower(L, CP)
+    whitened = solve_lower(L, innovation.reshape(-1, 1))
+    correction = np.zeros(len(P))
+    reduced = P.copy()
+    for k in range(len(C)):
+        for i in range(len(P)):
+            w = W[k, i]
+            correction[i] += w * whitened[k, 0]
+            for j in range(len(P)):
+                reduced[i, j] -= w * W[k, j]
+    return correction, reduced
