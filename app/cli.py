@@ -92,6 +92,7 @@ def _show(uri: str, options: SourceOptions, settings: SettingFlags, page: PageFl
         serve(engine, host=page.host, port=page.port, token=page.token)
     finally:
         engine.stop()
+    sys.exit(INTERRUPTED)  # nothing else ends the serving
 
 
 def demo_bag(scene: Scene) -> Path:
