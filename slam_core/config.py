@@ -128,8 +128,8 @@ class NavigationConfig:
         float, Param("Noise of that: accelerations that pass for gravity.", "m/s²", 0.01, 10.0, log=True)
     ] = 1.0
     height_threshold: Annotated[
-        float, Param("A height less certain than this is held.", "m", 0.1, 100.0, log=True)
-    ] = 3.0
+        float, Param("A height less certain than this is pulled to that of the start.", "m", 0.1, 100.0, log=True)
+    ] = 1.0
     level_time: Annotated[
         float, Param("The attitude at the start is the mean over this.", "s", 0.1, 5.0, restart=True)
     ] = 0.5
@@ -154,7 +154,7 @@ class FusionConfig:
 
     omega: Annotated[
         float, Param("Weight of the match in the intersection, eqs. (16)-(20).", "", 0.001, 0.999)
-    ] = 0.1
+    ] = 0.02
 
 
 @dataclass(frozen=True, slots=True)
