@@ -72,57 +72,55 @@ def laser_rays(scene: Scene, t: Float64s, angles: Float64s) -> tuple[Float64s, F
     return origins, np.einsum("mij,mj->mi", attitudes, in_base)
 
 
-def laser_scans(scene: Scene, options: SceneOptions, laser: Utm30lx = UTM30LX) -> Iterator[Arrival]:
+def laser_scans(scene: Scene, options: SceneOptions) -> Iterator[Arrival]:
     """Every complete sweep of the motion, when its last beam has been handed over."""
     rng = np.random.default_rng([options.seed, 0])
     period = 1.0 / options.scan_rate
-    increment = laser.field / (options.beams - 1)
+    increment = UTM30LX.field / (options.beams - 1)
     time_increment = period * increment / (2 * np.pi) if options.beam_timing else 0.0
     count = np.arange(options.beams, dtype=np.float64)
-    angles, lapse = increment * count - laser.field / 2, time_increment * count
+    angles, lapse = increment * count - UTM30LX.field / 2, time_increment * count
     for k in range(int((scene.motion.duration - lapse[-1]) / period) + 1):
         t = k * period
-        true, hits = scene.world.cast(*laser_rays(scene, t + lapse, angles), laser.range_max)
+        true, hits = scene.world.cast(*laser_rays(scene, t + lapse, angles), UTM30LX.range_max)
         depths = np.where(hits >= 0, scene.world.depths[hits], 0.0)
         scan = LaserScan(
             stamp_ns=nanoseconds(t),
-            ranges=_measured(true, depths, laser, options.noise, rng).astype(np.float32),
+            ranges=_measured(true, depths, options.noise, rng).astype(np.float32),
             angle_min=float(angles[0]),
             angle_increment=float(increment),
             time_increment=float(time_increment),
-            range_min=laser.range_min,
-            range_max=laser.range_max,
+            range_min=UTM30LX.range_min,
+            range_max=UTM30LX.range_max,
             T_base_laser=scene.T_base_laser,
         )
-        yield scan.end_ns + round(laser.latency * 1e9 * rng.uniform(1.0, 1.5)), scan
+        yield scan.end_ns + round(UTM30LX.latency * 1e9 * rng.uniform(1.0, 1.5)), scan
 
 
-def _measured(
-    true: Float64s, depths: Float64s, laser: Utm30lx, noise: float, rng: np.random.Generator
-) -> Float64s:
+def _measured(true: Float64s, depths: Float64s, noise: float, rng: np.random.Generator) -> Float64s:
     """(n,) ranges as the scanner reports them, after REP-117: noise, foliage, drop-outs, millimetres."""
     white, inward, luck = rng.normal(size=len(true)), np.abs(rng.normal(size=len(true))), rng.random(len(true))
-    growth = (laser.sigma_far - laser.sigma_near) / (laser.range_max - laser.sigma_near_to)
-    sigma = laser.sigma_near + growth * np.clip(true - laser.sigma_near_to, 0.0, laser.range_max)
+    growth = (UTM30LX.sigma_far - UTM30LX.sigma_near) / (UTM30LX.range_max - UTM30LX.sigma_near_to)
+    sigma = UTM30LX.sigma_near + growth * np.clip(true - UTM30LX.sigma_near_to, 0.0, UTM30LX.range_max)
     measured = true + noise * (sigma * white + depths * inward)
     if noise > 0.0:
-        measured = np.round(measured / laser.resolution) * laser.resolution
-    measured[(measured > laser.range_max) | (luck < noise * laser.dropout)] = np.inf
-    measured[measured < laser.range_min] = -np.inf
+        measured = np.round(measured / UTM30LX.resolution) * UTM30LX.resolution
+    measured[(measured > UTM30LX.range_max) | (luck < noise * UTM30LX.dropout)] = np.inf
+    measured[measured < UTM30LX.range_min] = -np.inf
     return measured
 
 
-def inertial(motion: Motion, options: SceneOptions, unit: Mems = MEMS) -> Iterator[Arrival]:
+def inertial(motion: Motion, options: SceneOptions) -> Iterator[Arrival]:
     """Body rates and specific force, each with a constant bias, a wandering bias and white noise."""
     rng = np.random.default_rng([options.seed, 1])
     t = _ticks(motion, IMU_RATE)
     rates = motion.body_rates(t) + options.noise * _drifting(
-        rng, len(t), unit.gyro_bias, unit.gyro_walk, unit.gyro_noise
+        rng, len(t), MEMS.gyro_bias, MEMS.gyro_walk, MEMS.gyro_noise
     )
     forces = motion.specific_force(t) + options.noise * _drifting(
-        rng, len(t), unit.accel_bias, unit.accel_walk, unit.accel_noise
+        rng, len(t), MEMS.accel_bias, MEMS.accel_walk, MEMS.accel_noise
     )
-    delays = unit.latency * rng.uniform(1.0, 1.5, len(t))
+    delays = MEMS.latency * rng.uniform(1.0, 1.5, len(t))
     for time, delay, omega, force in zip(t, delays, rates, forces, strict=True):
         yield nanoseconds(time + delay), Imu(nanoseconds(time), omega, force)
 
@@ -133,14 +131,14 @@ def _drifting(rng: np.random.Generator, count: int, bias: float, walk: float, no
     return rng.uniform(-bias, bias, size=3) + np.cumsum(steps, axis=0) + rng.normal(scale=noise, size=(count, 3))
 
 
-def heights(motion: Motion, options: SceneOptions, barometer: Barometer = BAROMETER) -> Iterator[Arrival]:
+def heights(motion: Motion, options: SceneOptions) -> Iterator[Arrival]:
     """Height over the start, with white noise and the slow drift of the weather."""
     rng = np.random.default_rng([options.seed, 2])
     t = _ticks(motion, HEIGHT_RATE)
-    drift = np.cumsum(rng.normal(scale=barometer.walk / np.sqrt(HEIGHT_RATE), size=len(t)))
-    errors = options.noise * (drift + rng.normal(scale=barometer.noise, size=len(t)))
+    drift = np.cumsum(rng.normal(scale=BAROMETER.walk / np.sqrt(HEIGHT_RATE), size=len(t)))
+    errors = options.noise * (drift + rng.normal(scale=BAROMETER.noise, size=len(t)))
     for time, height in zip(t, motion.at(t)[:, 2] + errors, strict=True):
-        yield nanoseconds(time + barometer.latency), Height(nanoseconds(time), float(height))
+        yield nanoseconds(time + BAROMETER.latency), Height(nanoseconds(time), float(height))
 
 
 def truth(motion: Motion) -> Iterator[Arrival]:

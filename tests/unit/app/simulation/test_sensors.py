@@ -122,7 +122,7 @@ def test_too_close_and_too_far() -> None:
 
 
 def test_errors_of_the_inertial_unit() -> None:
-    """At rest: white noise of the stated size around a constant bias of a plausible one."""
+    """At rest: white noise of the stated size around a constant bias within its bounds."""
     scene = replace(still_in_a_hall(), motion=Motion.through(lambda t: np.zeros((len(t), 6)), 60.0))
     biases = []
     for seed in range(8):
@@ -134,8 +134,9 @@ def test_errors_of_the_inertial_unit() -> None:
         np.testing.assert_allclose(gyro.std(axis=0), 0.005, rtol=0.05)
         np.testing.assert_allclose(accel.std(axis=0), 0.03, rtol=0.05)
         biases.append(np.concatenate((gyro.mean(axis=0), accel.mean(axis=0))))
-    spread = np.sqrt((np.array(biases) ** 2).reshape(8, 2, 3).mean(axis=(0, 2)))
-    np.testing.assert_allclose(spread, [np.radians(0.5), 0.05], rtol=0.5)
+    largest = np.abs(biases).reshape(8, 2, 3).max(axis=(0, 2))
+    assert np.all(largest < np.array([np.radians(0.5), 0.05]) * 1.1)
+    assert np.all(largest > np.array([np.radians(0.5), 0.05]) * 0.7)
 
 
 def test_noise_zero_measures_exactly() -> None:
