@@ -1,0 +1,123 @@
+"""Takes the pictures of the documents: the real page on each demo recording, in a real Chromium.
+
+    python -m benchmarks.screenshots [arena littoral handheld] [--out docs/images]
+
+Each recording is run up to a fixed time and stands still there, so that the same code gives the same picture.
+"""
+
+import argparse
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from playwright.sync_api import Browser, sync_playwright
+
+from app.cli import Scene, demo_bag
+from app.engine import Engine
+from app.snapshot import Seek, Snapshot
+from app.sources import SourceOptions, open_source
+from app.warmup import warm_up
+from app.web.server import PageServer
+from app.web.stage import Camera
+from tests.conftest import ROOT, chromium_path
+
+SIZE = {"width": 1280, "height": 800}
+FLAGS = [
+    "--no-sandbox",  # also runs as root, as in a container; it only opens our own page
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-background-networking",
+    "--no-first-run",
+]
+NOTICE = ".mantine-Notification-closeButton"
+PATIENCE_S = 120.0
+SETTLE_MS = 6000  # textures, plots and the camera's glide, with drawing in software
+
+
+@dataclass(frozen=True)
+class Shot:
+    """Which recording, how far into it, and how it is looked at."""
+
+    scene: Scene
+    seconds: float
+    dark: bool
+    camera: Camera
+
+
+SHOTS = (
+    Shot("arena", 40.0, dark=True, camera="fit"),
+    Shot("littoral", 40.0, dark=False, camera="fit"),
+    Shot("handheld", 50.0, dark=True, camera="top"),
+)
+
+
+@contextmanager
+def standing_still(shot: Shot) -> Iterator[PageServer]:
+    """The page of a run that has come to the wanted time."""
+    source = open_source(str(demo_bag(shot.scene)), SourceOptions())
+    assert source.span_ns is not None
+    wanted_ns = min(source.span_ns[0] + round(shot.seconds * 1e9), source.span_ns[1])
+    engine = Engine(source, autoplay=False, prepare=warm_up)
+    page = PageServer(engine, port=0)
+    engine.start()
+    page.start()
+    try:
+        engine.send(Seek(wanted_ns))
+        wait_until(engine, wanted_ns)
+        page.stage.show(dark=shot.dark)
+        yield page
+    finally:
+        page.stop()
+        engine.stop()
+
+
+def wait_until(engine: Engine, wanted_ns: int) -> None:
+    """Until the run stands at that time; RuntimeError says where it got stuck."""
+    ends = time.monotonic() + PATIENCE_S
+    snapshot = Snapshot()
+    while time.monotonic() < ends and snapshot.playback.state != "failed":
+        snapshot = engine.mailbox.latest or snapshot
+        resting = snapshot.playback.state in ("paused", "ended")
+        if resting and snapshot.scans and snapshot.playback.time_ns >= wanted_ns - 10**9:
+            return
+        time.sleep(0.1)
+    raise RuntimeError(f"{snapshot.source} stands {snapshot.playback}")
+
+
+def take(browser: Browser, shot: Shot, folder: Path) -> Path:
+    """One picture."""
+    target = folder / f"{shot.scene}.png"
+    with standing_still(shot) as server:
+        page = browser.new_page(viewport=SIZE, color_scheme="dark" if shot.dark else "light")
+        page.goto(server.url)
+        page.wait_for_function("window.__viserMutable?.nodeRefFromName?.['/robot']", timeout=PATIENCE_S * 1000)
+        page.wait_for_timeout(SETTLE_MS)
+        for notice in page.locator(NOTICE).all():  # that drawing is done in software
+            notice.click()
+        server.stage.camera(shot.camera)
+        page.wait_for_timeout(SETTLE_MS)
+        page.screenshot(path=target)
+        page.close()
+    return target
+
+
+def main() -> None:
+    """Take the pictures that were asked for, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scenes", nargs="*", choices=[shot.scene for shot in SHOTS], metavar="SCENE")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
+    chosen = parser.parse_args()
+    chosen.out.mkdir(parents=True, exist_ok=True)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
+        for shot in SHOTS:
+            if not chosen.scenes or shot.scene in chosen.scenes:
+                print(take(browser, shot, chosen.out))
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()
