@@ -47,7 +47,8 @@
   // ------------------------------------------------------------------------------------------------ camera
 
   // auto: keep the whole map in view until somebody touches the camera. goal: angles on the way to.
-  const state = { mode: "fit", auto: true, follow: false, top: false, goal: null, distance: null, last: null, pan: null };
+  // moved: when anything here moved the camera last.
+  const state = { auto: true, follow: false, top: false, goal: null, distance: null, last: null, pan: null, moved: 0 };
 
   const minus = (a, b) => ({ x: a.x - b.x, y: a.y - b.y, z: a.z - b.z });
   const plus = (a, b) => ({ x: a.x + b.x, y: a.y + b.y, z: a.z + b.z });
@@ -105,19 +106,23 @@
     const [a, p] = [azimuth - controls.azimuthAngle, state.goal.polar - controls.polarAngle];
     const done = Math.abs(a) + Math.abs(p) < 0.002;
     const k = done ? 1 : share;
+    state.moved = performance.now();
     controls.rotateTo(controls.azimuthAngle + k * a, controls.polarAngle + k * p, false);
     if (done) state.goal = null;
   }
 
   function dolly(controls, goal, share) {
     const gap = goal - controls.distance;
-    if (Math.abs(gap) > 0.002 * goal) controls.dollyTo(controls.distance + share * gap, false);
+    if (Math.abs(gap) < 0.002 * goal) return;
+    state.moved = performance.now();
+    controls.dollyTo(controls.distance + share * gap, false);
   }
 
   function move(controls, goal, share) {
     const at = controls.getTarget();
     const gap = minus(goal, at);
     if (size(gap) < 1e-3) return;
+    state.moved = performance.now();
     const to = plus(at, times(gap, share));
     controls.moveTo(to.x, to.y, to.z, false);
   }
@@ -167,7 +172,7 @@
     state.distance = state.follow && controls.distance > NEAR ? NEAR : null;
     state.last = null;
     state.pan = { x: 0, y: 0, z: 0 };
-    state.mode = mode;
+    state.moved = performance.now();
   }
 
   function touched(event) {

@@ -1,0 +1,73 @@
+"""A real Chromium in front of a real page, without a window and with software graphics."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from app.web.server import PageServer
+from tests.page import StillEngine, room_snapshot
+
+FLAGS = (
+    "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+    "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync",
+)  # fmt: skip
+SIZE = {"width": 1000, "height": 640}
+READY = "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0'] && !!window.hectorscope"
+PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
+
+Open = Callable[..., Page]
+
+
+@pytest.fixture(scope="session")
+def browser(chromium: str) -> Iterator[Browser]:
+    """One Chromium for all tests; each page gets a profile of its own."""
+    with sync_playwright() as playwright:
+        made = playwright.chromium.launch(executable_path=chromium, args=list(FLAGS))
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def open_page(browser: Browser) -> Iterator[Open]:
+    """`open_page(url, ready=READY)`: a new person's page, once `ready` holds in it; no script of it may fail."""
+    contexts, errors = [], []
+
+    def opened(url: str, ready: str = READY) -> Page:
+        contexts.append(browser.new_context(viewport=SIZE))
+        page = contexts[-1].new_page()
+        page.set_default_timeout(PATIENCE)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(f"{url}{'&' if '?' in url else '?'}fixedDpr=0.3")
+        page.wait_for_function(ready)
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
+    assert not errors
+
+
+@dataclass
+class Show:
+    """A page of a run that stands still."""
+
+    engine: StillEngine
+    server: PageServer
+
+    @property
+    def url(self) -> str:
+        """Where it is."""
+        return self.server.url
+
+
+@pytest.fixture
+def show() -> Iterator[Show]:
+    """The room of tests/page.py, served."""
+    engine = StillEngine(room_snapshot())
+    server = PageServer(engine, port=0)
+    server.start()
+    yield Show(engine, server)
+    server.stop()
