@@ -14,7 +14,7 @@ class StreamQueue:
     arrival is kept. One thread calls `put` and `finish`, one calls `get`; `close` may come from anywhere.
     """
 
-    def __init__(self, live: bool, scans: int = 8) -> None:
+    def __init__(self, live: bool, scans: int = 16) -> None:
         self.dropped = 0
         self._live = live
         self._scans = scans

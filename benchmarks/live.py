@@ -76,10 +76,6 @@ def show(name: str, times: dict[int, int], sent: dict[int, int]) -> None:
     print(f"{name:24} p50 {p50:7.2f} ms   p99 {p99:7.2f} ms   max {latency.max():7.2f} ms   n {len(latency)}")
 
 
-def poses(pipeline: Pipeline, rows: int) -> bytes:
-    return pipeline.trajectory[:rows, 1:].tobytes()
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("recording", type=Path, nargs="?")
@@ -107,9 +103,12 @@ def main() -> None:
     print(
         f"received {sum(report.read.values())}, dropped {feeder.dropped}, skipped {sum(report.skipped.values())}"
     )
+    if feeder.dropped:
+        print("poses not compared: scans were dropped, the machine was too busy")
+        return
     reference, _ = run_headless(bag, Settings())
-    rows = min(pipeline.scans, reference.scans)
-    same = poses(pipeline, rows) == poses(reference, rows)
+    rows = pipeline.scans  # the last few wait for inertial data that never comes
+    same = pipeline.trajectory[:, 1:].tobytes() == reference.trajectory[:rows, 1:].tobytes()
     print(f"poses {rows} of {reference.scans}: {'the same bytes' if same else 'DIFFERENT'} as from the recording")
 
 
