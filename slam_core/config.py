@@ -82,6 +82,17 @@ class MatcherConfig:
     covariance: Annotated[CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")] = (
         "hessian"
     )
+    weak_sigma: Annotated[
+        float,
+        Param(
+            "A match less certain than this in some direction uses only the map's gradient across the surfaces"
+            " that it hit (10: never, the paper's match).",
+            "m",
+            0.0001,
+            10.0,
+            log=True,
+        ),
+    ] = 0.003
     prior_weight: Annotated[
         float,
         Param("How much the predicted pose counts in the match (0: the paper's plain match).", "", 0.0, 10.0),

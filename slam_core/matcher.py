@@ -11,6 +11,7 @@ from slam_core.kernels import matching
 from slam_core.measurements import Float32s, Float64s
 from slam_core.pyramid import Pyramid
 from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.surfaces import Beams
 
 # A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
 LARGEST_SIGMA = np.array([10.0, 10.0, math.pi])
@@ -33,7 +34,7 @@ def coarse_to_fine(
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
     config.prior_weight; R stays what the scan alone says.
     """
-    xs, ys = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    beams = _choose_beams(pyramid.levels[0], points, start, config)
     pose = np.array(start, np.float64)
     held = _prior_term(prior, start, config)
     iterations: list[int] = []
@@ -42,24 +43,33 @@ def coarse_to_fine(
     for i in reversed(range(len(pyramid.levels))):
         allowed = config.iterations_coarse if i else config.iterations_fine
         steps = np.empty((allowed if trace else 0, 3))
-        taken, converged = _climb(pyramid.levels[i], xs, ys, pose, held, allowed, config, steps)
+        taken, converged = _climb(pyramid.levels[i], beams, pose, held, allowed, config, steps)
         iterations.insert(0, taken)
         traces.append(np.column_stack([np.full(len(steps[:taken]), float(i)), steps[:taken]]))
     finest = pyramid.levels[0]
-    hessian, _, _ = normal_equations(finest, points, pose)
+    hessian, _, _ = normal_equations(finest, beams, pose)
     pose[2] = wrap(pose[2])
-    covariance = hessian_covariance(hessian, config.sigma)
     if config.covariance == "sampled":
-        covariance = sampled_covariance(finest, points, pose, covariance, config.sigma)
+        covariance = sampled_covariance(finest, points, pose, config.sigma)
+    else:
+        covariance = hessian_covariance(hessian, config.sigma)
     return MatchResult(
-        pose, covariance, hessian, residuals(finest, points, pose), tuple(iterations), converged, np.vstack(traces)
+        pose, covariance, hessian, residuals(finest, beams, pose), tuple(iterations), converged, np.vstack(traces)
     )
+
+
+def _choose_beams(level: GridLevel, points: Float32s, start: Float64s, config: MatcherConfig) -> Beams:
+    """The paper's whole gradient where that fixes the position, else only what lies across the surfaces."""
+    plain = Beams.plain(points)
+    hessian, _, _ = normal_equations(level, plain, start)
+    position = hessian_covariance(hessian, config.sigma)[:2, :2]
+    weak = np.linalg.eigvalsh(position)[1] > config.weak_sigma**2
+    return Beams.with_surfaces(points) if weak else plain
 
 
 def _climb(
     level: GridLevel,
-    xs: Float32s,
-    ys: Float32s,
+    beams: Beams,
     pose: Float64s,
     held: Float64s,
     allowed: int,
@@ -67,7 +77,14 @@ def _climb(
     steps: Float64s,
 ) -> tuple[int, bool]:
     taken, converged = matching.gauss_newton(
-        *_grid_arguments(level), xs, ys, pose, held, allowed, config.converged_step, config.max_yaw_step, steps
+        *_grid_arguments(level),
+        *beams.arrays,
+        pose,
+        held,
+        allowed,
+        config.converged_step,
+        config.max_yaw_step,
+        steps,
     )
     return int(taken), bool(converged)
 
@@ -88,21 +105,19 @@ def _grid_arguments(level: GridLevel) -> tuple[Float32s, int, int, float, float,
     return level.probability.reshape(-1), rows, columns, x, y, 1.0 / level.resolution
 
 
-def normal_equations(level: GridLevel, points: Float32s, pose: Float64s) -> tuple[Float64s, Float64s, float]:
+def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Float64s, Float64s, float]:
     """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
-    xs, ys = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = matching.normal_equations(
-        *_grid_arguments(level), xs, ys, pose[0], pose[1], pose[2]
+        *_grid_arguments(level), *beams.arrays, pose[0], pose[1], pose[2]
     )
     hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
     return hessian, np.array([b0, b1, b2]), float(cost)
 
 
-def residuals(level: GridLevel, points: Float32s, pose: Float64s) -> Float32s:
+def residuals(level: GridLevel, beams: Beams, pose: Float64s) -> Float32s:
     """1 - M(S_i(xi)) of every endpoint, eq. (7)."""
-    out = np.empty(len(points), np.float32)
-    xs, ys = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
-    matching.residuals(*_grid_arguments(level), xs, ys, pose[0], pose[1], pose[2], out)
+    out = np.empty(len(beams.xs), np.float32)
+    matching.residuals(*_grid_arguments(level), beams.xs, beams.ys, pose[0], pose[1], pose[2], out)
     return out
 
 
@@ -113,23 +128,22 @@ def hessian_covariance(hessian: Float64s, sigma: float) -> Float64s:
     return 0.5 * (covariance + covariance.T)
 
 
-def sampled_covariance(
-    level: GridLevel, points: Float32s, pose: Float64s, hessian_based: Float64s, sigma: float
-) -> Float64s:
+def sampled_covariance(level: GridLevel, points: Float32s, pose: Float64s, sigma: float) -> Float64s:
     """The sampled alternative of section IV-B: poses near the match, weighted by how well they fit.
 
     Samples lie on the axes of the Hessian's ellipsoid, as sigma points do; each weighs exp(-dE / (2 sigma^2)) with
     dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more. (3, 3), metres and radians.
     """
-    variances, axes = np.linalg.eigh(hessian_based)
-    best = normal_equations(level, points, pose)[2]
+    beams = Beams.plain(points)
+    hessian, _, best = normal_equations(level, beams, pose)
+    variances, axes = np.linalg.eigh(hessian_covariance(hessian, sigma))
     expected = np.exp(-0.5 * SAMPLED_SIGMAS**2)
     wanted = np.sum(expected * SAMPLED_SIGMAS**2) / (1.0 + 2.0 * np.sum(expected)) * 2.0
     scales = np.empty(3)
     for j in range(3):
         offsets = np.concatenate([-SAMPLED_SIGMAS, SAMPLED_SIGMAS])
         poses = pose + offsets[:, None] * math.sqrt(variances[j]) * axes[:, j]
-        extra = np.array([normal_equations(level, points, p)[2] for p in poses]) - best
+        extra = np.array([normal_equations(level, beams, p)[2] for p in poses]) - best
         weights = np.exp(-np.maximum(extra, 0.0) / (2.0 * sigma**2))
         scales[j] = np.sum(weights * offsets**2) / (1.0 + np.sum(weights)) / wanted
     covariance: Float64s = (axes * (variances * scales)) @ axes.T

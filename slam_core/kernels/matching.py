@@ -17,13 +17,15 @@ ONE = np.float32(1.0)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def normal_equations(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, x, y, psi):
+def normal_equations(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, along_x, along_y, x, y, psi):
     """H of (13) as its six upper entries, the right side of (12), and the cost of (7); metres and radians.
 
+    along_x, along_y: direction in the scan along which the map's gradient does not count, zero for all of it.
     Points off the map read 0.5 (unknown) with no gradient.
     """
     cosine = np.float32(math.cos(psi) * inverse)
     sine = np.float32(math.sin(psi) * inverse)
+    turn_u, turn_v = np.float32(math.cos(psi)), np.float32(math.sin(psi))
     shift_u = np.float32((x - origin_x) * inverse - 0.5)
     shift_v = np.float32((y - origin_y) * inverse - 0.5)
     last_u = np.float32(columns - 2)
@@ -40,8 +42,11 @@ def normal_equations(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, 
         row = np.int32(min(max(v, ZERO), last_v))
         value, du, dv = bilinear(cells, width, column, row, u - np.float32(column), v - np.float32(row))
         weight = ONE if inside else ZERO
-        gu = du * weight
-        gv = dv * weight
+        along_u = turn_u * along_x[i] - turn_v * along_y[i]
+        along_v = turn_v * along_x[i] + turn_u * along_y[i]
+        along = du * along_u + dv * along_v
+        gu = (du - along * along_u) * weight
+        gv = (dv - along * along_v) * weight
         error = ONE - value if inside else HALF
         gp = gv * arm_u - gu * arm_v
         h00 += gu * gu
@@ -111,6 +116,8 @@ def gauss_newton(
     inverse,
     xs,
     ys,
+    along_x,
+    along_y,
     pose,
     prior,
     iterations,
@@ -127,7 +134,7 @@ def gauss_newton(
     steps = 0
     for k in range(iterations):
         h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(
-            cells, rows, columns, origin_x, origin_y, inverse, xs, ys, pose[0], pose[1], pose[2]
+            cells, rows, columns, origin_x, origin_y, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2]
         )
         e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
         dx, dy, dpsi, solved = solve3(

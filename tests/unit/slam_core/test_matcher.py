@@ -10,7 +10,9 @@ from slam_core.config import MapConfig, MatcherConfig
 from slam_core.matcher import coarse_to_fine, hessian_covariance, normal_equations, sampled_covariance
 from slam_core.measurements import Transform
 from slam_core.pyramid import Pyramid
+from slam_core.results import PlanarGaussian
 from slam_core.stabilise import ScanConfig, stabilise
+from slam_core.surfaces import Beams
 from tests.worlds import room_scan, smooth_level
 
 POSE = np.array([1.6, 1.5, 0.3])
@@ -64,7 +66,7 @@ def test_cost_is_equation_7():
     """The kernel's cost equals the sum of squared residuals in double precision."""
     level, points = smooth_level(), scan_points()
     errors, _ = cost(level, points, POSE)
-    assert normal_equations(level, points, POSE)[2] == pytest.approx(np.sum(errors**2), rel=1e-5)
+    assert normal_equations(level, Beams.plain(points), POSE)[2] == pytest.approx(np.sum(errors**2), rel=1e-5)
 
 
 def test_hessian_and_right_side_are_equations_12_to_14():
@@ -72,7 +74,7 @@ def test_hessian_and_right_side_are_equations_12_to_14():
     level, points = smooth_level(), scan_points()
     J = jacobian(level, points, POSE)
     errors, _ = cost(level, points, POSE)
-    hessian, right, _ = normal_equations(level, points, POSE)
+    hessian, right, _ = normal_equations(level, Beams.plain(points), POSE)
     np.testing.assert_allclose(hessian, J.T @ J, rtol=2e-3, atol=1e-3 * np.abs(J.T @ J).max())
     np.testing.assert_allclose(right, J.T @ errors, rtol=2e-3, atol=1e-3 * np.abs(J.T @ errors).max())
 
@@ -80,7 +82,7 @@ def test_hessian_and_right_side_are_equations_12_to_14():
 def test_right_side_is_the_downhill_gradient_of_the_cost():
     """B of (12) is minus half the gradient of (7): a small step along it lowers the cost."""
     level, points = smooth_level(3), scan_points()
-    _, right, here = normal_equations(level, points, POSE)
+    _, right, here = normal_equations(level, Beams.plain(points), POSE)
     there = np.sum(cost(level, points, POSE + 1e-5 * right / np.linalg.norm(right))[0] ** 2)
     assert there < np.sum(cost(level, points, POSE)[0] ** 2)
     assert here == pytest.approx(np.sum(cost(level, points, POSE)[0] ** 2), rel=1e-5)
@@ -89,7 +91,7 @@ def test_right_side_is_the_downhill_gradient_of_the_cost():
 def test_step_solves_the_normal_equations():
     """The closed-form 3x3 solution equals numpy's."""
     level, points = smooth_level(1), scan_points()
-    H, b, _ = normal_equations(level, points, POSE)
+    H, b, _ = normal_equations(level, Beams.plain(points), POSE)
     *step, solved = matcher.matching.solve3(H[0, 0], H[0, 1], H[0, 2], H[1, 1], H[1, 2], H[2, 2], *b)
     assert solved
     np.testing.assert_allclose(step, np.linalg.solve(H, b), rtol=1e-8)
@@ -121,11 +123,11 @@ def test_match_minimises_the_cost(room):
     truth = np.array([0.3, -0.2, 0.7])
     points = room_points(truth)
     pose = coarse_to_fine(room, points, truth, MatcherConfig(iterations_fine=30)).pose
-    best = normal_equations(room.levels[0], points, pose)[2]
+    best = normal_equations(room.levels[0], Beams.plain(points), pose)[2]
     for dx in np.linspace(-0.02, 0.02, 9):
         for dy in np.linspace(-0.02, 0.02, 9):
             for dpsi in np.linspace(-0.01, 0.01, 5):
-                there = normal_equations(room.levels[0], points, pose + np.array([dx, dy, dpsi]))[2]
+                there = normal_equations(room.levels[0], Beams.plain(points), pose + np.array([dx, dy, dpsi]))[2]
                 assert there > 0.985 * best
 
 
@@ -135,7 +137,7 @@ def test_pyramid_reaches_further_than_one_level(room):
     start, points = truth + np.array([0.3, 0.25, 0.2]), room_points(truth)
     fine = Pyramid(ROOM)
     fine.levels = room.levels[:1]
-    config = MatcherConfig(iterations_fine=12, iterations_coarse=12)
+    config = MatcherConfig(iterations_fine=12, iterations_coarse=12, weak_sigma=10.0)
     assert np.hypot(*(coarse_to_fine(room, points, start, config).pose - truth)[:2]) < 0.02
     assert np.hypot(*(coarse_to_fine(fine, points, start, config).pose - truth)[:2]) > 0.05
 
@@ -189,8 +191,8 @@ def test_sampled_covariance_of_a_quadratic_cost_is_equation_15():
     corner = np.random.default_rng(2).uniform(0.3, 0.6, (100, 2))
     points = np.vstack([corner * signs for signs in [(1, 1), (1, -1), (-1, 1), (-1, -1)]]).astype(np.float32)
     pose = np.array([1.6, 1.6, 0.0])
-    by_hessian = hessian_covariance(normal_equations(level, points, pose)[0], 0.1)
-    sampled = sampled_covariance(level, points, pose, by_hessian, 0.1)
+    by_hessian = hessian_covariance(normal_equations(level, Beams.plain(points), pose)[0], 0.1)
+    sampled = sampled_covariance(level, points, pose, 0.1)
     np.testing.assert_allclose(np.diag(sampled)[:2], np.diag(by_hessian)[:2], rtol=0.02)
 
 
@@ -200,13 +202,16 @@ def test_sampled_covariance_equals_the_integral_of_the_likelihood(room):
     points, sigma = room_points(truth, noise=0.01), 0.6
     pose = coarse_to_fine(room, points, truth, MatcherConfig(iterations_fine=30)).pose
     level = room.levels[0]
-    H, _, best = normal_equations(level, points, pose)
+    H, _, best = normal_equations(level, Beams.plain(points), pose)
     by_hessian = hessian_covariance(H, sigma)
-    sampled = sampled_covariance(level, points, pose, by_hessian, sigma)
+    sampled = sampled_covariance(level, points, pose, sigma)
     variances, axes = np.linalg.eigh(by_hessian)
     for j in range(3):
         offsets = np.linspace(-5, 5, 401) * math.sqrt(variances[j])
-        extra = np.array([normal_equations(level, points, pose + o * axes[:, j])[2] for o in offsets]) - best
+        extra = (
+            np.array([normal_equations(level, Beams.plain(points), pose + o * axes[:, j])[2] for o in offsets])
+            - best
+        )
         weights = np.exp(-np.maximum(extra, 0) / (2 * sigma**2))
         dense = np.sum(weights * offsets**2) / np.sum(weights)
         assert axes[:, j] @ sampled @ axes[:, j] == pytest.approx(dense, rel=0.3)
@@ -226,7 +231,43 @@ def test_points_off_the_map_pull_nowhere():
     level = smooth_level()
     inside = scan_points(100)
     outside = np.vstack([inside, inside + np.float32(500.0)])
-    a, b = normal_equations(level, inside, POSE), normal_equations(level, outside, POSE)
+    a, b = normal_equations(level, Beams.plain(inside), POSE), normal_equations(level, Beams.plain(outside), POSE)
     np.testing.assert_allclose(a[0], b[0], rtol=1e-5)
     np.testing.assert_allclose(a[1], b[1], rtol=1e-4, atol=1e-3)
     assert b[2] - a[2] == pytest.approx(25.0, rel=1e-4)
+
+
+def test_the_prior_holds_what_the_scan_leaves_open():
+    """On an unknown map the match is the prior; on a known one a loose prior changes nothing."""
+    pyramid = Pyramid(MapConfig(size=128))
+    prior = PlanarGaussian(np.array([0.4, -0.3, 0.2]), np.diag([0.01, 0.01, 0.01]))
+    held = coarse_to_fine(pyramid, scan_points(), np.zeros(3), MatcherConfig(), prior=prior)
+    np.testing.assert_allclose(held.pose, prior.mean, atol=1e-6)
+
+
+def test_a_loose_prior_changes_nothing(room):
+    """A prior of metres next to a scan of millimetres leaves the match alone, also across the wrap of psi."""
+    truth = np.array([0.3, -0.2, 3.1])
+    points, loose = room_points(truth), np.diag([4.0, 4.0, 4.0])
+    alone = coarse_to_fine(room, points, truth, MatcherConfig(iterations_fine=20))
+    prior = PlanarGaussian(truth + np.array([0.0, 0.0, 0.1 - 2 * math.pi]), loose)
+    joined = coarse_to_fine(room, points, truth, MatcherConfig(iterations_fine=20), prior=prior)
+    np.testing.assert_allclose(joined.pose, alone.pose, atol=1e-4)
+
+
+def test_a_corridor_keeps_to_the_prediction():
+    """Between two bare walls the match follows the prior along them and says that it does not know."""
+    rng = np.random.default_rng(3)
+    pyramid, config = Pyramid(ROOM), MatcherConfig()
+
+    def walls(x):
+        along = np.linspace(-4, 4, 300)
+        sides = np.concatenate([np.full(300, 1.02), np.full(300, -1.02)]) + 0.01 * rng.standard_normal(600)
+        return np.column_stack([np.concatenate([along, along]), sides]).astype(np.float32)
+
+    pyramid.update(walls(0), np.empty((0, 2), np.float32), np.zeros(2), np.zeros(3), ROOM)
+    prior = PlanarGaussian(np.array([0.1, 0.0, 0.0]), np.diag([1e-4, 1e-4, 1e-4]))
+    result = coarse_to_fine(pyramid, walls(0.1), prior.mean, config, prior=prior)
+    assert result.pose[0] == pytest.approx(0.1, abs=0.005)
+    assert abs(result.pose[1]) < 0.02
+    assert math.sqrt(result.covariance[0, 0]) > 10 * math.sqrt(result.covariance[1, 1])
