@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parents[1]
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -22,6 +23,10 @@ def _kernel_fingerprint() -> str:
 # a test could pass on yesterday's machine code: each state of the kernels has a cache of its own. Set before numba
 # is loaded; processes that tests start inherit it.
 os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / _kernel_fingerprint()))
+
+# A first call compiles a kernel: how long an example takes says nothing.
+settings.register_profile("compiled", deadline=None)
+settings.load_profile("compiled")
 
 
 def chromium_path() -> str | None:

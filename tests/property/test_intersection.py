@@ -1,0 +1,102 @@
+"""What must hold for covariance intersection, eqs. (16)-(20), whatever the numbers."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from slam_core.intersection import intersect, intersect_information
+from slam_core.kernels.navigation import gain_update, is_covariance, sandwich
+
+omegas = st.floats(0.01, 0.99)
+seeds = st.integers(0, 10**6)
+sizes = st.integers(3, 15)
+
+
+def covariance(rng: np.random.Generator, n: int, spread: float = 2.0) -> np.ndarray:
+    """A random covariance whose standard deviations differ by orders of magnitude."""
+    axes, _ = np.linalg.qr(rng.normal(size=(n, n)))
+    root = axes * 10.0 ** rng.uniform(-spread / 2, spread / 2, n)
+    return root @ root.T
+
+
+def is_below(a: np.ndarray, b: np.ndarray) -> bool:
+    """Loewner order: b - a has no negative eigenvalue, but for rounding."""
+    return bool(np.linalg.eigvalsh(b - a)[0] >= -1e-9 * np.linalg.norm(b))
+
+
+@given(seeds, sizes, omegas)
+def test_covariance_form_is_information_form(seed: int, n: int, omega: float) -> None:
+    """Eqs. (18)-(20) as corrected give the state and covariance of (16)-(17)."""
+    rng = np.random.default_rng(seed)
+    P, R, C = covariance(rng, n), covariance(rng, 3), rng.normal(size=(3, n))
+    x, xi = rng.normal(size=n), rng.normal(size=3)
+    step, fused = intersect(P, C, R, xi - C @ x, omega)
+    x_information, fused_information = intersect_information(x, P, C, xi, R, omega)
+    scale = np.sqrt(np.diag(fused_information))
+    assert np.allclose(fused / np.outer(scale, scale), fused_information / np.outer(scale, scale), atol=1e-5)
+    assert np.allclose((x + step - x_information) / scale, 0.0, atol=1e-4)
+
+
+@given(seeds, sizes, omegas)
+def test_fused_covariance_is_within_what_each_source_allows(seed: int, n: int, omega: float) -> None:
+    """P+ <= P / (1 - omega) and C P+ C^T <= R / omega: no direction is worse than either source alone."""
+    rng = np.random.default_rng(seed)
+    P, R, C = covariance(rng, n), covariance(rng, 3), rng.normal(size=(3, n))
+    _, fused = intersect(P, C, R, np.zeros(3), omega)
+    assert is_below(fused, P / (1.0 - omega))
+    assert is_below(C @ fused @ C.T, R / omega)
+
+
+@given(seeds, omegas, st.floats(-1.0, 1.0))
+def test_fused_covariance_covers_the_error_however_the_sources_correlate(
+    seed: int, omega: float, share: float
+) -> None:
+    """For every cross covariance between state and match, the true covariance of the fused error is below P+."""
+    rng = np.random.default_rng(seed)
+    P, R, C = covariance(rng, 6), covariance(rng, 3), rng.normal(size=(3, 6))
+    mixing, _ = np.linalg.qr(rng.normal(size=(6, 6)))
+    cross = share * np.linalg.cholesky(P) @ mixing[:, :3] @ np.linalg.cholesky(R).T
+    gain = np.column_stack([intersect(P, C, R, unit, omega)[0] for unit in np.eye(3)])
+    kept = np.eye(6) - gain @ C
+    mixed = kept @ cross @ gain.T
+    true = kept @ P @ kept.T + gain @ R @ gain.T + mixed + mixed.T
+    assert is_below(true, intersect(P, C, R, np.zeros(3), omega)[1])
+
+
+def test_a_plain_kalman_update_would_not_cover_it() -> None:
+    """With a match whose error is the state's own, the Kalman update claims half the variance that is left."""
+    P = R = C = np.eye(1)
+    gain, claimed = gain_update(P, C, R, np.ones(1))
+    true = (1 - gain[0]) ** 2 + gain[0] ** 2 + 2 * gain[0] * (1 - gain[0])
+    assert np.isclose(true, 1.0) and np.isclose(claimed[0, 0], 0.5)
+
+
+@settings(max_examples=30)
+@given(seeds, omegas, st.floats(1e-12, 1e3))
+def test_a_long_run_of_fusions_stays_a_covariance(seed: int, omega: float, size: float) -> None:
+    """After fifty fusions with growth between, P is exactly symmetric, finite and positive definite."""
+    rng = np.random.default_rng(seed)
+    P, Q = covariance(rng, 15, 6.0), covariance(rng, 15, 6.0)
+    for _ in range(50):
+        C = rng.normal(size=(3, 15))
+        _, P = intersect(P, C, size * covariance(rng, 3), np.zeros(3), omega)
+        P = sandwich(np.eye(15) + 0.01 * rng.normal(size=(15, 15)), P + 1e-3 * Q)
+        P /= max(1.0, np.trace(P) / 1e3)
+        assert (P == P.T).all() and np.isfinite(P).all()
+        scale = np.sqrt(np.diag(P))
+        assert np.linalg.eigvalsh(P / np.outer(scale, scale))[0] > -1e-12
+
+
+@given(seeds)
+def test_is_covariance_tells_covariances_from_other_matrices(seed: int) -> None:
+    """Positive definite ones pass; with a negative eigenvalue, a NaN, an infinity or without symmetry they do not."""
+    rng = np.random.default_rng(seed)
+    R = covariance(rng, 3)
+    assert is_covariance(R)
+    values, axes = np.linalg.eigh(R)
+    assert not is_covariance(axes @ np.diag([-values[0], *values[1:]]) @ axes.T)
+    for value in (np.nan, np.inf, -np.inf):
+        broken = R.copy()
+        broken[seed % 3, (seed // 3) % 3] = value
+        assert not is_covariance(broken)
+    assert not is_covariance(R + np.triu(np.full((3, 3), R.max()), 1))
