@@ -1,6 +1,6 @@
 """Takes the pictures of the documents: the real page on each demo recording, in a real Chromium.
 
-    python -m benchmarks.screenshots [arena littoral handheld] [--out docs/images]
+    python -m benchmarks.screenshots [--scene arena] [--out docs/images]
 
 Each recording is run up to a fixed time and stands still there, so that the same code gives the same picture.
 """
@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from playwright.sync_api import Browser, sync_playwright
 
@@ -39,18 +40,18 @@ SETTLE_MS = 6000  # textures, plots and the camera's glide, with drawing in soft
 
 @dataclass(frozen=True)
 class Shot:
-    """Which recording, how far into it, and how it is looked at."""
+    """Which recording, how far into it, and how it is looked at; `display` names fields of Display."""
 
     scene: Scene
     seconds: float
-    dark: bool
     camera: Camera
+    display: dict[str, Any]
 
 
 SHOTS = (
-    Shot("arena", 40.0, dark=True, camera="fit"),
-    Shot("littoral", 40.0, dark=False, camera="fit"),
-    Shot("handheld", 50.0, dark=True, camera="top"),
+    Shot("arena", 40.0, "fit", {"dark": True, "gap": 6.5}),
+    Shot("littoral", 40.0, "top", {"dark": False, "layout": "one"}),
+    Shot("handheld", 50.0, "fit", {"dark": True, "layout": "one"}),
 )
 
 
@@ -67,7 +68,7 @@ def standing_still(shot: Shot) -> Iterator[PageServer]:
     try:
         engine.send(Seek(wanted_ns))
         wait_until(engine, wanted_ns)
-        page.stage.show(dark=shot.dark)
+        page.stage.show(**shot.display)
         yield page
     finally:
         page.stop()
@@ -91,7 +92,7 @@ def take(browser: Browser, shot: Shot, folder: Path) -> Path:
     """One picture."""
     target = folder / f"{shot.scene}.png"
     with standing_still(shot) as server:
-        page = browser.new_page(viewport=SIZE, color_scheme="dark" if shot.dark else "light")
+        page = browser.new_page(viewport=SIZE, color_scheme="dark" if shot.display["dark"] else "light")
         page.goto(server.url)
         page.wait_for_function("window.__viserMutable?.nodeRefFromName?.['/robot']", timeout=PATIENCE_S * 1000)
         page.wait_for_timeout(SETTLE_MS)
@@ -107,14 +108,14 @@ def take(browser: Browser, shot: Shot, folder: Path) -> Path:
 def main() -> None:
     """Take the pictures that were asked for, or all."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("scenes", nargs="*", choices=[shot.scene for shot in SHOTS], metavar="SCENE")
+    parser.add_argument("--scene", choices=[shot.scene for shot in SHOTS], help="only this one")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
     chosen = parser.parse_args()
     chosen.out.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
         for shot in SHOTS:
-            if not chosen.scenes or shot.scene in chosen.scenes:
+            if chosen.scene in (None, shot.scene):
                 print(take(browser, shot, chosen.out))
         browser.close()
 
