@@ -89,7 +89,7 @@ def test_a_long_run_of_fusions_stays_a_covariance(seed: int, omega: float, size:
 
 @given(seeds)
 def test_is_covariance_tells_covariances_from_other_matrices(seed: int) -> None:
-    """Positive definite ones pass; with a negative eigenvalue, a NaN, an infinity or without symmetry they do not."""
+    """Positive definite ones pass; with a negative eigenvalue, NaN, infinity or without symmetry they do not."""
     rng = np.random.default_rng(seed)
     R = covariance(rng, 3)
     assert is_covariance(R)

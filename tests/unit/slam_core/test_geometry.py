@@ -47,7 +47,7 @@ def test_points_move_as_equation_8_says(pose: np.ndarray) -> None:
 
 @given(vectors, vectors)
 def test_quaternions_turn_as_the_matrix_series_does(a: np.ndarray, b: np.ndarray) -> None:
-    """The rotation vector, the product, the matrix, the conjugate and the turned vector all agree with matrices."""
+    """Rotation vector, product, matrix, conjugate and turned vector all agree with matrices."""
     A, B = turn_matrix(a), turn_matrix(b)
     assert np.allclose(geometry.rotation_matrix(attitude(a)), A, atol=1e-9)
     assert np.allclose(geometry.rotation_matrix(geometry.multiply(attitude(a), attitude(b))), A @ B, atol=1e-9)
@@ -58,7 +58,7 @@ def test_quaternions_turn_as_the_matrix_series_does(a: np.ndarray, b: np.ndarray
 
 @pytest.mark.parametrize("size", [0.0, 1e-12, 1e-7, 1e-6, 2e-6, 1e-3, 1.0])
 def test_small_turns_lose_no_digits(size: float) -> None:
-    """A rotation vector of any length comes back to 1e-15 of its size, from either side of the switch to a series."""
+    """A rotation vector comes back to 1e-14 of its size, on either side of the switch to a series."""
     v = size * np.array([0.6, -0.48, 0.64])
     assert np.allclose(geometry.to_rotation_vector(attitude(v)), v, rtol=1e-14, atol=1e-24)
 
@@ -101,7 +101,7 @@ def test_heading_splits_an_attitude_into_a_turn_and_a_tilt(v: np.ndarray) -> Non
 
 @pytest.mark.parametrize("pitch", np.radians([-120.0, -90.0, -89.9, 0.0, 60.0, 90.0, 100.0, 170.0]))
 def test_heading_survives_a_pitch_of_ninety_degrees(pitch: float) -> None:
-    """Pitch alone never changes the heading, whatever it is, while Euler yaw jumps by half a turn at 90 degrees."""
+    """Pitch alone never changes the heading, while Euler yaw jumps by half a turn at 90 degrees."""
     q = geometry.multiply(geometry.yaw_quaternion(0.7), geometry.from_euler(0.0, pitch, 0.0))
     assert np.isclose(geometry.heading(q), 0.7)
 

@@ -74,7 +74,7 @@ def reference(x: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray, np
 
 @pytest.mark.parametrize("seed", range(3))
 def test_velocity_and_position_follow_equations_2_and_3(seed: int) -> None:
-    """Over two seconds of turning and shaking the state agrees with an independent integration, biases taken off."""
+    """Two seconds of turning and shaking agree with an independent integration, biases taken off."""
     x = start(seed)
     R, v, p = reference(x, 2.0)
     found = moved(x, 2.0, 1000.0)
@@ -156,7 +156,7 @@ def test_an_error_past_its_bound_is_pulled_to_zero(i: int) -> None:
 
 
 def test_tilt_past_its_bound_is_read_from_gravity() -> None:
-    """A base that thinks it is level but feels gravity aslant turns upright, and only while it feels gravity alone."""
+    """A base that feels gravity aslant takes on that tilt, and only while it feels gravity alone."""
     true = geometry.from_euler(0.05, -0.03, 0.0)
     x, P, bounds = np.zeros(STATES), 1e-6 * np.eye(ERRORS), NO_BOUNDS.copy()
     x[0], x[16:19] = 1.0, geometry.rotate(geometry.conjugate(true), np.array([0.0, 0.0, G]))
