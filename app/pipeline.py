@@ -87,7 +87,7 @@ class Pipeline:
         self.result = result
 
     def _row(self, stamp_ns: int, pose: Transform) -> tuple[float, ...]:
-        return ((stamp_ns - (self.start_ns or 0)) / 1e9, *pose.translation, *pose.rotation)
+        return ((stamp_ns - (self.start_ns or 0)) / 1e9, *pose.translation.tolist(), *pose.rotation.tolist())
 
     @property
     def time_ns(self) -> int:

@@ -40,6 +40,7 @@ class Publisher:
         self.mailbox: Mailbox[Snapshot] = Mailbox()
         self._source = source
         self._log: tuple[LogEntry, ...] = ()
+        self._noted: set[str] = set()
         self._news = True
         self._sequence = 0
         self._published = 0.0
@@ -64,10 +65,11 @@ class Publisher:
 
     def publish(self, run: Run, *, complete: bool) -> None:
         """Put a snapshot into the mailbox. complete: show the map as it is now, however recently it was drawn."""
+        pipeline = run.pipeline
+        self._log_notes(run)
         self._published = time.monotonic()
         self._news = False
         self._sequence += 1
-        pipeline = run.pipeline
         self._draw_maps(pipeline, run.epoch, complete)
         snapshot = Snapshot(
             sequence=self._sequence,
@@ -87,6 +89,13 @@ class Publisher:
             log=self._log,
         )
         self.mailbox.put(snapshot)
+
+    def _log_notes(self, run: Run) -> None:
+        """What the source found or assumed, each once."""
+        for note in run.report.notes:
+            if note not in self._noted:
+                self._noted.add(note)
+                self.log(run.pipeline.time_ns, note)
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
         state = (epoch, pipeline.slam.pyramid.updates)

@@ -63,6 +63,8 @@ def _rows(figures: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "scans", f"{scans['used']} used of {scans['read']}"
     for reason, count in {**scans["skipped"], **figures["messages"]["skipped"]}.items():
         yield "  skipped", f"{count} x {reason}"
+    for note in figures["notes"]:
+        yield "  note", note
     factor = figures["realtime_factor"]
     yield "time", f"{figures['recording_s']:.1f} s in {figures['wall_s']:.1f} s: {factor:.1f} x real time"
     yield "a scan takes", ", ".join(f"{part} {us:.0f}" for part, us in figures["median_us"].items()) + " us"

@@ -14,9 +14,9 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
     match, durations = result.match, result.durations
     row = (
         time_s,
-        *result.T_map_base.translation,
+        *result.T_map_base.translation.tolist(),
         *to_euler(result.T_map_base.rotation),
-        *_sigmas(match and match.gaussian),
+        *_sigmas(match.gaussian if match else None),
         *_sigmas(result.prior),
         *_sigmas(result.fused),
         match.mean_residual if match else _NAN,
@@ -33,12 +33,11 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
 def _sigmas(gaussian: PlanarGaussian | None) -> tuple[float, float, float]:
     if gaussian is None:
         return _NAN, _NAN, _NAN
-    c = gaussian.covariance
-    x, y, yaw = (math.sqrt(max(0.0, c[i, i])) for i in range(3))
+    x, y, yaw = (math.sqrt(max(0.0, variance)) for variance in gaussian.covariance.diagonal().tolist())
     return x, y, yaw
 
 
 def _navigation(state: NavigationState | None) -> tuple[float, ...]:
     if state is None:
         return (_NAN,) * 9
-    return (*state.gyro_bias, *state.accel_bias, *state.velocity)
+    return (*state.gyro_bias.tolist(), *state.accel_bias.tolist(), *state.velocity.tolist())

@@ -29,7 +29,7 @@ class MemoryRecording:
     @property
     def report(self) -> SourceReport:
         """Items read in this pass."""
-        return SourceReport(dict(self._read))
+        return SourceReport(dict(self._read), notes=("all from memory",))
 
     def items(self) -> Iterator[Item]:
         """Everything, from the beginning."""

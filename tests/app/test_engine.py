@@ -227,6 +227,7 @@ def test_what_a_snapshot_shows(drive: list[Item]):
     assert np.all(ended.series["match_ms"][1:] > 0)
     assert len(ended.truth) > 300
     assert ended.report.read["LaserScan"] == len(scan_times(drive))
+    assert [entry.text for entry in ended.log].count("all from memory") == 1
     for array in (ended.trajectory, ended.truth, ended.series):
         assert not array.flags.writeable
 
