@@ -87,7 +87,7 @@ class BodyVelocity:
         n = len(self.velocity)
         to_body = geometry.rotation_matrix(x[:4]).T[:n]
         C = np.zeros((n, ERRORS))
-        C[:, :3] = -np.cross(to_body, x[7:10])
+        C[:, :3] = np.cross(to_body, x[7:10])
         C[:, 6:9] = to_body
         error, P = gain_update(P, C, self.sigma**2 * np.eye(n), self.velocity - to_body @ x[7:10])
         return inject(x, error), P

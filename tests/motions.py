@@ -18,12 +18,11 @@ def cross_matrix(v: Array) -> Array:
 
 
 def turn_matrix(v: Array) -> Array:
-    """Rotation by |v| about v, as a power series of [v] x."""
-    term = total = np.eye(3)
-    for k in range(1, 40):
-        term = term @ cross_matrix(v) / k
-        total = total + term
-    return total
+    """Rotation by |v| about v, after Rodrigues."""
+    angle = float(np.linalg.norm(v))
+    K = cross_matrix(v)
+    half = 0.5 * angle
+    return np.eye(3) + np.sinc(angle / np.pi) * K + 0.5 * np.sinc(half / np.pi) ** 2 * (K @ K)
 
 
 def euler_matrix(roll: float, pitch: float, yaw: float) -> Array:

@@ -46,8 +46,7 @@ def move(x: Float64s, u: Float64s, dt: float, gravity: float, smoothing: float) 
     """Eqs. (1)-(3) under constant u: exact turn, trapezoid for velocity and position."""
     out = x.copy()
     turn = _exponential((u[:3] - x[10:13]) * dt)
-    q = _product(x[:4], turn)
-    out[:4] = q / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    _set_attitude(out, _product(x[:4], turn))
     before, after = _matrix(x[:4]), _matrix(out[:4])
     back = _matrix(turn)
     share = -math.expm1(-dt / smoothing)
@@ -92,6 +91,14 @@ def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float) -> Float64s
 
 
 @njit(cache=True, error_model="numpy")
+def _set_attitude(x: Float64s, q: Float64s) -> None:
+    # Element by element: assigning a slice takes numba seconds to compile.
+    norm = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    for i in range(4):
+        x[i] = q[i] / norm
+
+
+@njit(cache=True, error_model="numpy")
 def _add_noise(P: Float64s, dt: float, density: Float64s) -> None:
     for i in range(3):
         P[i, i] += density[0] * dt
@@ -132,7 +139,8 @@ def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Fl
     if abs(size - gravity) > NEAR_GRAVITY * gravity:
         return x, P
     C[0, 1], C[1, 0] = force[2], -force[2]
-    C[:, 12:] = -R[:2]
+    for j in range(3):
+        C[0, 12 + j], C[1, 12 + j] = -R[0, j], -R[1, j]
     error, P = gain_update(P, C, variance * np.eye(2), -force[:2])
     return inject(x, error), P
 
@@ -141,8 +149,7 @@ def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Fl
 def inject(x: Float64s, error: Float64s) -> Float64s:
     """The state with an error (15,) put right."""
     out = x.copy()
-    q = _product(_exponential(error[:3]), x[:4])
-    out[:4] = q / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    _set_attitude(out, _product(_exponential(error[:3]), x[:4]))
     for i in range(3, ERRORS):
         out[1 + i] += error[i]
     return out

@@ -46,7 +46,7 @@ def test_points_move_as_equation_8_says(pose: np.ndarray) -> None:
 
 
 @given(vectors, vectors)
-def test_quaternions_turn_as_the_matrix_series_does(a: np.ndarray, b: np.ndarray) -> None:
+def test_quaternions_turn_as_matrices_do(a: np.ndarray, b: np.ndarray) -> None:
     """Rotation vector, product, matrix, conjugate and turned vector all agree with matrices."""
     A, B = turn_matrix(a), turn_matrix(b)
     assert np.allclose(geometry.rotation_matrix(attitude(a)), A, atol=1e-9)
