@@ -10,7 +10,7 @@ from app.settings import Settings
 from slam_core.config import SlamConfig, with_value
 from slam_core.measurements import Imu, LaserScan, Measurement
 
-PATIENCE_S = 1.0
+PATIENCE_S = 3.0
 
 
 def warm_up() -> None:
