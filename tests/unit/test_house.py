@@ -173,7 +173,7 @@ def test_nothing_of_one_machine_is_committed():
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     homes = "|".join(("root", "home/[a-z]", "work", "Users", "opt"))
     hosts = "|".join((r"pypi\." + "org", "python" + "hosted", r"npmjs\." + "org", r"ghcr\." + "io"))
-    private = re.compile(rf"(?<![\w.$}}/-])/({homes})/|file:/{{2}}|{hosts}")
+    private = re.compile(rf"(?<![\w.$}}/-])/({homes})/|file:/{{3}}\w|{hosts}")
     found = []
     for name in filter(None, listed.split("\0")):
         path = ROOT / name
