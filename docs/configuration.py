@@ -20,8 +20,8 @@ Every setting stands in one tree. Its name is the same everywhere:
 - on the page, as a slider or switch with the same help.
 
 Flags win over the file. A value out of range is refused with the range. A change on the page acts from the next
-scan and is logged with its time; a setting marked *restart* rebuilds the map (a recording is run again up to the same
-instant, a live stream begins a new map).
+scan and is logged with its time; a setting marked *restart* rebuilds the map (a recording is run again up to the
+same instant, a live stream begins a new map).
 """
 
 
