@@ -88,7 +88,7 @@ class Engine:
     # ------------------------------------------------------------------------------------ the engine's thread
 
     def _run(self) -> None:
-        self._publish(resting=True)
+        self._guard(partial(self._publish, resting=True))
         self._guard(self._prepare)
         while not isinstance(command := self._next_command(), Quit):
             self._guard(self._advance if command is None else partial(self._obey, command))
@@ -109,7 +109,7 @@ class Engine:
         """The next command, or None when it is time to advance."""
         head = self._ready[0] if self._ready else None
         patience = self._transport.patience(head.stamp_ns if isinstance(head, LaserScan) else None)
-        self._publish(resting=patience is None or patience > SNAPSHOT_S)
+        self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
         if patience == 0.0 and self._commands.empty():
             return None
         try:
@@ -239,8 +239,8 @@ class Engine:
             self._feeder = None
         span = self._source.span_ns
         now_ns = (self._pipeline.time_ns or None) if self._epoch >= 0 else None
+        self._pipeline = Pipeline(settings, span[0] if span else now_ns)  # may want more memory than there is
         self._settings = settings
-        self._pipeline = Pipeline(settings, span[0] if span else now_ns)
         self._ready: deque[Measurement] = deque()
         self._by_hand = False
         self._epoch += 1
