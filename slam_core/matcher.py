@@ -8,6 +8,7 @@ from slam_core.config import MatcherConfig
 from slam_core.geometry import wrap
 from slam_core.grid import GridLevel
 from slam_core.kernels import matching
+from slam_core.kernels.planar import inverse3
 from slam_core.measurements import Float32s, Float64s
 from slam_core.pyramid import Pyramid
 from slam_core.results import MatchResult, PlanarGaussian
@@ -15,6 +16,7 @@ from slam_core.surfaces import Beams
 
 # A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
 LARGEST_SIGMA = np.array([10.0, 10.0, math.pi])
+SMALLEST_INFORMATION = np.diag(LARGEST_SIGMA**-2.0)
 # The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
@@ -62,9 +64,9 @@ def _choose_beams(level: GridLevel, points: Float32s, start: Float64s, config: M
     """The paper's whole gradient where that fixes the position, else only what lies across the surfaces."""
     plain = Beams.plain(points)
     hessian, _, _ = normal_equations(level, plain, start)
-    position = hessian_covariance(hessian, config.sigma)[:2, :2]
-    weak = np.linalg.eigvalsh(position)[1] > config.weak_sigma**2
-    return Beams.with_surfaces(points) if weak else plain
+    (xx, xy, _), (_, yy, _), _ = hessian_covariance(hessian, config.sigma).tolist()
+    weakest = 0.5 * (xx + yy + math.hypot(xx - yy, 2.0 * xy))  # the larger eigenvalue
+    return Beams.with_surfaces(points) if weakest > config.weak_sigma**2 else plain
 
 
 def _climb(
@@ -93,7 +95,7 @@ def _prior_term(prior: PlanarGaussian | None, start: Float64s, config: MatcherCo
     """(4, 3): the prior's information in units of the cost, whose scale is sigma^2 by eq. (15), and its mean."""
     term = np.zeros((4, 3))
     if prior is not None and config.prior_weight > 0.0:
-        term[:3] = config.prior_weight * config.sigma**2 * np.linalg.inv(prior.covariance)
+        term[:3] = config.prior_weight * config.sigma**2 * inverse3(prior.covariance)
         term[3] = prior.mean
         term[3, 2] = start[2] + wrap(prior.mean[2] - start[2])
     return term
@@ -123,9 +125,8 @@ def residuals(level: GridLevel, beams: Beams, pose: Float64s) -> Float32s:
 
 def hessian_covariance(hessian: Float64s, sigma: float) -> Float64s:
     """R = sigma^2 H^-1, eq. (15), bounded where H is (nearly) singular by LARGEST_SIGMA."""
-    information = hessian / sigma**2 + np.diag(LARGEST_SIGMA**-2.0)
-    covariance = np.linalg.inv(information)
-    return 0.5 * (covariance + covariance.T)
+    covariance: Float64s = inverse3(hessian / sigma**2 + SMALLEST_INFORMATION)
+    return covariance
 
 
 def sampled_covariance(level: GridLevel, points: Float32s, pose: Float64s, sigma: float) -> Float64s:

@@ -75,7 +75,8 @@ class Durations:
 class StepResult:
     """Everything that one scan brought.
 
-    stamp_ns: the middle of the sweep, which all poses here belong to. T_map_base: the fused 6DOF pose.
+    stamp_ns: the middle of the sweep, which all poses here belong to. T_map_base: the fused 6DOF pose; without
+    inertial data the match with the roll and pitch that are known.
     planar: the pose (3,) from which points are drawn. points: (n, 2) endpoints in the stabilised frame, metres.
     heights: (n,) their height over the laser. prior, fused: the filter projected to the plane before and after
     the fusion (prior is None on the first scan). navigation: the filter after the fusion; None without an IMU.

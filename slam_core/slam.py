@@ -91,7 +91,7 @@ class HectorSlam:
         updated = self._map(leveled)
         lap("update")
         fused, navigation = self._fuse(scan.mid_ns, match.gaussian if match else ORIGIN)
-        T_map_base = self._motion_pose(scan.mid_ns)
+        T_map_base = self._estimate(scan.mid_ns)
         lap("filter", self._waiting_ns)
         self._index, self._waiting_ns = self._index + 1, 0
         return StepResult(
@@ -112,6 +112,14 @@ class HectorSlam:
 
     def _motion_pose(self, time_ns: int) -> Transform:
         return self._filter.pose(time_ns) if self._inertial else self._planar.pose(time_ns)
+
+    def _estimate(self, time_ns: int) -> Transform:
+        """T_map_base: the filter, or without inertial data the match itself, which nothing independent improves."""
+        if self._inertial:
+            return self._filter.pose(time_ns)
+        tilt = geometry.split_heading(self._planar.pose(time_ns).rotation)[1]
+        rotation = geometry.multiply(geometry.yaw_quaternion(self._pose[2]), tilt)
+        return Transform(np.array([self._pose[0], self._pose[1], 0.0]), rotation)
 
     def _prior(self, time_ns: int) -> PlanarGaussian:
         if self._inertial:

@@ -8,6 +8,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import ScanConfig
+from slam_core.kernels.planar import knots
 from slam_core.kernels.sweeping import place_beams
 from slam_core.measurements import Float32s, Float64s, LaserScan, Transform
 
@@ -35,16 +36,16 @@ def stabilise(scan: LaserScan, motion: Callable[[int], Transform], config: ScanC
     attitude is ignored, with config.deskew off the motion during the sweep is.
     """
     n = len(scan.ranges)
-    knots = _knots(scan, motion, config)
-    z_laser = float(0.5 * (knots[0, 2, 3] + knots[-1, 2, 3]))
+    way = _knots(scan, motion, config)
+    z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
     cosines, sines = _directions(scan.angle_min, scan.angle_increment, n)
     xs, ys, zs, free_xs, free_ys = (np.empty(n, np.float32) for _ in range(5))
     kept, cleared = place_beams(
-        np.ascontiguousarray(scan.ranges, np.float32), cosines, sines, knots, max(n - 1, 1) / (len(knots) - 1),
+        np.ascontiguousarray(scan.ranges, np.float32), cosines, sines, way, max(n - 1, 1) / (len(way) - 1),
         max(config.range_min, scan.range_min), min(config.range_max, _end(scan.range_max)), scan.range_max,
         config.clear_range, z_laser + config.z_min, z_laser + config.z_max, xs, ys, zs, free_xs, free_ys,
     )  # fmt: skip
-    laser = 0.5 * (knots[0, :2, 3] + knots[-1, :2, 3])
+    laser = 0.5 * (way[0, :2, 3] + way[-1, :2, 3])
     return StabilisedScan(
         np.column_stack([xs[:kept], ys[:kept]]),
         zs[:kept] - np.float32(z_laser),
@@ -72,18 +73,15 @@ def _knots(scan: LaserScan, motion: Callable[[int], Transform], config: ScanConf
         poses = [motion(scan.stamp_ns + sweep_ns * i // (k - 1)) for i in range(k)]
     else:
         poses = [reference, reference]
-    leveled = _to_stabilised(reference, poses, level=config.stabilise)
-    mount = geometry.matrix(scan.T_base_laser)
-    return np.ascontiguousarray(leveled @ mount)
+    turn = geometry.yaw_quaternion(-geometry.heading(reference.rotation))
+    positions = np.array([pose.translation for pose in poses])
+    rotations = np.array([pose.rotation for pose in poses])
+    placed: Float64s = knots(
+        positions, rotations, reference.translation, turn, _mount(scan.T_base_laser), config.stabilise
+    )
+    return placed
 
 
-def _to_stabilised(reference: Transform, poses: list[Transform], *, level: bool) -> Float64s:
-    """(k, 3, 4) of T_stabilised_base at each pose; without `level` only the heading moves."""
-    psi = geometry.heading(reference.rotation)
-    turn = geometry.rotation_matrix(geometry.yaw_quaternion(-psi))
-    out = np.empty((len(poses), 3, 4))
-    for i, pose in enumerate(poses):
-        rotation = pose.rotation if level else geometry.yaw_quaternion(geometry.heading(pose.rotation))
-        out[i, :, :3] = turn @ geometry.rotation_matrix(rotation)
-        out[i, :, 3] = turn @ (pose.translation - reference.translation)
-    return out
+@lru_cache(maxsize=8)
+def _mount(T_base_laser: Transform) -> Float64s:
+    return geometry.matrix(T_base_laser)

@@ -1,0 +1,192 @@
+"""The whole pipeline on made rooms: first scan, thresholds, choices, counters and determinism."""
+
+import math
+
+import numpy as np
+import pytest
+
+from slam_core import geometry
+from slam_core.config import ConfigError, MapConfig, MatcherConfig, SlamConfig, with_value
+from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry
+from slam_core.slam import HectorSlam
+from tests.worlds import room_scan
+
+CONFIG = SlamConfig(map=MapConfig(size=400))
+DT = 100_000_000
+
+
+def drive(k):
+    """A gentle arc: 3 cm and 0.02 rad a scan."""
+    psi = 0.02 * k
+    return np.array([1.5 * math.sin(psi), 1.5 * (1 - math.cos(psi)), psi])
+
+
+def run(config=CONFIG, scans=40, extra=()):
+    """The pipeline and its results after so many scans of the test room."""
+    slam, results = HectorSlam(config), []
+    for k in range(scans):
+        for measurement in extra:
+            slam.step(measurement(k * DT))
+        result = slam.step(room_scan(drive(k), k * DT, noise=0.005))
+        results += [result] if result else []
+    return slam, results
+
+
+def test_the_first_scan_makes_the_map():
+    """It is not matched, lies at the origin, and every level knows it."""
+    slam, (first,) = run(scans=1)
+    assert first.match is None
+    assert first.prior is None
+    assert first.map_updated
+    np.testing.assert_allclose(first.planar, 0.0)
+    assert all((level.log_odds > 0).any() for level in slam.pyramid.levels)
+
+
+@pytest.mark.parametrize("start", ["filter", "velocity", "last_pose"])
+def test_a_drive_is_tracked_with_every_start_estimate(start):
+    """Each choice of start estimate follows the room to within a cell."""
+    config = with_value(CONFIG, "matcher.start_estimate", start)
+    _, results = run(config)
+    errors = [r.planar - drive(k) for k, r in enumerate(results)]
+    assert len(results) == 40
+    assert np.abs(errors).max() < 0.03
+
+
+def test_start_estimates_differ():
+    """They are three different poses: the prediction, the last match moved on, the last match."""
+    starts = {}
+    for start in ("filter", "velocity", "last_pose"):
+        config = with_value(with_value(CONFIG, "matcher.start_estimate", start), "fusion.omega", 0.3)
+        slam, _ = run(config, scans=10)
+        prior = slam._prior(10 * DT)
+        starts[start] = slam._start_estimate(prior)
+    assert abs(starts["last_pose"] - drive(9)).max() < 0.02
+    assert abs(starts["filter"] - drive(10)).max() < abs(starts["last_pose"] - drive(10)).max()
+    assert not np.allclose(starts["filter"], starts["velocity"], atol=1e-9)
+
+
+def test_the_map_is_updated_after_moving_or_turning_far_enough():
+    """Moved OR turned since the last update; a still robot never writes twice."""
+    assert run(with_value(CONFIG, "map.update_angle", 3.0))[0].pyramid.updates == pytest.approx(
+        1 + 39 * 0.03 // 0.4, abs=1
+    )
+    by_angle = run(with_value(with_value(CONFIG, "map.update_distance", 5.0), "map.update_angle", 0.1))[0]
+    assert by_angle.pyramid.updates == pytest.approx(1 + 39 * 0.02 // 0.1, abs=1)
+    still = HectorSlam(CONFIG)
+    for k in range(20):
+        still.step(room_scan(np.zeros(3), k * DT))
+    assert still.pyramid.updates == 1
+
+
+def test_omega_moves_the_fused_ellipse():
+    """The more the match counts, the smaller the part of its covariance that bounds the fused one."""
+    areas = []
+    for omega in (0.01, 0.1, 0.9):
+        _, results = run(with_value(CONFIG, "fusion.omega", omega), scans=15)
+        areas.append(np.linalg.det(results[-1].fused.covariance[:2, :2]))
+        bound = results[-1].match.covariance / omega
+        assert np.linalg.eigvalsh(bound - results[-1].fused.covariance).min() > -1e-12
+    assert areas[0] > areas[1] > areas[2]
+
+
+def test_settings_apply_from_the_next_scan():
+    """A changed sigma scales R of the next result; a setting that needs a new map is refused."""
+    slam, _ = run(scans=3)
+    before = slam.step(room_scan(drive(3), 3 * DT)).match
+    slam.configure(with_value(slam.config, "matcher.sigma", 2 * slam.config.matcher.sigma))
+    after = slam.step(room_scan(drive(3), 4 * DT)).match
+    assert np.trace(after.covariance) == pytest.approx(4 * np.trace(before.covariance), rel=0.3)
+    with pytest.raises(ConfigError, match="new map"):
+        slam.configure(with_value(slam.config, "map.resolution", 0.1))
+
+
+def test_the_same_measurements_give_the_same_bytes():
+    """Two runs agree to the last bit, poses, covariances and map."""
+    (a, ra), (b, rb) = run(), run()
+    assert all((x.planar == y.planar).all() for x, y in zip(ra, rb, strict=True))
+    assert all((x.fused.covariance == y.fused.covariance).all() for x, y in zip(ra, rb, strict=True))
+    assert (a.pyramid.levels[0].log_odds == b.pyramid.levels[0].log_odds).all()
+
+
+def test_unusable_scans_are_counted_and_harm_nothing():
+    """All-NaN scans are skipped with a reason, and the drive goes on."""
+    slam, _ = run(scans=5)
+    blind = LaserScan(5 * DT, np.full(541, np.nan, np.float32), -2.0, 0.01)
+    assert slam.step(blind) is None
+    assert sum(slam.skipped.values()) == 1
+    result = slam.step(room_scan(drive(6), 6 * DT))
+    assert np.abs(result.planar - drive(6)).max() < 0.03
+
+
+def test_the_number_of_beams_may_change():
+    """Scans of 541, 540 and 2 beams all pass."""
+    slam, _ = run(scans=3)
+    assert slam.step(room_scan(drive(3), 3 * DT, beams=540)).beams == 540
+    assert slam.step(room_scan(drive(3), 4 * DT, beams=2)).beams == 2
+
+
+def still_imu(t):
+    """A level, resting inertial sample."""
+    return Imu(t, np.zeros(3), np.array([0.0, 0.0, 9.80665]))
+
+
+def test_with_inertial_data_scans_wait_for_the_attitude():
+    """Until the filter has leveled, scans are skipped with a reason; then the state is full 6DOF."""
+    slam, results = HectorSlam(CONFIG), []
+    for k in range(200):
+        slam.step(still_imu(k * 10_000_000))
+        if k % 10 == 0:
+            result = slam.step(room_scan(np.zeros(3), k * 10_000_000))
+            results += [result] if result else []
+    assert slam.skipped["scan before the attitude was known"] >= 1
+    assert results[-1].navigation is not None
+    assert np.linalg.eigvalsh(results[-1].navigation.covariance).min() > 0
+    np.testing.assert_allclose(results[-1].T_map_base.translation[:2], 0.0, atol=0.02)
+
+
+def test_heights_reach_the_filter():
+    """A barometer moves z of the pose."""
+    slam, last = HectorSlam(CONFIG), None
+    for k in range(600):
+        slam.step(still_imu(k * 10_000_000))
+        slam.step(Height(k * 10_000_000, 0.5 if k > 100 else 0.0))
+        if k % 10 == 0:
+            last = slam.step(room_scan(np.zeros(3), k * 10_000_000)) or last
+    assert last.T_map_base.translation[2] == pytest.approx(0.5, abs=0.15)
+
+
+def test_attitudes_alone_stabilise():
+    """Without inertial data a given attitude levels the scan and shows in the pose."""
+    slam = HectorSlam(CONFIG)
+    tilt = geometry.from_euler(0.2, 0.0, 0.0)
+    slam.step(Attitude(0, tilt))
+    result = slam.step(room_scan(np.zeros(3), 0))
+    np.testing.assert_allclose(geometry.to_euler(result.T_map_base.rotation)[0], 0.2, atol=1e-6)
+    assert np.abs(result.heights).max() > 0.3
+
+
+def test_odometry_reaches_the_prediction():
+    """Wheels set the start estimate of a scan after a long gap."""
+    slam = HectorSlam(CONFIG)
+    slam.step(room_scan(np.zeros(3), 0))
+    for k in range(1, 11):
+        slam.step(Odometry(k * DT, np.array([0.3, 0.0]), 0.0))
+    result = slam.step(room_scan(np.array([0.3, 0.0, 0.0]), 10 * DT))
+    assert result.prior.mean[0] == pytest.approx(0.3, abs=0.03)
+    assert result.planar[0] == pytest.approx(0.3, abs=0.03)
+
+
+def test_durations_come_from_the_clock_that_is_given():
+    """The core reads no clock of its own: without one all durations are 0."""
+    ticks = iter(range(10**9))
+    timed = HectorSlam(CONFIG, clock=lambda: next(ticks))
+    assert timed.step(room_scan(np.zeros(3))).durations.stabilise > 0
+    assert HectorSlam(CONFIG).step(room_scan(np.zeros(3))).durations.match == 0
+
+
+def test_the_sampled_covariance_runs_in_the_pipeline():
+    """The choice of covariance reaches the fusion."""
+    config = SlamConfig(map=CONFIG.map, matcher=MatcherConfig(covariance="sampled"))
+    _, results = run(config, scans=8)
+    assert np.abs(results[-1].planar - drive(7)).max() < 0.03
+    assert np.linalg.eigvalsh(results[-1].match.covariance).min() > 0
