@@ -9,8 +9,8 @@ from app.exporters import Exporter, Run
 from app.exporters._files import write_whole
 from app.snapshot import MapImage
 
-# Greys of the classes 0 unknown, 1 free, 2 occupied. A reader takes (255 - grey) / 255 for the probability; unknown
-# lies a hair above FREE_BELOW, as is the custom.
+# Greys of the classes 0 unknown, 1 free, 2 occupied. A reader takes (255 - grey) / 255 for the probability;
+# unknown lies a hair above FREE_BELOW, as is the custom.
 GREYS = np.array([205, 254, 0], np.uint8)
 OCCUPIED_ABOVE = 0.65
 FREE_BELOW = 0.196
