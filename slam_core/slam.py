@@ -114,7 +114,7 @@ class HectorSlam:
         return self._filter.pose(time_ns) if self._inertial else self._planar.pose(time_ns)
 
     def _estimate(self, time_ns: int) -> Transform:
-        """T_map_base: the filter, or without inertial data the match itself, which nothing independent improves."""
+        """T_map_base: the filter; without inertial data the match, which nothing independent improves."""
         if self._inertial:
             return self._filter.pose(time_ns)
         tilt = geometry.split_heading(self._planar.pose(time_ns).rotation)[1]
