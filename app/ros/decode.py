@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, Literal
 
 from rosbags.serde import SerdeError
@@ -25,6 +25,7 @@ def ros2_name(msgtype: str) -> str:
     return msgtype if "/" in name or not name else f"{package}/msg/{name}"
 
 
+@lru_cache(maxsize=64)
 def decoder(
     generation: Generation, msgtype: str, definition: str = "", form: DefinitionFormat = "msg"
 ) -> Decode | None:

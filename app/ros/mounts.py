@@ -36,10 +36,12 @@ class Mounts:
         if cached is not None and cached[0] == self._tree.revision:
             return cached[1]
         patient = waited_ns < PATIENCE_NS and frame not in self._given_up
-        base = self.base or self._search_base(frame, patient=patient)
-        T = self._tree.lookup(base, frame, time_ns) if base else None
-        if base is None or T is None:
-            return None if patient or base is None else self._assume(base, frame)
+        base = self._search_base(frame, patient=patient) if self.base is None else self.base
+        if base is None:
+            return None
+        T = self._tree.lookup(base, frame, time_ns)
+        if T is None:
+            return None if patient else self._assume(base, frame)
         until_ns = self._tree.known_until_ns(base, frame)
         if until_ns is None:
             self._fixed[frame] = (self._tree.revision, T)
@@ -54,11 +56,14 @@ class Mounts:
         return self.base or _named(self._tree.frames())
 
     def _search_base(self, frame: str, *, patient: bool) -> str | None:
-        """base_link or base_footprint in the tree of `frame`; at last the top of what is fixed to it."""
+        """base_link or base_footprint in the tree of `frame`; at last any, or the top of what is fixed to it."""
+        known = self._tree.frames()
         root = self._tree.climb(frame)[-1]
-        named = _named([other for other in self._tree.frames() if self._tree.climb(other)[-1] == root])
+        named = _named([other for other in known if self._tree.climb(other)[-1] == root])
         if named or patient:
             return named
+        if frame not in known:
+            return _named(known) or frame
         above = self._tree.climb(frame, static=True)
         return next((f for f in reversed(above) if f.split("/")[-1] not in WORLD_NAMES), frame)
 
@@ -66,6 +71,7 @@ class Mounts:
         known = self._tree.frames()
         if self._asked_for and base not in known:
             raise SourceError(f"base frame {base!r} is not in tf: it knows {', '.join(known) or 'no frames'}")
+        self.base = base
         self._given_up.add(frame)
         self._fixed[frame] = (self._tree.revision, Transform())
         self._note(base, frame, moving=False)
@@ -73,7 +79,8 @@ class Mounts:
 
     def _note(self, base: str, frame: str, *, moving: bool) -> None:
         if frame in self._given_up or frame not in self._tree.frames():
-            self.notes[frame] = f"no tf for {frame}: taken to be at the base (a laser is placed by --laser-pose)"
+            sensor = frame or "a sensor without a frame"
+            self.notes[frame] = f"no tf for {sensor}: taken to be at the base (--laser-pose places a laser)"
         elif frame == base:
             self.notes[frame] = f"{frame} is the base"
         else:

@@ -27,27 +27,34 @@ def scan_rosbag(path: Path) -> Iterator[Raw]:
     connections: dict[bytes, Channel] = {}
     with path.open("rb") as file:
         file.readline()
-        for fields, data in _records(file):
-            if fields.get(b"op") != _CHUNK:
-                continue
-            for inner, content in _inner_records(_inflate(fields.get(b"compression", b"none"), data)):
-                number = inner.get(b"conn", b"")
-                if inner.get(b"op") == _CONNECTION:
-                    connections[number] = _channel(inner, content)
-                elif inner.get(b"op") == _MESSAGE and number in connections:
-                    seconds, nanoseconds = _TIME.unpack(inner[b"time"])
-                    yield Raw(connections[number], seconds * 1_000_000_000 + nanoseconds, content)
+        for fields, data in _records(file, path.stat().st_size):
+            if fields.get(b"op") == _CHUNK:
+                yield from _messages(_inflate(fields.get(b"compression", b"none"), data), connections)
 
 
-def _records(file: BinaryIO) -> Iterator[tuple[_Fields, bytes]]:
+def _messages(chunk: bytes, connections: dict[bytes, Channel]) -> Iterator[Raw]:
+    """The messages of a chunk, without broken records; connections that it describes are added to those known."""
+    for fields, content in _inner_records(chunk):
+        try:
+            number = fields[b"conn"]
+            if fields[b"op"] == _CONNECTION:
+                connections[number] = _channel(fields, content)
+            elif fields[b"op"] == _MESSAGE and number in connections:
+                seconds, nanoseconds = _TIME.unpack(fields[b"time"])
+                yield Raw(connections[number], seconds * 1_000_000_000 + nanoseconds, content)
+        except (_CutOff, KeyError, struct.error):
+            continue
+
+
+def _records(file: BinaryIO, file_size: int) -> Iterator[tuple[_Fields, bytes]]:
     """Records of the file: (header fields, data); the last one may be cut."""
     while len(head := file.read(_U32.size)) == _U32.size:
-        header = file.read(_U32.unpack(head)[0])
+        header = file.read(min(_U32.unpack(head)[0], file_size))
         size = file.read(_U32.size)
         if len(size) < _U32.size:
             return
         try:
-            yield _fields(header), file.read(_U32.unpack(size)[0])
+            yield _fields(header), file.read(min(_U32.unpack(size)[0], file_size))
         except _CutOff:
             return
 
@@ -85,10 +92,10 @@ def _fields(header: bytes) -> _Fields:
     return fields
 
 
-def _channel(inner: _Fields, content: bytes) -> Channel:
+def _channel(fields: _Fields, content: bytes) -> Channel:
     described = _fields(content)
     return Channel(
-        inner[b"topic"].decode(errors="replace"),
+        fields[b"topic"].decode(errors="replace"),
         ros2_name(described[b"type"].decode(errors="replace")),
         "ros1",
         described.get(b"message_definition", b"").decode(errors="replace"),

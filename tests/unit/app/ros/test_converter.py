@@ -34,9 +34,7 @@ def test_without_tf_nothing_waits_and_the_assumption_is_told() -> None:
     items = feed(converter, [("/scan", ROS.scan(0), 0)])
     np.testing.assert_array_equal(scans(items)[0].T_base_laser.translation, np.zeros(3))
     assert converter.report.read == {"/scan": 1}
-    assert converter.report.notes == (
-        "no tf for laser: taken to be at the base (a laser is placed by --laser-pose)",
-    )
+    assert converter.report.notes == ("no tf for laser: taken to be at the base (--laser-pose places a laser)",)
 
 
 def test_topics_without_a_part_give_nothing() -> None:
@@ -68,6 +66,16 @@ def test_after_a_second_without_a_mount_the_run_goes_on() -> None:
     converter = Converter(Roles(scan="/scan", transforms=TF), SourceOptions())
     assert not feed(converter, [("/scan", ROS.scan(0), 0)])
     assert len(converter.flush()) == 1
+
+
+def test_a_laser_that_tf_does_not_know_sits_on_the_base() -> None:
+    """A nameless frame beside a tree with base_link: the scans are used, and the tree keeps its base."""
+    converter = Converter(Roles(scan="/scan", transforms=TF), SourceOptions())
+    tf = ("/tf", ROS.tf(0, "odom", "base_link"), 0)
+    items = [*feed(converter, [tf, ("/scan", ROS.scan(0, frame=""), 0)]), *converter.flush()]
+    np.testing.assert_array_equal(scans(items)[0].T_base_laser.translation, np.zeros(3))
+    assert converter.mounts.base == "base_link"
+    assert any(note.startswith("no tf for a sensor without a frame") for note in converter.report.notes)
 
 
 def test_a_base_by_another_name_is_the_top_of_what_is_fixed() -> None:

@@ -111,6 +111,18 @@ def test_a_bare_file_is_read(tmp_path: Path) -> None:
     assert not source.report.notes[0].startswith("run.db3 is cut")
 
 
+@pytest.mark.parametrize("name", CONTAINERS)
+def test_packed_recordings_are_read(tmp_path: Path, name: str) -> None:
+    """BZ2 chunks, zstd chunks and zstd files are unpacked on the way."""
+    ros = messages_for(name)
+    with Recorder(tmp_path / name, compress=True) as recorder:
+        for topic, message, time_ns in small_run(ros):
+            recorder.write(topic, message, START + time_ns)
+    source = open_run(tmp_path / name)
+    assert kinds(source) == {LaserScan: 50, Imu: 50, TruthPose: 50}
+    assert not any("cut off" in note for note in source.report.notes)
+
+
 def test_a_bag_without_definitions_is_read(tmp_path: Path) -> None:
     """Older rosbag2 recorders store type names only."""
     database = next(write_bag(tmp_path / "run", small_run(Messages())).glob("*.db3"))
@@ -275,7 +287,7 @@ def test_an_empty_file_and_an_empty_folder(tmp_path: Path) -> None:
     (tmp_path / "empty.bag").touch()
     assert refusal(tmp_path / "empty.bag").endswith("empty.bag is an empty file: record it again")
     (tmp_path / "folder").mkdir()
-    assert "holds no .mcap or .db3 files" in refusal(tmp_path / "folder")
+    assert "is no rosbag2 folder" in refusal(tmp_path / "folder")
 
 
 @pytest.mark.parametrize("name", CONTAINERS)
