@@ -10,9 +10,16 @@
   const FOCUS = "/floor/focus/"; // boxes around what a camera should show, of size one before their scale
   const GRID = "/floor/grid/lines";
   const ROBOT = "/robot";
+  const POINTS = "/floor/scan/points";
+  const POINT_SIZE = "gl_PointSize = (scale / -world_pos.z)"; // as viser writes it
+  const POINT_PIXELS = "3.0";
+  const MAGNIFIED = ["/robot/hull", "/floor/footprint", "/frames/base_footprint", "/frames/base_stabilized", "/frames/base_link"];
+  const ROBOT_LENGTH = 0.66; // metres
+  const ROBOT_PIXELS = 26;
+  const RIMS = ["prior", "match", "fused"].map((key) => `/floor/${key}/pose/rim`);
   const MARGIN = 1.08; // the map fills this much less than the window
   const SMOOTH = 0.25; // seconds of lag of every movement
-  const TILT = 0.65; // radians off the vertical
+  const TILT = 0.97; // radians off the vertical
   const NEAR = 18; // metres: following begins no farther than this
 
   const viser = () => window.__viserMutable;
@@ -24,7 +31,7 @@
       .filter(([name, node]) => name.startsWith(root) && node)
       .flatMap(([, node]) => {
         const found = [];
-        node.traverse((child) => child.isMesh && found.push(child));
+        node.traverse((child) => (child.isMesh || child.isPoints) && found.push(child));
         return found;
       });
   const mapMeshes = () => meshesBelow(MAP);
@@ -42,6 +49,26 @@
     if (mesh.onBeforeRender === sharpen) return;
     mesh.onBeforeRender = sharpen;
     mesh.material.depthWrite = false; // what is transparent must not hide what lies below
+  }
+
+  // ------------------------------------------------------------------------------------- seen from far away
+
+  // The points of a scan keep a few pixels; transparent is what is drawn after the map instead of cut by it.
+  function widen(_renderer, _scene, _camera, _geometry, material) {
+    if (material.transparent || !material.vertexShader?.includes(POINT_SIZE)) return;
+    material.vertexShader = material.vertexShader.replace(POINT_SIZE, `gl_PointSize = max(${POINT_PIXELS}, scale / -world_pos.z)`);
+    material.transparent = true;
+    material.needsUpdate = true;
+  }
+
+  // The robot and its frames are never smaller than can be seen.
+  function magnify(page) {
+    const robot = page.nodeRefFromName[ROBOT];
+    if (!robot) return;
+    const reach = size(minus(page.camera.position, column(robot.matrixWorld, 3)));
+    const metresPerPixel = (2 * reach * Math.tan((page.camera.fov * Math.PI) / 360)) / page.canvas.clientHeight;
+    const scale = Math.max(1, (ROBOT_PIXELS * metresPerPixel) / ROBOT_LENGTH);
+    for (const name of MAGNIFIED) page.nodeRefFromName[name]?.scale.setScalar(scale);
   }
 
   // ------------------------------------------------------------------------------------------------ camera
@@ -199,6 +226,11 @@
       mesh.visible = !(state.top && above);
     }
     viser().nodeRefFromName[GRID]?.traverse((child) => (child.renderOrder = -2));
+    // A good match has an ellipse smaller than the robot: its rim shines through.
+    for (const rim of RIMS.flatMap(meshesBelow)) {
+      rim.renderOrder = 1;
+      Object.assign(rim.material, { transparent: true, depthTest: false });
+    }
   }
 
   let before = performance.now();
@@ -211,6 +243,8 @@
     if (!page?.cameraControl || !page.camera || !page.canvas) return;
     watch(page.canvas);
     mapMeshes().forEach(prepare);
+    meshesBelow(POINTS).forEach((points) => (points.onBeforeRender = widen));
+    magnify(page);
     order();
     turn(page.cameraControl, share);
     if (state.auto) keepInView(page.cameraControl, page.camera, share);

@@ -15,7 +15,7 @@ from app.web.stage import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Display, Layer
 CAMERAS: dict[str, Camera] = {"Top": "top", "Follow": "follow", "Free": "free", "Whole map": "fit"}
 LAYOUTS = {"stacked": "levels stacked", "side": "levels side by side", "one": "one level"}
 POINTS = {"residual": "by residual", "height": "by height", "plain": "plain"}
-GAP = Scale(GAP_RANGE[0], GAP_RANGE[1], 0.5, log=False, integer=False)
+GAP = Scale(GAP_RANGE[0], GAP_RANGE[1], 0.05, log=False, integer=False)
 SIGMAS = Scale(
     math.log10(ELLIPSE_SCALE_RANGE[0]), math.log10(ELLIPSE_SCALE_RANGE[1]), 0.01, log=True, integer=False
 )
@@ -54,7 +54,7 @@ class DisplayPanel:
         layout = Choice(
             gui, "Map", LAYOUTS, now.layout, "How the levels of the pyramid are laid out.", self._setter("layout")
         )
-        gap = LinearSlider(gui, "Gap (m)", GAP, now.gap, "Between the levels of a stack.", self._setter("gap"))
+        gap = LinearSlider(gui, "Gap", GAP, now.gap, "Times the depth of the map.", self._setter("gap"))
         scale = LogSlider(
             gui,
             "Ellipses (σ)",

@@ -29,7 +29,7 @@ class Placement:
 def placements(display: Display, maps: Sequence[MapImage]) -> list[Placement]:
     """One for each level, finest first; the finest one stays where scan and robot are."""
     if display.layout == "stacked":
-        return [Placement(z=display.gap * i, veiled=i > 0) for i in range(len(maps))]
+        return [Placement(z=display.gap * depth(maps) * i, veiled=i > 0) for i in range(len(maps))]
     if display.layout == "one":
         only = min(display.level, len(maps) - 1)
         return [Placement(shown=i == only) for i in range(len(maps))]
@@ -42,13 +42,12 @@ def placements(display: Display, maps: Sequence[MapImage]) -> list[Placement]:
     return places
 
 
-def emphasis(maps: Sequence[MapImage]) -> float:
-    """How much larger than life small things are drawn, so that they are still seen in a large map."""
-    if not maps:
+def depth(maps: Sequence[MapImage]) -> float:
+    """How far the walls reach from south to north, whole metres: levels need more room between them in a hall."""
+    if not maps or not maps[-1].cells.size:
         return 1.0
-    rows, cols = maps[0].cells.shape
-    extent = max(rows, cols) * maps[0].resolution
-    return float(round(min(3.0, max(1.0, extent / 25.0)), 1))
+    low, high = bulk(maps[-1])
+    return float(np.ceil(high[1] - low[1]))
 
 
 def bulk(image: MapImage) -> Bounds:

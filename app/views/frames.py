@@ -3,7 +3,6 @@
 import numpy as np
 
 from app.snapshot import Snapshot
-from app.views._levels import emphasis
 from app.web.stage import Stage
 from slam_core.geometry import split_heading, yaw_quaternion
 
@@ -42,12 +41,10 @@ class FramesView:
             "base_stabilized": (position, level),
             "base_link": (position, result.T_map_base.rotation),
         }
-        size = emphasis(snapshot.maps)
         with self._stage.server.atomic():
             for name, frame in self._frames.items():
                 frame.visible = True
                 frame.position, frame.wxyz = poses[name]
-                frame.axes_length = LENGTH * SHAPES[name][0] * size
 
 
 VIEW = FramesView

@@ -34,7 +34,7 @@ class GroundView:
         scene.add_light_ambient("/light/ambient", intensity=2.0)
         scene.add_light_directional("/light/sun", intensity=1.5, position=(-4.0, -6.0, 10.0))
         camera = stage.server.initial_camera
-        camera.position, camera.look_at, camera.fov = (0.0, -18.0, 22.0), (0.0, 0.0, 0.0), 0.7
+        camera.position, camera.look_at, camera.fov = (0.0, -22.0, 15.0), (0.0, 0.0, 0.0), 0.7
 
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the theme."""

@@ -12,7 +12,7 @@ from app.web.theme import Theme
 
 BLOCK = 64  # cells of the finest level: images grow by whole blocks, so that their size seldom changes
 OPAQUE = 255
-VEILED_FREE, VEILED_OCCUPIED = 36, 220  # opacity of a level with others below
+VEILED_FREE, VEILED_OCCUPIED = 36, 170  # opacity of a level with others below
 SAFETY = 0.1  # metres that the floor lies below the lowest pose
 
 

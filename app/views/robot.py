@@ -3,7 +3,6 @@
 import numpy as np
 
 from app.snapshot import Snapshot
-from app.views._levels import emphasis
 from app.views._shapes import prism, ring
 from app.web.stage import Stage
 from slam_core.geometry import heading, yaw_quaternion
@@ -24,8 +23,8 @@ class RobotView:
         self._body = stage.layer("robot", "Robot", colour="robot").root
         name = self._body.name
         self._hull = scene.add_mesh_simple(f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True)
-        self._laser = scene.add_cylinder(
-            f"{name}/laser", radius=0.07, height=0.1, color=LASER_COLOUR, position=(0.08, 0.0, 0.21)
+        scene.add_cylinder(
+            f"{name}/hull/laser", radius=0.07, height=0.1, color=LASER_COLOUR, position=(0.08, 0.0, 0.21)
         )
         self._ring = scene.add_line_segments(
             f"{stage.floor.name}/footprint", ring(32) * 0.45, (0, 0, 0), thickness=2.0, thickness_units="screen"
@@ -39,14 +38,11 @@ class RobotView:
         if state == self._drawn:
             return
         self._drawn = state
-        size = emphasis(snapshot.maps)
         with self._stage.server.atomic():
-            self._hull.visible = self._laser.visible = result is not None
+            self._hull.visible = result is not None
             self._ring.visible = result is not None and self._body.visible
             self._hull.color = theme.robot
             self._ring.colors = np.array(theme.robot, np.uint8)
-            self._hull.scale = self._laser.scale = self._ring.scale = size
-            self._laser.position = (0.08 * size, 0.0, 0.21 * size)
             if result is not None:
                 T = result.T_map_base
                 self._body.position, self._body.wxyz = T.translation, T.rotation

@@ -3,14 +3,13 @@
 import numpy as np
 
 from app.snapshot import Snapshot
-from app.views._levels import emphasis
 from app.web.stage import Display, Stage
 from slam_core.config import ScanConfig
 from slam_core.geometry import yaw_quaternion
 from slam_core.results import StepResult
 
 LIFT = 0.03  # metres over the floor
-SIZE = 0.06  # metres, in a small map
+SIZE = 0.06  # metres; seen from far, the page keeps them a few pixels wide
 UNKNOWN = 0.5  # residual of a first scan, which was matched to nothing
 
 
@@ -25,11 +24,12 @@ class ScanView:
         self._frame = layer.root
         self._cloud = stage.server.scene.add_point_cloud(
             f"{layer.root.name}/points",
-            np.zeros((0, 3), np.float32),
-            np.zeros((0, 3), np.uint8),
+            np.zeros((1, 3), np.float32),
+            np.zeros((1, 3), np.uint8),
             point_size=SIZE,
             point_shape="circle",
             precision="float16",
+            visible=False,
         )
         self._drawn: object = None
 
@@ -51,7 +51,6 @@ class ScanView:
             self._cloud.visible = True
             self._cloud.points = points
             self._cloud.colors = colours
-            self._cloud.point_size = SIZE * emphasis(snapshot.maps)
             self._frame.position = (x, y, LIFT)
             self._frame.wxyz = yaw_quaternion(psi)
 

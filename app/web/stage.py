@@ -16,22 +16,22 @@ Layout = Literal["stacked", "side", "one"]
 Points = Literal["residual", "height", "plain"]
 Camera = Literal["free", "follow", "top", "fit"]
 
-GAP_RANGE = (0.5, 20.0)  # metres between stacked levels
-ELLIPSE_SCALE_RANGE = (1.0, 1000.0)  # times one sigma
+GAP_RANGE = (0.05, 2.0)  # between stacked levels, times the depth of the map
+ELLIPSE_SCALE_RANGE = (1.0, 2000.0)  # times one sigma
 
 
 @dataclass(frozen=True, slots=True)
 class Display:
     """How things are shown: shared by every browser, immutable. Views compare it with what they drew last.
 
-    gap: metres between stacked levels. level: the one shown in layout "one", 0 the finest. ellipse_scale: the
+    gap: between stacked levels, times the depth of the map. level: the one shown in layout "one", 0 the finest. ellipse_scale: the
     ellipses show this many sigmas. hidden: keys of the layers switched off.
     """
 
     layout: Layout = "stacked"
-    gap: float = 4.0
+    gap: float = 0.5
     level: int = 0
-    ellipse_scale: float = 50.0
+    ellipse_scale: float = 200.0
     points: Points = "residual"
     dark: bool = True
     hidden: frozenset[str] = frozenset()

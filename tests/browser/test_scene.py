@@ -54,11 +54,11 @@ def test_cells_are_crisp(show: Show, open_page: Open) -> None:
 
 def test_levels_stack_without_hiding_the_finest_from_above(show: Show, open_page: Open) -> None:
     """In a stack the levels lie over each other; looked at from above, the finest one is seen."""
-    show.server.stage.show(layout="stacked", gap=5.0)
+    show.server.stage.show(layout="stacked", gap=0.5)
     show.server.stage.show_layer("grid", False)
     page = open_page(show.url)
     heights = [node(page, f"/floor/map/level{i}")["position"][2] for i in range(LEVELS)]  # type: ignore[index]
-    assert heights == pytest.approx([0.0, 5.0, 10.0])
+    assert heights == pytest.approx([0.0, 6.0, 12.0])
     look(page, "top")
     expect(page, FREE, DARK.free)
 

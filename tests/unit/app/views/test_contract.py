@@ -14,7 +14,7 @@ SETTINGS: list[dict[str, Any]] = [
     {"layout": "side"},
     {"layout": "one", "level": 2},
     {"layout": "one", "level": 99},
-    {"layout": "stacked", "gap": 9.0},
+    {"layout": "stacked", "gap": 1.5},
     {"dark": False},
     {"points": "height"},
     {"points": "plain", "ellipse_scale": 1000.0},

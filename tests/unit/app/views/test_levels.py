@@ -1,6 +1,5 @@
 """Where levels lie, and how their images grow."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,16 +8,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.snapshot import MapImage
-from app.views._levels import AISLE, bulk, emphasis, placements
+from app.views._levels import AISLE, bulk, placements
 from app.views.levels import BLOCK, aligned
 from app.web.stage import Display
 from tests.page import RESOLUTION, room_maps
 
 
 def test_a_stack_rises_by_the_gap() -> None:
-    """The finest level stays where the robot is; only those above are veiled."""
-    places = placements(Display(layout="stacked", gap=3.0), room_maps())
-    assert [(p.z, p.veiled, p.shown) for p in places] == [(0.0, False, True), (3.0, True, True), (6.0, True, True)]
+    """Half a map's depth (12 m) apart; the finest level stays at the robot, only those above are veiled."""
+    places = placements(Display(layout="stacked", gap=0.5), room_maps())
+    assert [(p.z, p.veiled, p.shown) for p in places] == [
+        (0.0, False, True),
+        (6.0, True, True),
+        (12.0, True, True),
+    ]
 
 
 def test_side_by_side_leaves_an_aisle() -> None:
@@ -66,11 +69,3 @@ def test_a_map_without_walls_has_a_bulk() -> None:
     """Free space alone is framed too."""
     low, high = bulk(MapImage(0, 1.0, -2.0, -3.0, np.ones((6, 4), np.uint8), 1))
     assert (low.tolist(), high.tolist()) == ([-2.0, -3.0], [2.0, 3.0])
-
-
-def test_small_things_grow_with_the_map() -> None:
-    """In a hall the robot is drawn larger, in a room as it is; without a map nothing is known."""
-    room = room_maps()
-    hall = (replace(room[0], resolution=10 * RESOLUTION),)
-    assert (emphasis(()), emphasis(room)) == (1.0, 1.0)
-    assert emphasis(hall) == 3.0

@@ -14,7 +14,7 @@ def stage(server: viser.ViserServer) -> Stage:
 def test_settings_are_clamped() -> None:
     """Nothing that a browser sends leaves its range."""
     wild = Display(layout="spiral", points="x", gap=1e9, level=-3, ellipse_scale=0.0)  # type: ignore[arg-type]
-    assert wild == Display(layout="stacked", points="residual", gap=20.0, level=0, ellipse_scale=1.0)
+    assert wild == Display(layout="stacked", points="residual", gap=2.0, level=0, ellipse_scale=1.0)
 
 
 def test_an_unknown_setting_is_an_error(stage: Stage) -> None:

@@ -1,0 +1,229 @@
+"""The controls of the page, moved by a person's means, on a real engine."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from app.engine import Engine
+from app.settings import Settings
+from app.simulation import SceneOptions, Simulation
+from app.snapshot import Seek, Snapshot
+from app.sources import Item
+from app.web.server import PageServer
+from slam_core.config import SlamConfig, with_value
+from tests.browser.conftest import Open
+from tests.sources import MemoryRecording
+
+pytestmark = pytest.mark.browser
+
+START = Settings(with_value(SlamConfig(), "map.size", 512))
+PATIENCE_S = 30.0
+
+
+@dataclass
+class Run:
+    """An engine and its page."""
+
+    engine: Engine
+    url: str
+
+    @property
+    def now(self) -> Snapshot:
+        """The newest snapshot."""
+        snapshot = self.engine.mailbox.latest
+        assert snapshot is not None
+        return snapshot
+
+    def until(self, holds: Callable[[Snapshot], Any]) -> Snapshot:
+        """The first snapshot that `holds`; fails after a while."""
+        ends = time.monotonic() + PATIENCE_S
+        while not holds(self.now):
+            assert time.monotonic() < ends, self.now.playback
+            time.sleep(0.02)
+        return self.now
+
+
+@pytest.fixture(scope="module")
+def drive() -> list[Item]:
+    """Ten seconds through the simulated rooms."""
+    return list(Simulation("rooms", SceneOptions(duration=10.0, scan_rate=20.0, beams=181)).items())
+
+
+@pytest.fixture
+def run(drive: list[Item]) -> Iterator[Run]:
+    """The drive, paused at two seconds."""
+    engine = Engine(MemoryRecording(drive), START, autoplay=False)
+    server = PageServer(engine, port=0)
+    server.start()
+    engine.start()
+    made = Run(engine, server.url)
+    try:
+        engine.send(Seek(made.until(lambda s: s.sequence).playback.start_ns + 2 * 10**9))
+        made.until(lambda s: s.maps and s.playback.state == "paused")
+        yield made
+    finally:
+        engine.stop()
+        server.stop()
+
+
+def button(page: Page, name: str) -> Locator:
+    return page.get_by_role("button", name=name)
+
+
+def row(page: Page, label: str) -> Locator:
+    """A control by its label."""
+    return page.locator(".mantine-Flex-root", has=page.locator(f"label:text-is('{label}')"))
+
+
+def open_tab(page: Page, title: str) -> None:
+    page.get_by_role("tab", name=title).click()
+
+
+def test_play_pause_step_and_restart(run: Run, open_page: Open) -> None:
+    """The buttons at the bottom do what they say, and the first one tells what it would do next."""
+    page, stopped = open_page(run.url), run.now
+    button(page, "Step one scan").click()
+    assert run.until(lambda s: s.scans > stopped.scans).scans == stopped.scans + 1
+    button(page, "Play").click()
+    run.until(lambda s: s.playback.state == "playing" and s.scans > stopped.scans + 3)
+    button(page, "Pause").click()
+    run.until(lambda s: s.playback.state == "paused")
+    button(page, "Restart").click()
+    run.until(lambda s: s.epoch > stopped.epoch and s.playback.state == "playing")
+
+
+def test_hotkeys(run: Run, open_page: Open) -> None:
+    """Space, full stop, brackets and R, also while a button has the focus that the pointer gave it."""
+    page, stopped = open_page(run.url), run.now
+    button(page, "Step one scan").click()
+    assert run.until(lambda s: s.scans > stopped.scans).scans == stopped.scans + 1
+    page.keyboard.press(".")
+    run.until(lambda s: s.scans == stopped.scans + 2 and s.playback.state == "paused")
+    page.keyboard.press("]")
+    run.until(lambda s: s.playback.speed == 2.0)
+    page.keyboard.press("[")
+    run.until(lambda s: s.playback.speed == 1.0)
+    page.keyboard.press("Space")
+    run.until(lambda s: s.playback.state == "playing")
+    page.keyboard.press("r")
+    run.until(lambda s: s.epoch > stopped.epoch)
+
+
+def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
+    """A click in the middle of the timeline goes there, and the slider stays there."""
+    page = open_page(run.url)
+    track = page.locator(".mantine-Slider-root").first
+    box = track.bounding_box()
+    assert box is not None
+    track.click(position={"x": box["width"] / 2, "y": box["height"] / 2})
+    start, end = run.now.playback.start_ns, run.now.playback.end_ns
+    assert end is not None
+    middle = (start + end) / 2
+    arrived = run.until(lambda s: s.playback.state == "paused" and s.playback.time_ns > middle - 0.3e9)
+    assert arrived.playback.time_ns == pytest.approx(middle, abs=0.3e9)
+    expect(page.locator(".hs-clock b")).to_have_text("00:05.0")
+
+
+def test_the_speed_is_chosen(run: Run, open_page: Open) -> None:
+    """The list at the right of the timeline."""
+    page = open_page(run.url)
+    page.locator(".mantine-Select-input").first.click()
+    page.locator("[role=option]:visible", has_text="max").click()
+    button(page, "Play").click()
+    run.until(lambda s: s.playback.speed == float("inf"))
+    run.until(lambda s: s.playback.state == "ended")
+    expect(page.locator(".hs-state")).to_have_text("ended")
+
+
+def test_omega_changes_the_fused_ellipse(run: Run, open_page: Open) -> None:
+    """Moved while paused, it is in force for the next scan, whose fused covariance it shrinks or grows."""
+    page, before = open_page(run.url), run.now
+    open_tab(page, "Settings")
+    slider = row(page, "ω").get_by_role("slider")
+    slider.focus()
+    slider.press("End")
+    run.until(lambda s: s.config.fusion.omega == 0.999)
+    button(page, "Step one scan").click()
+    after = run.until(lambda s: s.scans > before.scans)
+    assert before.result is not None
+    assert after.result is not None
+    ratio = after.result.fused.covariance[0, 0] / before.result.fused.covariance[0, 0]
+    assert not 0.8 < ratio < 1.25
+    open_tab(page, "Log")
+    expect(page.locator(".hs-log-list")).to_contain_text("fusion.omega: 0.1 → 0.999")
+
+
+def test_a_threshold_changes_the_number_of_map_updates(run: Run, open_page: Open) -> None:
+    """With a distance of 5 m between updates the same drive updates the map less often."""
+    page = open_page(run.url)
+    page.locator(".mantine-Select-input").first.click()
+    page.locator("[role=option]:visible", has_text="max").click()
+    button(page, "Play").click()
+    often = run.until(lambda s: s.playback.state == "ended")
+    open_tab(page, "Settings")
+    for label, value in (("Update distance (m)", "5"), ("Update angle (rad)", "3")):
+        row(page, label).get_by_role("textbox").fill(value)
+    run.until(lambda s: s.config.map.update_distance == 5.0 and s.config.map.update_angle == 3.0)
+    button(page, "Restart").click()
+    rarely = run.until(lambda s: s.epoch > often.epoch and s.playback.state == "ended")
+    assert 1 <= rarely.map_updates < often.map_updates
+
+
+def test_browsers_agree_and_a_group_can_be_reset(run: Run, open_page: Open) -> None:
+    """What one person sets another sees, also who comes later; reset goes back to the first values."""
+    one, two = open_page(run.url), open_page(run.url)
+    for page in (one, two):
+        open_tab(page, "Settings")
+    row(one, "ω").get_by_role("textbox").fill("0.7")
+    expect(row(two, "ω").get_by_role("textbox")).to_have_value("0.7")
+    three = open_page(run.url)
+    open_tab(three, "Settings")
+    expect(row(three, "ω").get_by_role("textbox")).to_have_value("0.7")
+    button(two, "Reset 1 changed").click()
+    run.until(lambda s: s.config.fusion.omega == 0.1)
+    for page in (one, two, three):
+        expect(row(page, "ω").get_by_role("textbox")).to_have_value("0.1")
+
+
+def test_the_theme_changes_for_everybody(run: Run, open_page: Open) -> None:
+    """One button, all browsers; the bars change with the rest."""
+    one, two = open_page(run.url), open_page(run.url)
+    button(one, "Light theme").click()
+    for page in (one, two):
+        expect(page.locator("html")).to_have_attribute("data-mantine-color-scheme", "light")
+        expect(button(page, "Dark theme")).to_be_visible()
+
+
+def test_nothing_covers_the_map(run: Run, open_page: Open) -> None:
+    """Canvas, bars and panels lie side by side, and the bars reach across the window."""
+    page = open_page(run.url)
+    parts = {
+        name: page.locator(selector).first.bounding_box()
+        for name, selector in {
+            "map": "canvas[data-engine]",
+            "top": "div:has(> div > .hs-bar-status)",
+            "bottom": "div:has(> div > .hs-bar-transport)",
+            "panels": "[data-dock-region]",
+        }.items()
+    }
+    assert all(parts.values())
+    canvas, top, bottom, panels = parts.values()
+    assert top["y"] == 0
+    assert top["width"] == bottom["width"] == 1000
+    assert canvas["y"] >= top["height"]
+    assert canvas["y"] + canvas["height"] <= bottom["y"]
+    assert canvas["x"] + canvas["width"] <= panels["x"] + 1
+
+
+def test_charts_show_the_page_that_was_chosen(run: Run, open_page: Open) -> None:
+    """Charts of other pages are not in the page at all."""
+    page = open_page(run.url)
+    titles = page.locator(".u-title")
+    expect(titles).to_have_text(["σ x, mm", "σ y, mm", "σ ψ, °"])
+    page.locator("div:has(> div > .hs-plots) .mantine-Select-input").first.click()
+    page.locator("[role=option]:visible", has_text="Biases").click()
+    expect(titles).to_have_text(["Gyro bias, °/s", "Accelerometer bias, m/s²"])
