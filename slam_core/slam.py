@@ -70,9 +70,17 @@ class HectorSlam:
         elif isinstance(measurement, Attitude):
             self._planar.add_attitude(measurement)
         elif isinstance(measurement, Odometry):
-            self._planar.add_odometry(measurement, self.config.motion)
+            self._wheels(measurement)
         self._waiting_ns += self._clock() - begin
         return None
+
+    def _wheels(self, odometry: Odometry) -> None:
+        """A velocity by the wheels, to whichever motion is believed."""
+        if self._inertial:
+            sigma = self.config.motion.odometry_sigma
+            self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma)
+        else:
+            self._planar.add_odometry(odometry, self.config.motion)
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
         if self._inertial and not self._filter.ready:

@@ -25,7 +25,7 @@ def run(path: Path, config: SlamConfig | None = None, **options: Any) -> tuple[P
 
 
 def test_jackal_is_within_two_centimetres_from_every_container(recordings: Path):
-    """The same run as .bag, sqlite3 and mcap: the same bytes of trajectory, at most 0.020 m from motion capture."""
+    """As .bag, sqlite3 and mcap: the same bytes of trajectory, at most 0.020 m from motion capture."""
     runs = [run(recordings / f"{JACKAL}{suffix}") for suffix in (".bag", "", "_mcap")]
     for _, figures in runs:
         assert figures["truth"]["aligned_rmse_m"] <= 0.020
@@ -39,12 +39,12 @@ def test_jarvis_is_within_four_centimetres_with_its_mount(recordings: Path):
     assert figures["truth"]["aligned_rmse_m"] <= 0.04
 
 
-def test_jarvis_without_its_mount_is_decimetres_off(recordings: Path):
-    """The same recording with the mount overridden by nothing shows that the mount matters."""
-    _, figures = run(
-        recordings / "jarvis_nav350/jarvis_circular_path_fast.bag", laser_pose=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    )
-    assert figures["truth"]["aligned_rmse_m"] > 0.06
+def test_ignoring_the_mount_of_jarvis_costs_accuracy(recordings: Path):
+    """The same recording with the mount overridden by nothing is clearly worse, even after alignment."""
+    bag = recordings / "jarvis_nav350/jarvis_circular_path_fast.bag"
+    _, mounted = run(bag)
+    _, bare = run(bag, laser_pose=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert bare["truth"]["aligned_rmse_m"] > 1.3 * mounted["truth"]["aligned_rmse_m"]
 
 
 def test_stabilisation_cleans_the_map_of_a_tilted_laser(recordings: Path):

@@ -190,3 +190,18 @@ def test_the_sampled_covariance_runs_in_the_pipeline():
     _, results = run(config, scans=8)
     assert np.abs(results[-1].planar - drive(7)).max() < 0.03
     assert np.linalg.eigvalsh(results[-1].match.covariance).min() > 0
+
+
+def test_odometry_reaches_the_filter():
+    """With inertial data the wheels correct the filter's velocity."""
+    speeds = []
+    for wheels in (False, True):
+        slam, last = HectorSlam(CONFIG), None
+        for k in range(200):
+            slam.step(still_imu(k * 10_000_000))
+            if wheels and k > 100:
+                slam.step(Odometry(k * 10_000_000, np.array([0.2, 0.0]), 0.0))
+            if k % 10 == 0:
+                last = slam.step(room_scan(np.zeros(3), k * 10_000_000)) or last
+        speeds.append(last.navigation.velocity[0])
+    assert speeds[1] > speeds[0] + 0.02
