@@ -15,10 +15,10 @@ from slam_core.config import Leaf, SlamConfig, leaves, with_value
 _TOPICS = {
     "scan_topic": "Topic of the laser scans.",
     "imu_topic": "Topic of the inertial data.",
-    "attitude_topic": "Topic of an attitude that somebody else estimated; /tf takes it from there.",
+    "attitude_topic": "Topic of an attitude that somebody else estimated (tf:PARENT>CHILD for tf).",
     "odometry_topic": "Topic of the wheel odometry.",
     "height_topic": "Topic of the height or the air pressure.",
-    "truth_topic": "Topic of the true poses, which are shown and scored but never used.",
+    "truth_topic": "Topic of the true poses (tf:PARENT>CHILD for tf): shown and scored, never used.",
     "base_frame": "Frame of the robot's base.",
     "laser_pose": "The laser in the base, metres and radians; overrides tf.",
 }
