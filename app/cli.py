@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from app.compiled import keep_compiled, user_cache
 from app.options import PageArgs, PageFlags, SettingArgs, SettingFlags, SourceArgs, source_options
 from app.sources import SourceOptions, open_source
 from slam_core.errors import SlamError
@@ -126,6 +127,7 @@ def _simulate_command(wanted: bool) -> Callable[..., None]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code. Mistakes are one line on stderr and 2, an interruption is 130."""
+    keep_compiled(user_cache())
     arguments = sys.argv[1:] if arguments is None else arguments
     commands: dict[str, Callable[..., Any]] = {
         "demo": demo,

@@ -25,7 +25,8 @@ def warm_up() -> None:
 
 
 def _run(inertial: bool) -> None:
-    config = with_value(SlamConfig(), "map.size", 256)
+    # No match is sure enough: the surfaces are looked for in every scan.
+    config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_sigma", 1e-4)
     for method in ("hessian", "sampled"):
         pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)))
         for measurement in _room(inertial):

@@ -1,28 +1,19 @@
 """What every test may ask for: the real recordings, a Chromium, and kernels compiled from today's sources."""
 
-import hashlib
-import os
 import shutil
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from app.compiled import keep_compiled
+
 ROOT = Path(__file__).resolve().parents[1]
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
-def _kernel_fingerprint() -> str:
-    """A name for the text of every compiled function."""
-    sources = sorted(path for folder in ("slam_core", "app") for path in (ROOT / folder).rglob("*.py"))
-    texts = (path.read_bytes() for path in sources)
-    return hashlib.sha256(b"".join(text for text in texts if b"njit" in text)).hexdigest()[:16]
-
-
-# numba's cache notices a change in a kernel's own file but not in a kernel that it calls from another file, so
-# a test could pass on yesterday's machine code: each state of the kernels has a cache of its own. Set before numba
-# is loaded; processes that tests start inherit it.
-os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".numba_cache" / _kernel_fingerprint()))
+# Before numba is loaded; processes that tests start inherit it.
+keep_compiled(ROOT / ".numba_cache")
 
 # A first call compiles a kernel: how long an example takes says nothing.
 settings.register_profile("compiled", deadline=None)
