@@ -10,6 +10,7 @@ from app.compiled import keep_compiled
 
 ROOT = Path(__file__).resolve().parents[1]
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
+NO_CHROMIUM = "no Chromium on the path: apt-get install chromium"
 
 
 # Before numba is loaded; processes that tests start inherit it.
@@ -26,12 +27,18 @@ def chromium_path() -> str | None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Skip what is marked `browser` where there is no browser."""
+    """Browser tests come last, and are skipped where there is no browser.
+
+    playwright keeps an event loop running in the main thread, in which no later test could start one of its own.
+    """
+    items.sort(key=_needs_browser)
     if chromium_path() is None:
-        reason = "no Chromium on the path: apt-get install chromium"
-        for item in items:
-            if item.get_closest_marker("browser"):
-                item.add_marker(pytest.mark.skip(reason=reason))
+        for item in filter(_needs_browser, items):
+            item.add_marker(pytest.mark.skip(reason=NO_CHROMIUM))
+
+
+def _needs_browser(item: pytest.Item) -> bool:
+    return item.get_closest_marker("browser") is not None
 
 
 @pytest.fixture(scope="session")
@@ -39,7 +46,7 @@ def chromium() -> str:
     """Path of the Chromium that browser tests drive."""
     path = chromium_path()
     if path is None:
-        pytest.skip("no Chromium on the path: apt-get install chromium")
+        pytest.skip(NO_CHROMIUM)
     return path
 
 
