@@ -55,7 +55,7 @@ def step_result(index: int = 0, x: float = 0.0, y: float = 0.0, beams: int = 180
     pose = Transform(np.array([x, y, 0.2]), from_euler(0.1, 0.0, 0.0))
     match = MatchResult(
         pose=np.array([x, y, 0.0]),
-        covariance=np.diag([0.01**2, 0.02**2, 1e-4]),
+        covariance=np.diag([0.001**2, 0.002**2, 1e-6]),
         hessian=np.eye(3),
         residuals=np.linspace(0.0, 1.0, beams, dtype=np.float32),
         iterations=(3, 4, 4),
@@ -70,8 +70,8 @@ def step_result(index: int = 0, x: float = 0.0, y: float = 0.0, beams: int = 180
         points=points,
         heights=np.linspace(-1.0, 1.0, beams, dtype=np.float32),
         match=match,
-        prior=planar_gaussian(x, y, 0.03, 0.03),
-        fused=planar_gaussian(x, y, 0.012, 0.018),
+        prior=planar_gaussian(x, y, 0.003, 0.003),
+        fused=planar_gaussian(x, y, 0.0012, 0.0018),
         navigation=NavigationState(0, pose, np.zeros(3), np.zeros(3), np.zeros(3), np.eye(15) * 1e-4),
         map_updated=True,
         beams=beams,

@@ -21,9 +21,12 @@ PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
 Open = Callable[..., Page]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser(chromium: str) -> Iterator[Browser]:
-    """One Chromium for all tests; each page gets a profile of its own."""
+    """One Chromium for a file of tests; each page gets a profile of its own.
+
+    Not for the whole session: Playwright keeps an event loop running, beside which no other test could run one.
+    """
     with sync_playwright() as playwright:
         made = playwright.chromium.launch(executable_path=chromium, args=list(FLAGS))
         yield made
