@@ -80,6 +80,6 @@ def text(value: object) -> str:
 
 
 def figure(name: str, value: str, kind: str = "") -> str:
-    """A small caption and a value as HTML; `kind` colours it: "", "good" or "bad"."""
+    """A small caption and a value as HTML; `kind` styles it: "good", "bad", ..."""
     style = f"hs-figure hs-{kind}" if kind else "hs-figure"
     return f'<span class="{style}"><small>{name}</small>{value}</span>'

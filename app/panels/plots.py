@@ -14,7 +14,7 @@ from app.web.stage import Stage
 from app.web.theme import Theme, css
 
 POINTS = 300  # of a curve: about one a pixel
-HEIGHT = 128  # pixels of a chart
+HEIGHT = 132  # pixels of a chart
 
 
 class PlotsPanel:
@@ -76,7 +76,7 @@ class ChartPlot:
             axes=AXES,
             height=HEIGHT,
             scales={"x": {"time": False}, "y": {"distr": 3 if chart.log else 1}},
-            padding=(4, 12, 0, 0),
+            padding=(9, 12, 0, 0),
             cursor={"y": False},
             visible=False,
         )

@@ -49,7 +49,7 @@ def run_html(source: str, playback: PlaybackStatus) -> str:
     """The source, the state with its reason, and the rates."""
     detail = text(playback.detail)
     figures = (
-        figure("time", clock((playback.time_ns - playback.start_ns) / 1e9)),
+        figure("time", clock((playback.time_ns - playback.start_ns) / 1e9), "time"),
         figure("scans", fixed(playback.scan_rate, 1) + " Hz"),
         figure("real time", "×" + fixed(playback.realtime_factor, 2)),
     )

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from time import monotonic
 from typing import Any, cast
 
@@ -16,6 +17,7 @@ from app.web.stage import Stage
 SPEEDS = {"0.1×": 0.1, "0.25×": 0.25, "0.5×": 0.5, "1×": 1.0, "2×": 2.0, "5×": 5.0, "10×": 10.0, "max": math.inf}
 SETTLE = 0.25  # seconds that the timeline must rest before a jump: dragging is not a hundred jumps
 HOLD = 2.0  # seconds that the timeline waits for the run to arrive before it shows the run's own time again
+RUNNING = ("playing", "seeking", "waiting")
 STEP = 0.1  # seconds a nudge of the timeline
 
 
@@ -48,7 +50,7 @@ class TransportPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the run."""
         self._playback = playback = snapshot.playback
-        running = playback.state in ("playing", "seeking", "waiting")
+        running = playback.state in RUNNING
         label = "Pause · space" if running else "Play · space"
         if self._toggle.label != label:
             self._toggle.label = label
@@ -58,15 +60,18 @@ class TransportPanel:
         put(self._clock, clock_html(playback))
 
     def toggle(self) -> None:
-        """Pause if it runs, else play."""
-        running = self._playback.state in ("playing", "seeking", "waiting")
+        """Pause if it runs, else play. What was asked for counts as done: keys come faster than drawings."""
+        running = self._playback.state in RUNNING
+        self._playback = replace(self._playback, state="paused" if running else "playing")
         self._stage.send(Pause() if running else Play())
 
     def nudge_speed(self, by: int) -> None:
         """One notch slower (-1) or faster (+1)."""
         speeds = list(SPEEDS.values())
         at = speeds.index(SPEEDS[name_of_speed(self._playback.speed)])
-        self._stage.send(SetSpeed(speeds[min(max(at + by, 0), len(speeds) - 1)]))
+        speed = speeds[min(max(at + by, 0), len(speeds) - 1)]
+        self._playback = replace(self._playback, speed=speed)
+        self._stage.send(SetSpeed(speed))
 
     def _choose_speed(self, event: GuiEvent[Any]) -> None:
         if event.client is not None and event.target.value in SPEEDS:

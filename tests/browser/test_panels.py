@@ -20,8 +20,8 @@ from tests.sources import MemoryRecording
 
 pytestmark = pytest.mark.browser
 
-START = Settings(with_value(SlamConfig(), "map.size", 512))
-PATIENCE_S = 30.0
+START = Settings(with_value(with_value(SlamConfig(), "map.size", 512), "fusion.omega", 0.1))
+PATIENCE_S = 120.0  # a first run compiles the kernels
 
 
 @dataclass
@@ -83,6 +83,12 @@ def open_tab(page: Page, title: str) -> None:
     page.get_by_role("tab", name=title).click()
 
 
+def choose(page: Page, container: str, option: str) -> None:
+    """An entry of the first list in a container that the style sheet knows."""
+    page.locator(f"div:has(> div > .hs-{container}) .mantine-Select-input").first.click()
+    page.locator("[role=option]:visible", has_text=option).click()
+
+
 def test_play_pause_step_and_restart(run: Run, open_page: Open) -> None:
     """The buttons at the bottom do what they say, and the first one tells what it would do next."""
     page, stopped = open_page(run.url), run.now
@@ -93,7 +99,7 @@ def test_play_pause_step_and_restart(run: Run, open_page: Open) -> None:
     button(page, "Pause").click()
     run.until(lambda s: s.playback.state == "paused")
     button(page, "Restart").click()
-    run.until(lambda s: s.epoch > stopped.epoch and s.playback.state == "playing")
+    run.until(lambda s: s.epoch > stopped.epoch)
 
 
 def test_hotkeys(run: Run, open_page: Open) -> None:
@@ -116,7 +122,7 @@ def test_hotkeys(run: Run, open_page: Open) -> None:
 def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
     """A click in the middle of the timeline goes there, and the slider stays there."""
     page = open_page(run.url)
-    track = page.locator(".mantine-Slider-root").first
+    track = page.locator("div:has(> div > .hs-bar-transport) .mantine-Slider-root")
     box = track.bounding_box()
     assert box is not None
     track.click(position={"x": box["width"] / 2, "y": box["height"] / 2})
@@ -131,8 +137,7 @@ def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
 def test_the_speed_is_chosen(run: Run, open_page: Open) -> None:
     """The list at the right of the timeline."""
     page = open_page(run.url)
-    page.locator(".mantine-Select-input").first.click()
-    page.locator("[role=option]:visible", has_text="max").click()
+    choose(page, "bar-transport", "max")
     button(page, "Play").click()
     run.until(lambda s: s.playback.speed == float("inf"))
     run.until(lambda s: s.playback.state == "ended")
@@ -160,8 +165,7 @@ def test_omega_changes_the_fused_ellipse(run: Run, open_page: Open) -> None:
 def test_a_threshold_changes_the_number_of_map_updates(run: Run, open_page: Open) -> None:
     """With a distance of 5 m between updates the same drive updates the map less often."""
     page = open_page(run.url)
-    page.locator(".mantine-Select-input").first.click()
-    page.locator("[role=option]:visible", has_text="max").click()
+    choose(page, "bar-transport", "max")
     button(page, "Play").click()
     often = run.until(lambda s: s.playback.state == "ended")
     open_tab(page, "Settings")
@@ -224,6 +228,5 @@ def test_charts_show_the_page_that_was_chosen(run: Run, open_page: Open) -> None
     page = open_page(run.url)
     titles = page.locator(".u-title")
     expect(titles).to_have_text(["σ x, mm", "σ y, mm", "σ ψ, °"])
-    page.locator("div:has(> div > .hs-plots) .mantine-Select-input").first.click()
-    page.locator("[role=option]:visible", has_text="Biases").click()
+    choose(page, "plots", "Biases")
     expect(titles).to_have_text(["Gyro bias, °/s", "Accelerometer bias, m/s²"])
