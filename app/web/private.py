@@ -1,7 +1,7 @@
 """Every use of parts of viser that are no interface. viser is pinned exactly; tests pin each of these uses.
 
-What only beautifies fails soft: the page still works, plainer, and the log says so. The gate fails closed: a page
-that cannot be guarded is not served.
+The gate fails closed: a page that cannot be guarded is not served. Scripts fail soft: without them, and without
+those in static/, the page works with blurred cells and viser's own camera.
 """
 
 import contextlib

@@ -1,9 +1,11 @@
 """The page's server: port, gate, stage, views, panels and the display thread, put together."""
 
+import logging
 import re
 import socket
 import threading
-from typing import Protocol
+from collections.abc import Iterable
+from typing import Any, Protocol
 
 from app.mailbox import Mailbox
 from app.panels import panel_classes
@@ -15,6 +17,8 @@ from app.web.gate import HEALTH, Gate, is_loopback
 from app.web.painter import Painter
 from app.web.stage import Stage
 from slam_core.errors import SlamError
+
+log = logging.getLogger(__name__)
 
 TOKEN = re.compile(r"[A-Za-z0-9_-]{8,128}")
 
@@ -65,9 +69,8 @@ class PageServer:
         self._port = listener.getsockname()[1]
         self._server = private.open_server(listener, self._gate())
         self.stage = Stage(self._server, self._engine.send)
-        views = [view(self.stage) for view in view_classes()]
-        panels = [panel(self.stage) for panel in panel_classes()]
-        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *panels])
+        views = made(view_classes(), self.stage)  # before the panels, which list the views' layers
+        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *made(panel_classes(), self.stage)])
         self._painter.start()
 
     def stop(self) -> None:
@@ -94,6 +97,18 @@ def serve(engine: Driver, *, host: str = "127.0.0.1", port: int = 8080, token: s
         print("stopping")
     finally:
         server.stop()
+
+
+def made(kinds: Iterable[Any], stage: Stage) -> list[Any]:
+    """One of each view or panel; one that cannot be made is left out and named on the page."""
+    items = []
+    for kind in kinds:
+        try:
+            items.append(kind(stage))
+        except Exception as error:  # one broken view must not take the page away
+            log.exception("%s cannot be made", kind.title)
+            stage.failures[kind.title] = type(error).__name__
+    return items
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -24,8 +24,8 @@ ELLIPSE_SCALE_RANGE = (1.0, 2000.0)  # times one sigma
 class Display:
     """How things are shown: shared by every browser, immutable. Views compare it with what they drew last.
 
-    gap: between stacked levels, times the depth of the map. level: the one shown in layout "one", 0 the finest. ellipse_scale: the
-    ellipses show this many sigmas. hidden: keys of the layers switched off.
+    gap: between stacked levels, times the depth of the map. level: the one shown in layout "one", 0 the finest.
+    ellipse_scale: the ellipses show this many sigmas. hidden: keys of the layers switched off.
     """
 
     layout: Layout = "stacked"

@@ -122,3 +122,17 @@ def test_everybody_sees_the_same(show: Show, open_page: Open) -> None:
     assert names(first) == names(late)
     for name in ("/robot", "/floor/scan", "/floor/fused/pose", "/frames/base_link"):
         assert node(first, name) == node(late, name)
+
+
+def test_the_robot_is_seen_from_far(show: Show, open_page: Open) -> None:
+    """From far away the robot is drawn larger than it is, from near as it is."""
+    page = open_page(show.url)
+    look(page, "follow")
+    far, near = 400.0, 4.0
+    scales = []
+    for distance in (far, near):
+        page.evaluate("(d) => window.__viserMutable.cameraControl.dollyTo(d, false)", distance)
+        page.wait_for_timeout(800)
+        scales.append(page.evaluate("window.__viserMutable.nodeRefFromName['/robot/hull'].scale.x"))
+    assert scales[0] > 5.0
+    assert scales[1] == pytest.approx(1.0)

@@ -10,6 +10,7 @@ from app.mailbox import Mailbox
 from app.snapshot import Snapshot
 from app.web import painter
 from app.web.painter import Painter
+from app.web.server import made
 from app.web.stage import Stage
 
 
@@ -42,6 +43,29 @@ def test_one_that_fails_is_left_out_and_named(server: viser.ViserServer) -> None
         thread.tick(now)
     assert (good.drawn, bad.drawn) == (3, 1)
     assert stage.failures == {"bad": "ValueError"}
+
+
+class Unmade(Item):
+    """Fails while it is made."""
+
+    title = "unmade"
+
+    def __init__(self, stage: Stage) -> None:
+        fail()
+
+
+class Made(Item):
+    """Is made."""
+
+    def __init__(self, stage: Stage) -> None:
+        super().__init__("made")
+
+
+def test_one_that_cannot_be_made_is_left_out_and_named(server: viser.ViserServer) -> None:
+    """A view that fails in its beginning does not take the page away."""
+    stage = Stage(server, lambda command: None)
+    assert [item.title for item in made([Unmade, Made], stage)] == ["made"]
+    assert stage.failures == {"unmade": "ValueError"}
 
 
 def test_each_is_drawn_at_its_own_rate(server: viser.ViserServer) -> None:
