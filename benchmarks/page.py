@@ -2,7 +2,7 @@
 
     python -m benchmarks.page [--scene arena] [--seconds 30]
 
-The server is the real command in a process of its own; the browser is a real Chromium, whose own cost is not counted.
+The server is the real command in a process of its own; the cost of the browser, a real Chromium, is not counted.
 """
 
 import argparse
