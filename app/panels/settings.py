@@ -9,6 +9,7 @@ from viser import GuiApi, GuiEvent, Icon
 
 from app.panels import _workspace
 from app.panels._controls import control_for
+from app.panels._format import label
 from app.snapshot import Configure, Snapshot
 from app.web.stage import Stage
 from slam_core.config import ConfigError, Leaf, SlamConfig, leaves
@@ -18,6 +19,7 @@ TITLES = {
     "map": "Map · IV-A, IV-C",
     "matcher": "Matcher · IV-B",
     "navigation": "Filter · V-A",
+    "motion": "Motion · without inertial data",
     "fusion": "Fusion · V-B",
 }
 OPEN = {"fusion", "matcher", "map"}
@@ -83,25 +85,24 @@ class Setting:
 
     def __init__(self, gui: GuiApi, leaf: Leaf, send: Callable[[Configure], None]) -> None:
         self.name = leaf.name
-        self._leaf, self._send = leaf, send
+        self._gui, self._leaf, self._send = gui, leaf, send
         if leaf.param.restart:
             gui.add_html('<i class="hs-mark hs-restart"></i>')
         self._control = control_for(gui, leaf, self._note)
         self._shown = leaf.value
-        self._touched: tuple[float, GuiEvent[Any]] | None = None
+        self._touched: float | None = None
         self._asked: tuple[Any, float] | None = None
 
-    def _note(self, event: GuiEvent[Any]) -> None:
-        self._touched = monotonic(), event
+    def _note(self, _: GuiEvent[Any]) -> None:
+        self._touched = monotonic()
 
     def draw(self, value: Any, live: bool, now: float) -> None:
         """value: what the run uses. now: seconds of a clock that only runs forward."""
         if self._touched is not None:
-            since, event = self._touched
-            if self._leaf.param.restart and now - since < RESTART_SETTLE:
+            if self._leaf.param.restart and now - self._touched < RESTART_SETTLE:
                 return
             self._touched = None
-            self._ask(value, live, now, event)
+            self._ask(value, live, now)
         if self._asked is not None:
             wanted, since = self._asked
             if value != wanted and now - since < PATIENCE:
@@ -111,7 +112,7 @@ class Setting:
             self._control.show(value)
             self._shown = value
 
-    def _ask(self, value: Any, live: bool, now: float, event: GuiEvent[Any]) -> None:
+    def _ask(self, value: Any, live: bool, now: float) -> None:
         try:
             wanted = self._leaf.check(self._control.read())
         except ConfigError:
@@ -120,34 +121,21 @@ class Setting:
         if wanted == value:
             return
         if live and self._leaf.param.restart:
-            confirm(
-                event,
-                f"{self._leaf.name} = {wanted}: the map of this stream starts anew.",
-                self._configure(wanted),
-            )
+            self._confirm(wanted)
         else:
             self._send(Configure(self.name, wanted))
 
-    def _configure(self, wanted: Any) -> Callable[[], None]:
-        return lambda: self._send(Configure(self.name, wanted))
-
-
-def confirm(event: GuiEvent[Any], question: str, yes: Callable[[], None]) -> None:
-    """Ask the person who did it, in their browser alone."""
-    client = event.client
-    if client is None:
-        return
-    with client.gui.add_modal("Empty the map?") as modal:
-        client.gui.add_markdown(question)
-        apply, keep = client.gui.add_button("Start a new map"), client.gui.add_button("Keep the map", color="gray")
-
-    def close(_: object, act: Callable[[], None] | None = None) -> None:
-        modal.close()
-        if act is not None:
-            act()
-
-    apply.on_click(lambda e: close(e, yes))
-    keep.on_click(close)
+    def _confirm(self, wanted: Any) -> None:
+        """Ask first, on every page: the map belongs to everybody, and a stream cannot bring it back."""
+        modal = self._gui.add_modal("Begin a new map?")
+        with modal:
+            self._gui.add_markdown(
+                f"**{label(self._leaf)}: {wanted}** needs a new map. The present one would be lost."
+            )
+            apply, keep = self._gui.add_button("Begin a new map"), self._gui.add_button("Keep the map")
+        for button in (apply, keep):
+            button.on_click(lambda _: modal.close())
+        apply.on_click(lambda _: self._send(Configure(self.name, wanted)))
 
 
 PANEL = SettingsPanel

@@ -7,7 +7,6 @@ from viser import GuiButtonHandle, GuiEvent, Icon
 from app.panels import _workspace
 from app.panels._format import clock, figure, fixed, text
 from app.panels._handles import put
-from app.panels._palette import palette_css
 from app.snapshot import PlaybackStatus, Snapshot, SourceReport
 from app.web.stage import Stage
 
@@ -26,7 +25,6 @@ class StatusPanel:
         gui = stage.server.gui
         with _workspace.bar(stage, "status"):
             gui.add_html(BRAND)
-            self._palette = gui.add_html(palette_css(stage.theme))
             self._run = gui.add_html("")
             self._losses = gui.add_html("")
             self._theme = gui.add_button("Light theme", icon=Icon.SUN)
@@ -34,7 +32,6 @@ class StatusPanel:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Assign what changed."""
-        put(self._palette, palette_css(self._stage.theme))
         put(self._run, run_html(snapshot.source, snapshot.playback))
         put(self._losses, losses_html(snapshot.report, self._stage.failures))
         label, icon = ("Light theme", Icon.SUN) if self._stage.display.dark else ("Dark theme", Icon.MOON)

@@ -39,7 +39,7 @@ class TransportPanel:
             self._clock = gui.add_html("")
             self._timeline = Timeline(gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0))
             self._speed = gui.add_dropdown(
-                "Speed", tuple(SPEEDS), initial_value="1×", hint="Times real time.  [  ]"
+                "Speed", tuple(SPEEDS), initial_value="1×", hint="Times real time. Keys [ and ]."
             )
         self._restart.on_click(lambda _: stage.send(Restart()))
         self._toggle.on_click(lambda _: self.toggle())

@@ -16,7 +16,7 @@ from app.sources import Item
 from app.web.server import PageServer
 from slam_core.config import SlamConfig, with_value
 from tests.browser.conftest import Open
-from tests.sources import MemoryRecording
+from tests.sources import MemoryRecording, MemoryStream
 
 pytestmark = pytest.mark.browser
 
@@ -230,3 +230,41 @@ def test_charts_show_the_page_that_was_chosen(run: Run, open_page: Open) -> None
     expect(titles).to_have_text(["σ x, mm", "σ y, mm", "σ ψ, °"])
     choose(page, "plots", "Biases")
     expect(titles).to_have_text(["Gyro bias, °/s", "Accelerometer bias, m/s²"])
+
+
+def test_panels_folded_away_leave_the_whole_window_to_the_map(run: Run, open_page: Open) -> None:
+    """The bars go with them and come back with them; colours stay."""
+    page = open_page(run.url)
+    page.locator("[data-dock-region-collapse]").click()
+    expect(page.locator(".hs-run")).to_have_count(0)
+    page.wait_for_function("document.querySelector('canvas[data-engine]').getBoundingClientRect().height === 640")
+    surface = "getComputedStyle(document.documentElement).getPropertyValue('--mantine-color-body')"
+    assert page.evaluate(surface).strip()
+    page.locator("[data-dock-minimize-all]").click()
+    expect(page.locator(".hs-run")).to_be_visible()
+
+
+def test_a_stream_keeps_its_map_until_somebody_agrees(drive: list[Item], open_page: Open) -> None:
+    """A setting that needs a new map asks first, and keeping the map puts the control back."""
+    stream = MemoryStream()
+    engine = Engine(stream, START)
+    server = PageServer(engine, port=0)
+    server.start()
+    engine.start()
+    run = Run(engine, server.url)
+    try:
+        stream.send(drive[: len(drive) // 5])
+        begun = run.until(lambda s: s.maps)
+        page = open_page(run.url)
+        open_tab(page, "Settings")
+        levels = row(page, "Levels").get_by_role("textbox")
+        levels.fill("2")
+        button(page, "Keep the map").click()
+        expect(levels).to_have_value("3")
+        assert run.now.epoch == begun.epoch
+        levels.fill("2")
+        button(page, "Begin a new map").click()
+        run.until(lambda s: s.epoch > begun.epoch and s.config.map.levels == 2)
+    finally:
+        engine.stop()
+        server.stop()
