@@ -27,10 +27,7 @@ def chromium_path() -> str | None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Browser tests come last, and are skipped where there is no browser.
-
-    playwright keeps an event loop running in the main thread, in which no later test could start one of its own.
-    """
+    """Browser tests come last, being the slowest, and are skipped where there is no browser."""
     items.sort(key=_needs_browser)
     if chromium_path() is None:
         for item in filter(_needs_browser, items):
