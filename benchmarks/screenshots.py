@@ -49,9 +49,9 @@ class Shot:
 
 
 SHOTS = (
-    Shot("arena", 40.0, "fit", {"dark": True, "gap": 6.5}),
+    Shot("arena", 40.0, "fit", {"dark": True}),
     Shot("littoral", 40.0, "top", {"dark": False, "layout": "one"}),
-    Shot("handheld", 50.0, "fit", {"dark": True, "layout": "one"}),
+    Shot("handheld", 50.0, "top", {"dark": True, "layout": "one"}),
 )
 
 
