@@ -17,6 +17,7 @@ from app.snapshot import (
     Configure,
     Pause,
     Play,
+    PlayPause,
     Quit,
     Restart,
     Seek,
@@ -170,6 +171,8 @@ class Engine:
                 self._transport.play()
             case Pause():
                 self._transport.pause()
+            case PlayPause():
+                self._obey(Pause() if self._transport.running else Play())
             case StepScan():
                 self._transport.step()
             case SetSpeed(speed):

@@ -27,6 +27,11 @@ class Pause:
 
 
 @dataclass(frozen=True, slots=True)
+class PlayPause:
+    """Pause if it runs, else go on: decided where the state is known, not by a drawing that may be late."""
+
+
+@dataclass(frozen=True, slots=True)
 class StepScan:
     """Process exactly one more scan, then pause."""
 
@@ -63,7 +68,7 @@ class Quit:
     """End the engine."""
 
 
-Command = Play | Pause | StepScan | SetSpeed | Restart | Seek | Configure | Quit
+Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | Quit
 
 # ------------------------------------------------------------------------------------------ snapshots
 

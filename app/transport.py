@@ -76,6 +76,11 @@ class Transport:
         return self._ended or bool(self.failure)
 
     @property
+    def running(self) -> bool:
+        """Playing, or on the way to another time."""
+        return not self.stopped and (not self._paused or self.target_ns is not None)
+
+    @property
     def unwanted(self) -> bool:
         """Whether scans go by unprocessed."""
         return self.live and self._paused and not self._single

@@ -11,7 +11,7 @@ from viser import GuiEvent, GuiSliderHandle, Icon, IconName
 from app.panels import _workspace
 from app.panels._format import clock
 from app.panels._handles import put, put_value
-from app.snapshot import Pause, Play, PlaybackStatus, Restart, Seek, SetSpeed, Snapshot, StepScan
+from app.snapshot import PlaybackStatus, PlayPause, Restart, Seek, SetSpeed, Snapshot, StepScan
 from app.web.stage import Stage
 
 SPEEDS = {"0.1×": 0.1, "0.25×": 0.25, "0.5×": 0.5, "1×": 1.0, "2×": 2.0, "5×": 5.0, "10×": 10.0, "max": math.inf}
@@ -42,7 +42,7 @@ class TransportPanel:
                 "Speed", tuple(SPEEDS), initial_value="1×", hint="Times real time. Keys [ and ]."
             )
         self._restart.on_click(lambda _: stage.send(Restart()))
-        self._toggle.on_click(lambda _: self.toggle())
+        self._toggle.on_click(lambda _: stage.send(PlayPause()))
         self._step.on_click(lambda _: stage.send(StepScan()))
         self._speed.on_update(self._choose_speed)
         self._add_hotkeys()
@@ -59,12 +59,6 @@ class TransportPanel:
         self._timeline.draw(playback, self._stage.send, monotonic())
         put(self._clock, clock_html(playback))
 
-    def toggle(self) -> None:
-        """Pause if it runs, else play. What was asked for counts as done: keys come faster than drawings."""
-        running = self._playback.state in RUNNING
-        self._playback = replace(self._playback, state="paused" if running else "playing")
-        self._stage.send(Pause() if running else Play())
-
     def nudge_speed(self, by: int) -> None:
         """One notch slower (-1) or faster (+1)."""
         speeds = list(SPEEDS.values())
@@ -79,7 +73,7 @@ class TransportPanel:
 
     def _add_hotkeys(self) -> None:
         send = self._stage.send
-        self._hotkey("Play or pause", "space", Icon.PLAYER_PLAY, self.toggle)
+        self._hotkey("Play or pause", "space", Icon.PLAYER_PLAY, lambda: send(PlayPause()))
         self._hotkey("Step one scan", ".", Icon.PLAYER_TRACK_NEXT, lambda: send(StepScan()))
         self._hotkey("Restart", "R", Icon.PLAYER_SKIP_BACK, lambda: send(Restart()))
         self._hotkey("Slower", "[", Icon.MINUS, lambda: self.nudge_speed(-1))

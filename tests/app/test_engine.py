@@ -17,6 +17,7 @@ from app.snapshot import (
     Configure,
     Pause,
     Play,
+    PlayPause,
     Restart,
     Seek,
     SetSpeed,
@@ -124,6 +125,21 @@ def test_without_autoplay_nothing_is_processed(drive: list[Item]):
         assert paused.scans == 0
         assert paused.source == "memory"
         assert paused.playback.start_ns == min(item.stamp_ns for item in drive)
+
+
+def test_one_key_plays_and_pauses(drive: list[Item]):
+    """PlayPause is decided by the run itself: pressed twice at once, or right behind a step, it is never lost."""
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        until(engine, state("paused"))
+        engine.send(StepScan())
+        engine.send(PlayPause())
+        until(engine, lambda now: now.playback.state == "playing" and now.scans > 2)
+        after(engine, PlayPause())
+        paused = until(engine, state("paused"))
+        engine.send(PlayPause())
+        engine.send(PlayPause())
+        assert after(engine, SetSpeed(1.0)).playback.state == "paused"
+        assert engine.mailbox.latest is None or engine.mailbox.latest.scans <= paused.scans + 1
 
 
 def test_a_step_is_one_scan(drive: list[Item]):

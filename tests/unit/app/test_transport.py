@@ -105,3 +105,15 @@ def test_speed_is_kept_within_its_limits(clock: Clock):
     assert transport.speed == 0.1
     transport.speed = math.inf
     assert transport.patience(S) == 0.0
+
+
+def test_running_is_playing_or_on_the_way(clock: Clock):
+    """A pause, a single step and an end are not running; a seek is, also of a paused run."""
+    transport = recording(clock)
+    assert transport.running
+    transport.step()
+    assert not transport.running
+    transport.seek(5 * S)
+    assert transport.running
+    transport.end()
+    assert not transport.running
