@@ -7,7 +7,7 @@ from typing import Literal
 
 from slam_core.errors import SlamError
 
-ScenarioName = Literal["arena", "littoral", "handheld", "rooms"]
+ScenarioName = Literal["arena", "littoral", "handheld", "rooms", "corridor"]
 
 
 class SimulationError(SlamError):

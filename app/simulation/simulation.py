@@ -3,7 +3,7 @@
 import heapq
 from collections.abc import Callable, Iterator
 
-from app.simulation import scene_arena, scene_handheld, scene_littoral, scene_rooms, sensors
+from app.simulation import scene_arena, scene_corridor, scene_handheld, scene_littoral, scene_rooms, sensors
 from app.simulation.options import ScenarioName, SceneOptions
 from app.simulation.scene import Scene
 from app.simulation.sensors import Arrival
@@ -14,6 +14,7 @@ SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {
     "littoral": scene_littoral.build,
     "handheld": scene_handheld.build,
     "rooms": scene_rooms.build,
+    "corridor": scene_corridor.build,
 }
 
 

@@ -7,7 +7,7 @@ from app.simulation import ScenarioName, SceneOptions, Simulation
 from app.simulation.motion import GRAVITY, Motion, rotations
 from slam_core.geometry import from_rotation_vector, multiply, rotation_matrix
 
-SCENARIOS: tuple[ScenarioName, ...] = ("arena", "littoral", "handheld", "rooms")
+SCENARIOS: tuple[ScenarioName, ...] = ("arena", "littoral", "handheld", "rooms", "corridor")
 
 
 def wavy() -> Motion:

@@ -82,6 +82,7 @@ def test_truth_at_any_time() -> None:
         ("littoral", 58.0, (7.0, 8.0), (1.2, 1.6), 0.19),
         ("handheld", 59.0, (9.0, 10.0), (1.1, 1.4), 0.018),
         ("rooms", 60.0, (0.0, 0.0), (1.3, 1.4), 0.0),
+        ("corridor", 90.0, (0.0, 0.0), (0.95, 1.05), 0.0),
     ],
 )
 def test_scenes_move_as_they_should(
@@ -115,7 +116,7 @@ def test_demos_come_back_to_where_they_began(scenario: ScenarioName) -> None:
     assert away[-50:].min() < 3.0
 
 
-@pytest.mark.parametrize("scenario", [*DEMOS, "rooms"])
+@pytest.mark.parametrize("scenario", [*DEMOS, "rooms", "corridor"])
 def test_nothing_is_driven_through(scenario: ScenarioName) -> None:
     """All along the way there is room around the laser, at its height."""
     scene = Simulation(scenario).scene
@@ -126,6 +127,22 @@ def test_nothing_is_driven_through(scenario: ScenarioName) -> None:
         position = scene.motion.transform(t).translation + up
         clearance, _ = scene.world.cast(np.tile(position, (72, 1)), around, 30.0)
         assert clearance.min() > 0.3, (scenario, t, position)
+
+
+def test_a_corridor_does_not_say_how_far_along_it_one_is() -> None:
+    """In the middle no end is in sight: the sweep stays the same a metre further on, but not to the side."""
+    scene = Simulation("corridor").scene
+    angles = np.linspace(-0.75 * np.pi, 0.75 * np.pi, 271)
+    beams = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(271)))
+
+    def sweep(x: float, y: float) -> np.ndarray:
+        return scene.world.cast(np.tile([x, y, 0.25], (271, 1)), beams, 30.0)[0]
+
+    np.testing.assert_allclose(sweep(51.0, 0.0), sweep(50.0, 0.0), atol=1e-6)
+    assert np.isfinite(sweep(90.0, 0.0)).all()
+    assert not np.isfinite(sweep(50.0, 0.0)).all()
+    right, left = sweep(50.0, 0.0)[[45, 225]]
+    assert (left + right, left - right) == (pytest.approx(2.4), pytest.approx(1.0))
 
 
 def test_water_swallows_beams_and_the_shore_returns_them() -> None:

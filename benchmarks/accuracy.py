@@ -1,0 +1,125 @@
+"""Runs the cases by both methods and says how far off they were."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.metrics import truth_errors
+from app.pipeline import Pipeline
+from app.runner import run_headless
+from app.settings import Settings
+from app.simulation import SceneOptions, Simulation
+from app.snapshot import SERIES_DTYPE
+from app.sources import Item, open_source
+from benchmarks.cases import LOST_M, METHODS, Recording
+from slam_core.config import SlamConfig
+from slam_core.evaluation import Trajectory, interpolate, rms
+from slam_core.measurements import Float64s, Imu
+
+Outcomes = dict[tuple[str, bool], "Outcome"]
+"""By method and whether there was inertial data."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Root mean square errors in metres: raw from the first pose on, aligned after the best rigid motion."""
+
+    raw: float
+    aligned: float
+
+    @property
+    def lost(self) -> bool:
+        """Too far off for a map to be of use."""
+        return not self.raw <= LOST_M
+
+
+@dataclass(frozen=True, slots=True)
+class CorridorOutcome:
+    """Errors in metres along and across a corridor: root mean square, and at the end; and what was claimed.
+
+    sigma_end: along, of the fused pose at the end, metres. held: share of the scans whose error along lies within
+    three such sigmas.
+    """
+
+    along: float
+    across: float
+    along_end: float
+    sigma_end: float
+    held: float
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """A recording by one method: errors where there is a truth, metres from the first pose to the last."""
+
+    scans: int
+    truth: Outcome | None
+    start_to_end: float
+    left_out: tuple[str, ...]
+
+
+def process(items: Iterable[Item], config: SlamConfig) -> Pipeline:
+    """Every item through the pipeline."""
+    pipeline = Pipeline(Settings(config))
+    for item in items:
+        for measurement in pipeline.admit(item):
+            pipeline.step(measurement)
+    for measurement in pipeline.flush():
+        pipeline.step(measurement)
+    return pipeline
+
+
+def drive(options: SceneOptions, seed: int) -> Outcomes:
+    """One drive through the rooms, by both methods, with and without its inertial data."""
+    items = list(Simulation("rooms", replace(options, seed=seed)).items())
+    bare = [item for item in items if not isinstance(item, Imu)]
+    return {
+        (method, inertial): outcome(process(items if inertial else bare, config))
+        for method, config in METHODS.items()
+        for inertial in (True, False)
+    }
+
+
+def corridor(options: SceneOptions, seed: int) -> dict[str, CorridorOutcome]:
+    """One drive along the corridor, with inertial data, by both methods."""
+    items = list(Simulation("corridor", replace(options, seed=seed)).items())
+    return {method: along_and_across(process(items, config)) for method, config in METHODS.items()}
+
+
+def replay(recording: Recording) -> dict[str, Replay]:
+    """A recording by both methods."""
+    return {method: _replay(recording, config) for method, config in METHODS.items()}
+
+
+def outcome(pipeline: Pipeline) -> Outcome:
+    """Against the truth that came with the measurements."""
+    errors = truth_errors(pipeline)
+    assert errors is not None
+    return Outcome(errors["raw_rmse_m"], errors["aligned_rmse_m"])
+
+
+def along_and_across(pipeline: Pipeline) -> CorridorOutcome:
+    """The corridor runs along x of the map, and the truth begins at its origin."""
+    truth, covered = interpolate(Trajectory.from_rows(pipeline.truth), pipeline.trajectory[:, 0])
+    error = pipeline.trajectory[covered, 1:3] - truth.positions[:, :2]
+    sigma: Float64s = pipeline.series.view(SERIES_DTYPE).reshape(-1)["fused_sigma_x"][covered]
+    return CorridorOutcome(
+        along=rms(error[:, 0]),
+        across=rms(error[:, 1]),
+        along_end=abs(float(error[-1, 0])),
+        sigma_end=float(sigma[-1]),
+        held=float(np.mean(np.abs(error[:, 0]) <= 3 * sigma)),
+    )
+
+
+def _replay(recording: Recording, config: SlamConfig) -> Replay:
+    source = open_source(str(recording.path), recording.options)
+    pipeline, _ = run_headless(source, Settings(config))
+    first, last = pipeline.trajectory[[0, -1], 1:3]
+    return Replay(
+        scans=pipeline.scans,
+        truth=outcome(pipeline) if len(pipeline.truth) else None,
+        start_to_end=float(np.hypot(*(last - first))),
+        left_out=tuple(f"{count} x {reason}" for reason, count in source.report.skipped.items()),
+    )

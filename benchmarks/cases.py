@@ -1,0 +1,86 @@
+"""What the tables of accuracy are made of: two methods, simulated drives, recordings, and what they must reach."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import get_args
+
+from app.cli import Scene, demo_bag
+from app.simulation import SceneOptions
+from app.sources import SourceOptions
+from slam_core.config import SlamConfig, with_value
+from tests.conftest import ROOT
+
+BESIDE = ROOT.parent / "shared" / "data"
+SEEDS = (1, 2, 3, 4, 5)
+LOST_M = 1.0  # a raw error beyond this is no inaccuracy any more
+
+PLAIN_SETTINGS: dict[str, float | bool | str] = {
+    "matcher.prior_weight": 0.0,
+    "matcher.weak_sigma": 10.0,
+    "matcher.converged_step": 0.0,
+    "matcher.start_estimate": "last_pose",
+    "scan.deskew": False,
+}
+
+
+def plain() -> SlamConfig:
+    """The paper's own method: every step of the defaults beyond it switched off."""
+    config = SlamConfig()
+    for name, value in PLAIN_SETTINGS.items():
+        config = with_value(config, name, value)
+    return config
+
+
+METHODS = {"plain": plain(), "full": SlamConfig()}
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A simulated drive through the rooms; with inertial data its raw error must stay below `goal_m`."""
+
+    name: str
+    options: SceneOptions
+    goal_m: float
+
+
+_SWAYING = SceneOptions(sway=15.0, sway_frequency=1.2)
+DRIVES = (
+    Drive("40 Hz, exact timing", SceneOptions(beam_timing=False), 0.015),
+    Drive("40 Hz", SceneOptions(), 0.020),
+    Drive("40 Hz, sway", _SWAYING, 0.030),
+    Drive("10 Hz, sway", replace(_SWAYING, scan_rate=10.0), 0.050),
+    Drive("5 Hz", SceneOptions(scan_rate=5.0), 0.050),
+    Drive("5 Hz, sway", replace(_SWAYING, scan_rate=5.0), 0.050),
+)
+CORRIDOR = SceneOptions()
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A recording; where it has a truth, its aligned error must stay below `goal_m`."""
+
+    name: str
+    path: Path
+    goal_m: float | None = None
+    options: SourceOptions = field(default_factory=SourceOptions)
+
+
+DEMOS = tuple(Recording(f"{scene} (simulated)", demo_bag(scene)) for scene in get_args(Scene))
+REAL = (
+    Recording("jackal_vicon 15-54-31", BESIDE / "jackal_vicon/test_2026-02-17-15-54-31.bag", 0.0143),
+    Recording("jarvis_nav350 circular", BESIDE / "jarvis_nav350/jarvis_circular_path_fast.bag", 0.030),
+    Recording(
+        "stage_sim_gt",
+        BESIDE / "stage_sim_gt/run1_fixed.bag",
+        options=SourceOptions(truth_topic="tf:map>base_link"),
+    ),
+    Recording("hallway eng403_good", BESIDE / "hallway_rplidar/eng403_good.bag"),
+    Recording("ccny_handheld", BESIDE / "ccny_handheld/demo_initial_commit.bag"),
+    Recording("mumble kitchen_1", BESIDE / "mumble_lidar_imu/kitchen_1"),
+)
+TIMED = (*DEMOS, *REAL[:2])
+
+
+def present(recordings: tuple[Recording, ...]) -> list[Recording]:
+    """Those that are there: the real ones lie beside the project and are no part of it."""
+    return [recording for recording in recordings if recording.path.exists()]

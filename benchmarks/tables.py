@@ -1,0 +1,130 @@
+"""Figures as Markdown. A pair `a / b` is the median and the worst over the seeds."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from statistics import median
+from typing import Any
+
+from app.metrics import PARTS
+from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
+from benchmarks.cases import METHODS, Drive, Recording
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """Markdown."""
+    lines = [list(head), *map(list, rows)]
+    lines.insert(1, ["---"] * len(lines[0]))
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def speed(results: Mapping[str, dict[str, Any]]) -> str:
+    """Errors and speed of whole runs with default settings, a row a recording."""
+    head = ("recording", "scans", "error, aligned", "error, raw", "roll", "pitch", "times real time")
+    return table(head, ((name, *_speed_cells(figures)) for name, figures in results.items()))
+
+
+def _speed_cells(figures: dict[str, Any]) -> Iterator[str]:
+    truth = figures["truth"]
+    yield str(figures["scans"]["used"])
+    yield f"{truth['aligned_rmse_m']:.3f} m"
+    yield f"{truth['raw_rmse_m']:.3f} m"
+    for angle in ("roll_rms_deg", "pitch_rms_deg"):
+        yield f"{truth[angle]:.2f}°" if angle in truth else "-"  # a planar run has neither
+    yield f"{figures['realtime_factor']:.0f}"
+
+
+def times(results: Mapping[str, dict[str, Any]]) -> str:
+    """Median microseconds of each part of a scan's step."""
+    rows = ((name, *(f"{figures['median_us'][part]:.0f}" for part in PARTS)) for name, figures in results.items())
+    return table(("recording", *PARTS), rows)
+
+
+def drives(results: Mapping[Drive, Sequence[Outcomes]]) -> str:
+    """Errors in centimetres in the rooms, with and without inertial data; the goal is held by the worst seed."""
+    head = ("drive", "IMU", *_both("raw", "aligned"), "goal, raw", "full holds it")
+    return table(
+        head, (_drive_row(drive, seeds, imu) for imu in (True, False) for drive, seeds in results.items())
+    )
+
+
+def _drive_row(drive: Drive, seeds: Sequence[Outcomes], imu: bool) -> Iterator[str]:
+    yield drive.name
+    yield "yes" if imu else "no"
+    for method in METHODS:
+        runs = [seed[method, imu] for seed in seeds]
+        yield spread([100 * run.raw for run in runs], ".2f") + _lost(runs)
+        yield spread([100 * run.aligned for run in runs], ".2f")
+    full = [seed["full", imu] for seed in seeds]
+    yield f"{100 * drive.goal_m:.1f}" if imu else "not lost"
+    yield _yes(max(run.raw for run in full) <= drive.goal_m if imu else not any(run.lost for run in full))
+
+
+def corridor(seeds: Sequence[Mapping[str, CorridorOutcome]]) -> str:
+    """What was off, what was claimed, and how often the one contained the other, a row a method."""
+    head = ("method", "along, rms", "along, at the end", "its sigma there", "across, rms", "within 3 sigma")
+    return table(head, (_corridor_row(method, [seed[method] for seed in seeds]) for method in METHODS))
+
+
+def _corridor_row(method: str, runs: Sequence[CorridorOutcome]) -> Iterator[str]:
+    yield method
+    columns: tuple[Callable[[CorridorOutcome], float], ...] = (
+        lambda run: run.along,
+        lambda run: run.along_end,
+        lambda run: run.sigma_end,
+        lambda run: run.across,
+    )
+    for column in columns:
+        yield spread([column(run) for run in runs], ".3f") + " m"
+    yield spread([-100 * run.held for run in runs], ".0f").replace("-", "") + " % of the scans"
+
+
+def replays(results: Mapping[Recording, Mapping[str, Replay]]) -> str:
+    """Errors in metres on recordings with a truth."""
+    head = ("recording", "scans", *_both("raw", "aligned"), "goal, aligned", "full holds it")
+    rows = ((recording, methods) for recording, methods in results.items() if methods["full"].truth)
+    return table(head, (_replay_row(recording, methods) for recording, methods in rows))
+
+
+def _replay_row(recording: Recording, methods: Mapping[str, Replay]) -> Iterator[str]:
+    yield recording.name
+    yield str(methods["full"].scans)
+    for method in METHODS:
+        truth = methods[method].truth
+        assert truth is not None
+        yield f"{truth.raw:.4f}{_lost([truth])}"
+        yield f"{truth.aligned:.4f}"
+    full, goal = methods["full"].truth, recording.goal_m
+    yield "-" if goal is None else f"{goal:.4f}"
+    yield "-" if goal is None or full is None else _yes(full.aligned <= goal)
+
+
+def returns(results: Mapping[Recording, Mapping[str, Replay]]) -> str:
+    """Metres from the first pose to the last, where nobody knows the truth."""
+    head = ("recording", "scans", *METHODS, "left out")
+    rows = ((recording, methods) for recording, methods in results.items() if not methods["full"].truth)
+    return table(head, (_return_row(recording, methods) for recording, methods in rows))
+
+
+def _return_row(recording: Recording, methods: Mapping[str, Replay]) -> Iterator[str]:
+    yield recording.name
+    yield str(methods["full"].scans)
+    for method in METHODS:
+        yield f"{methods[method].start_to_end:.2f} m"
+    yield "; ".join(methods["full"].left_out) or "-"
+
+
+def spread(values: Sequence[float], form: str) -> str:
+    """Median and largest."""
+    return f"{median(values):{form}} / {max(values):{form}}"
+
+
+def _lost(runs: Sequence[Outcome]) -> str:
+    count = sum(run.lost for run in runs)
+    return f", lost {count} of {len(runs)}" if count else ""
+
+
+def _both(*columns: str) -> Iterator[str]:
+    return (f"{method}, {column}" for method in METHODS for column in columns)
+
+
+def _yes(met: bool) -> str:
+    return "yes" if met else "no"

@@ -1,0 +1,26 @@
+"""The cases of the tables are what they say."""
+
+from benchmarks.cases import DEMOS, DRIVES, METHODS, PLAIN_SETTINGS, REAL, SEEDS, TIMED, Recording, present
+from slam_core.config import SlamConfig, leaves
+
+
+def test_names_are_unique() -> None:
+    """No row of a table can be taken for another, and no seed counts twice."""
+    for cases in (DRIVES, (*DEMOS, *REAL)):
+        assert len({case.name for case in cases}) == len(cases)
+    assert len(set(SEEDS)) == len(SEEDS) >= 3
+
+
+def test_the_plain_method_differs_by_its_named_settings_alone() -> None:
+    """Plain is the defaults with each of the named settings changed; full is the defaults."""
+    defaults = {leaf.name: leaf.value for leaf in leaves(SlamConfig())}
+    changed = {leaf.name: leaf.value for leaf in leaves(METHODS["plain"]) if leaf.value != defaults[leaf.name]}
+    assert changed == PLAIN_SETTINGS
+    assert METHODS["full"] == SlamConfig()
+
+
+def test_what_is_missing_is_left_out(tmp_path) -> None:
+    """A recording that does not lie beside the project is no error; the demos are always there."""
+    assert present((Recording("nowhere", tmp_path / "none.bag"),)) == []
+    assert present(DEMOS) == list(DEMOS)
+    assert TIMED[: len(DEMOS)] == DEMOS

@@ -1,0 +1,57 @@
+"""The document that is made of the tables."""
+
+from pathlib import Path
+
+from app.metrics import PARTS
+from app.simulation import SceneOptions
+from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
+from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
+from benchmarks.performance import MARKS, Accuracy, document, processor
+from tests.conftest import ROOT
+
+SPEED = {
+    "arena": {
+        "scans": {"used": 2381},
+        "truth": {"aligned_rmse_m": 0.0061, "raw_rmse_m": 0.0072, "roll_rms_deg": 0.11, "pitch_rms_deg": 0.15},
+        "realtime_factor": 36.4,
+        "median_us": dict.fromkeys(PARTS, 99.6),
+    }
+}
+
+
+def accuracy() -> Accuracy:
+    near = Outcome(0.01, 0.005)
+    end = CorridorOutcome(1.0, 0.01, 2.0, 0.5, 0.9)
+    return Accuracy(
+        {
+            Drive("40 Hz", SceneOptions(), 0.02): [
+                {(method, imu): near for method in METHODS for imu in (True, False)}
+            ]
+        },
+        [dict.fromkeys(METHODS, end)],
+        {Recording("jackal", Path("a"), 0.0143): dict.fromkeys(METHODS, Replay(414, near, 1.0, ()))},
+    )
+
+
+def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
+    """A row of each table is there, with the machine and each setting that makes the plain method."""
+    text = document(SPEED, accuracy())
+    for row in (
+        "| arena | 2381 |",
+        "| arena | 100 |",
+        "| 40 Hz | yes | 1.00",
+        "| full | 1.000",
+        "| jackal | 414 |",
+    ):
+        assert row in text
+    assert processor() in text
+    assert all(f"`{name}`" in text for name in PLAIN_SETTINGS)
+
+
+def test_the_readme_has_one_place_for_results() -> None:
+    """The block between the marks can be replaced, and nothing around it."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    written, count = MARKS.subn("new\n", readme)
+    assert count == 1
+    before, after = readme.split(MARKS.findall(readme)[0])
+    assert written == f"{before}new\n{after}"

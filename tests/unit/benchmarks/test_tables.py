@@ -1,0 +1,78 @@
+"""Figures become rows, and nothing in them is hidden."""
+
+from pathlib import Path
+
+from app.simulation import SceneOptions
+from benchmarks import tables
+from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
+from benchmarks.cases import Drive, Recording
+
+DRIVE = Drive("40 Hz", SceneOptions(), 0.02)
+
+
+def cells(markdown: str) -> list[list[str]]:
+    """Rows below the head."""
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in markdown.splitlines()[2:]]
+
+
+def seeds(full_raw: list[float], bare_raw: float = 0.1) -> list[Outcomes]:
+    """The full method with inertial data varies over the seeds; the others do not."""
+    others = Outcome(bare_raw, 0.05)
+    kinds = [("plain", True), ("plain", False), ("full", False)]
+    return [{("full", True): Outcome(raw, 0.5 * raw), **dict.fromkeys(kinds, others)} for raw in full_raw]
+
+
+def test_a_table_is_markdown() -> None:
+    """A head, a rule, a line a row."""
+    assert tables.table(("a", "b"), [("1", "2")]) == "| a | b |\n| --- | --- |\n| 1 | 2 |\n"
+
+
+def test_a_drive_shows_median_and_worst_in_centimetres() -> None:
+    """Rows with inertial data come before those without; plain stands left of full."""
+    with_imu, without = cells(tables.drives({DRIVE: seeds([0.010, 0.012, 0.019])}))
+    assert with_imu == [
+        "40 Hz",
+        "yes",
+        *["10.00 / 10.00", "5.00 / 5.00"],
+        "1.20 / 1.90",
+        "0.60 / 0.95",
+        "2.0",
+        "yes",
+    ]
+    assert without[1] == "no" and without[-2:] == ["not lost", "yes"]
+
+
+def test_the_worst_seed_decides_about_the_goal() -> None:
+    """One seed beyond the goal is enough to miss it; without inertial data one lost run is."""
+    with_imu, without = cells(tables.drives({DRIVE: seeds([0.010, 0.012, 0.021], bare_raw=1.1)}))
+    assert with_imu[-1] == "no"
+    assert without[-1] == "no"
+
+
+def test_lost_runs_are_counted() -> None:
+    """Beyond a metre a run is lost, also one that came to no number at all."""
+    row = cells(tables.drives({DRIVE: seeds([0.01, 1.5, float("nan")])}))[0]
+    assert row[4].endswith(", lost 2 of 3")
+    assert not Outcome(1.0, 1.0).lost
+
+
+def test_the_corridor_shows_the_seed_that_held_least() -> None:
+    """Errors: the largest is the worst. Share within the claim: the smallest is."""
+    runs = [CorridorOutcome(1.0 + i, 0.01, 2.0 + i, 0.5, 0.9 - 0.1 * i) for i in range(3)]
+    plain, full = cells(tables.corridor([{"plain": run, "full": run} for run in runs]))
+    assert plain[1:] == full[1:]
+    assert full == ["full", "2.000 / 3.000 m", "3.000 / 4.000 m", "0.500 / 0.500 m", "0.010 / 0.010 m",
+                    "80 / 70 % of the scans"]  # fmt: skip
+
+
+def test_recordings_with_and_without_truth_are_apart() -> None:
+    """Errors and goal for the one, the way from start to end and what was refused for the other."""
+    scored = Replay(9, Outcome(0.02, 0.0144), 0.1, ())
+    free = Replay(7, None, 1.25, ("12 x /imu: not in SI units",))
+    results = {
+        Recording("with", Path("a"), 0.0143): {"plain": scored, "full": scored},
+        Recording("without", Path("b")): {"plain": free, "full": free},
+    }
+    expected = ["with", "9", "0.0200", "0.0144", "0.0200", "0.0144", "0.0143", "no"]
+    assert cells(tables.replays(results)) == [expected]
+    assert cells(tables.returns(results)) == [["without", "7", "1.25 m", "1.25 m", "12 x /imu: not in SI units"]]
