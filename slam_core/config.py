@@ -54,7 +54,7 @@ class MapConfig:
     resolution: Annotated[float, Param("Cell length of the finest level.", "m", 0.01, 1.0, restart=True)] = 0.05
     size: Annotated[
         int, Param("Cells on a side of the first map, finest level.", "cells", 64, 8192, restart=True)
-    ] = 2048
+    ] = 1024
     grow: Annotated[bool, Param("The map grows when beams reach its edge (off: they are cut there).")] = True
     limit: Annotated[
         int,

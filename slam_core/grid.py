@@ -18,7 +18,7 @@ class GridLevel:
     known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
     """
 
-    BYTES = 12  # a cell
+    BYTES = 12  # of memory a cell: four in each of the three arrays
 
     def __init__(self, resolution: float, shape: tuple[int, int], origin: Float64s) -> None:
         self.resolution = resolution

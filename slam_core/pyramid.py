@@ -19,7 +19,7 @@ GROWTH = 0.25
 class Pyramid:
     """levels: finest first; they share the corner at `origin`. updates: scans written so far.
 
-    full: the memory limit keeps the map from growing to where the latest beams went.
+    stopped_at: the limit in megabytes that keeps the map from growing to where beams went; 0 for none.
     """
 
     def __init__(self, config: MapConfig) -> None:
@@ -32,7 +32,7 @@ class Pyramid:
             GridLevel(config.resolution * 2**i, (size >> i,) * 2, origin) for i in range(config.levels)
         )
         self.updates = 0
-        self.full = False
+        self.stopped_at = 0
 
     def update(
         self, points: Float32s, cleared: Float32s, laser: Float64s, pose: Float64s, config: MapConfig
@@ -60,8 +60,8 @@ class Pyramid:
         if not (below or above or left or right):
             return
         cells = (rows + below + above) * (columns + left + right)
-        self.full = megabytes(cells, len(self.levels)) > limit
-        if not self.full:
+        self.stopped_at = limit if megabytes(cells, len(self.levels)) > limit else 0
+        if not self.stopped_at:
             for i, level in enumerate(self.levels):
                 level.grow(below >> i, above >> i, left >> i, right >> i)
 
