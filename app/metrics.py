@@ -33,7 +33,7 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort) -> dict[st
             "skipped": dict(pipeline.skipped),
         },
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
-        "notes": list(report.notes),
+        "notes": [*report.notes, *pipeline.slam.warnings],
         "recording_s": round(effort.recording_s, 6),
         "wall_s": round(effort.wall_s, 3),
         "realtime_factor": round(effort.recording_s / max(effort.wall_s, 1e-9), 2),

@@ -91,11 +91,12 @@ class Publisher:
         self.mailbox.put(snapshot)
 
     def _log_notes(self, run: Run) -> None:
-        """What the source found or assumed, each once."""
-        for note in run.report.notes:
+        """What the source found or assumed, and what holds the pipeline back, each once."""
+        warnings = run.pipeline.slam.warnings
+        for note in (*run.report.notes, *warnings):
             if note not in self._noted:
                 self._noted.add(note)
-                self.log(run.pipeline.time_ns, note)
+                self.log(run.pipeline.time_ns, note, "warning" if note in warnings else "info")
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
         state = (epoch, pipeline.slam.pyramid.updates)
@@ -132,7 +133,7 @@ def map_images(pipeline: Pipeline, revision: int = 0) -> tuple[MapImage, ...]:
     images = []
     for number, level in enumerate(pipeline.slam.pyramid.levels):
         row, _, column, _ = level.known
-        x, y = level.origin + level.resolution * np.array([column, row])
+        x, y = level.resolution * (level.corner + np.array([column, row]))
         cells = level.classes()
         if cells.size:
             images.append(MapImage(number, level.resolution, float(x), float(y), cells, revision))

@@ -52,7 +52,14 @@ class MapConfig:
     """Sections IV-A and IV-C: the pyramid of occupancy grids."""
 
     resolution: Annotated[float, Param("Cell length of the finest level.", "m", 0.01, 1.0, restart=True)] = 0.05
-    size: Annotated[int, Param("Cells on a side of the finest level.", "cells", 64, 8192, restart=True)] = 2048
+    size: Annotated[
+        int, Param("Cells on a side of the first map, finest level.", "cells", 64, 8192, restart=True)
+    ] = 1024
+    grow: Annotated[bool, Param("The map grows when beams reach its edge (off: they are cut there).")] = True
+    limit: Annotated[
+        int,
+        Param("Memory that all levels may take; beyond it the map stops growing.", "MB", 1, 16384, log=True),
+    ] = 1024
     levels: Annotated[int, Param("Levels, each half the resolution of the one below.", "", 1, 6, restart=True)] = 3
     start_x: Annotated[float, Param("Start, as a fraction of the map's width.", "", 0.0, 1.0, restart=True)] = 0.5
     start_y: Annotated[float, Param("Start, as a fraction of the map's height.", "", 0.0, 1.0, restart=True)] = 0.5

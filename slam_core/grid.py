@@ -10,16 +10,19 @@ from slam_core.measurements import Float32s, Float64s
 
 
 class GridLevel:
-    """A square grid. Row 0 is the lowest y; `origin` (2,) is the corner of cell [0, 0] in map coordinates.
+    """A window on the endless lattice of cells in which the map's start is the corner of cell (0, 0).
 
+    origin: (2,) lower left corner of the window in map coordinates, in whole cells. Row 0 is the lowest y.
+    corner: (2,) column and row in the lattice of the window's cell [0, 0].
     log_odds: (rows, columns), 0 unknown. probability: the same as M of eq. (4), 0.5 unknown.
     known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
-    Memory: 12 bytes a cell.
     """
+
+    BYTES = 12  # of memory a cell: four in each of the three arrays
 
     def __init__(self, resolution: float, shape: tuple[int, int], origin: Float64s) -> None:
         self.resolution = resolution
-        self.origin = origin
+        self.corner: NDArray[np.int64] = np.rint(origin / resolution).astype(np.int64)
         self.log_odds: Float32s = np.zeros(shape, np.float32)
         self.probability: Float32s = np.full(shape, 0.5, np.float32)
         self._marks = np.zeros(shape, np.int32)
@@ -32,11 +35,30 @@ class GridLevel:
         rows, columns = self.log_odds.shape
         return rows, columns
 
+    @property
+    def origin(self) -> Float64s:
+        """(2,) lower left corner in map coordinates, metres."""
+        return (self.resolution * self.corner).astype(np.float64)
+
     def cell_of(self, x: Any, y: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Column and row of map coordinates in metres; may lie off the map."""
-        u = np.floor((np.asarray(x, np.float64) - self.origin[0]) / self.resolution).astype(np.int64)
-        v = np.floor((np.asarray(y, np.float64) - self.origin[1]) / self.resolution).astype(np.int64)
+        """Column and row of map coordinates in metres; may lie off the map.
+
+        Counted in the lattice first: rounding does not depend on how far the window reaches.
+        """
+        u = np.floor(np.asarray(x, np.float64) / self.resolution).astype(np.int64) - self.corner[0]
+        v = np.floor(np.asarray(y, np.float64) / self.resolution).astype(np.int64) - self.corner[1]
         return u, v
+
+    def grow(self, below: int, above: int, left: int, right: int) -> None:
+        """Add so many unknown rows and columns on each side; every cell keeps its place in the map."""
+        sides = ((below, above), (left, right))
+        self.log_odds = np.pad(self.log_odds, sides)
+        self.probability = np.pad(self.probability, sides, constant_values=np.float32(0.5))
+        self._marks = np.pad(self._marks, sides)
+        self.corner = self.corner - (left, below)
+        row0, row1, column0, column1 = self.known
+        if row1:
+            self.known = (row0 + below, row1 + below, column0 + left, column1 + left)
 
     def update(
         self,

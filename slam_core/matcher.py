@@ -101,10 +101,10 @@ def _prior_term(prior: PlanarGaussian | None, start: Float64s, config: MatcherCo
     return term
 
 
-def _grid_arguments(level: GridLevel) -> tuple[Float32s, int, int, float, float, float]:
+def _grid_arguments(level: GridLevel) -> tuple[Float32s, int, int, int, int, float]:
     rows, columns = level.shape
-    x, y = float(level.origin[0]), float(level.origin[1])
-    return level.probability.reshape(-1), rows, columns, x, y, 1.0 / level.resolution
+    left, low = level.corner.tolist()
+    return level.probability.reshape(-1), rows, columns, left, low, 1.0 / level.resolution
 
 
 def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Float64s, Float64s, float]:

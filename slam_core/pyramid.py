@@ -3,24 +3,36 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slam_core import geometry
 from slam_core.config import MapConfig
 from slam_core.grid import GridLevel
 from slam_core.measurements import Float32s, Float64s
 
+# Beams end this many of the coarsest cells within the edge: interpolation reads one neighbour.
+MARGIN = 2
+# Growing a side adds at least this part of the map's length there, which keeps growing rare.
+GROWTH = 0.25
+
 
 class Pyramid:
-    """levels: finest first; they share the corner at `origin`. updates: scans written so far."""
+    """levels: finest first; they share the corner at `origin`. updates: scans written so far.
+
+    stopped_at: the limit in megabytes that keeps the map from growing to where beams went; 0 for none.
+    """
 
     def __init__(self, config: MapConfig) -> None:
-        side = config.resolution * config.size
-        origin = np.array([-config.start_x * side, -config.start_y * side])
+        # Lengths are whole cells of the coarsest level, so that all levels cover the same area.
+        self._block = 2 ** (config.levels - 1)
+        size = _whole(config.size, self._block)
+        start = np.array([config.start_x, config.start_y])
+        origin = -config.resolution * self._block * np.rint(start * size / self._block)
         self.levels = tuple(
-            GridLevel(config.resolution * 2**i, (max(2, config.size >> i),) * 2, origin)
-            for i in range(config.levels)
+            GridLevel(config.resolution * 2**i, (size >> i,) * 2, origin) for i in range(config.levels)
         )
         self.updates = 0
+        self.stopped_at = 0
 
     def update(
         self, points: Float32s, cleared: Float32s, laser: Float64s, pose: Float64s, config: MapConfig
@@ -32,17 +44,49 @@ class Pyramid:
         ends = geometry.transform_points(pose, points)
         free = geometry.transform_points(pose, cleared)
         start = geometry.transform_points(pose, laser[None])[0]
+        if config.grow:
+            self._make_room(np.vstack([start, ends, free]), config.limit)
         steps = (log_odds(config.factor_free), log_odds(config.factor_occupied))
         for level in self.levels:
             level.update(start, ends, free, steps, (config.log_odds_min, config.log_odds_max))
         self.updates += 1
 
+    def _make_room(self, points: Float64s, limit: int) -> None:
+        """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""
+        rows, columns = self.levels[0].shape
+        us, vs = self.levels[0].cell_of(points[:, 0], points[:, 1])
+        below, above = self._missing(vs, rows)
+        left, right = self._missing(us, columns)
+        if not (below or above or left or right):
+            return
+        cells = (rows + below + above) * (columns + left + right)
+        self.stopped_at = limit if megabytes(cells, len(self.levels)) > limit else 0
+        if not self.stopped_at:
+            for i, level in enumerate(self.levels):
+                level.grow(below >> i, above >> i, left >> i, right >> i)
+
+    def _missing(self, cells: NDArray[np.int64], size: int) -> tuple[int, int]:
+        """How many of the finest cells to add before and behind `size` of them to take in `cells` (n,)."""
+        margin = MARGIN * self._block
+        lacking = margin - int(cells.min()), int(cells.max()) + 1 + margin - size
+        before, behind = (_whole(max(n, int(GROWTH * size)), self._block) if n > 0 else 0 for n in lacking)
+        return before, behind
+
     def copy(self) -> "Pyramid":
         """An independent copy."""
         other = Pyramid.__new__(Pyramid)
-        other.levels = tuple(level.copy() for level in self.levels)
-        other.updates = self.updates
+        other.__dict__.update(self.__dict__, levels=tuple(level.copy() for level in self.levels))
         return other
+
+
+def megabytes(cells: int, levels: int) -> float:
+    """Memory of a pyramid with so many cells on its finest level."""
+    return GridLevel.BYTES * cells * math.fsum(0.25**i for i in range(levels)) / 1e6
+
+
+def _whole(n: int, block: int) -> int:
+    """`n` rounded up to a multiple of `block`."""
+    return -(-n // block) * block
 
 
 def log_odds(probability: float) -> float:

@@ -57,6 +57,14 @@ class HectorSlam:
         self.config = config
         self._filter.configure(config.navigation)
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What holds the pipeline back at this moment, a sentence each with its remedy."""
+        limit = self.pyramid.stopped_at
+        if not limit:
+            return ()
+        return (f"the map stopped growing at its limit of {limit} MB: raise map.limit or map.resolution",)
+
     def step(self, measurement: Measurement) -> StepResult | None:
         """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
         if isinstance(measurement, LaserScan):

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from slam_core.grid import GridLevel
 from slam_core.measurements import LaserScan, Transform
+from slam_core.pyramid import Pyramid
 
 
 def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> GridLevel:
@@ -46,3 +47,18 @@ def room_scan(
         stamp_ns, ranges.astype(np.float32), angles[0], angles[1] - angles[0], range_min=0.1, range_max=30.0,
         T_base_laser=Transform(),
     )  # fmt: skip
+
+
+def same_map(a: Pyramid, b: Pyramid) -> bool:
+    """Whether both hold the same in every cell of every level, however far each of them reaches."""
+    return all(_known_cells(x) == _known_cells(y) for x, y in zip(a.levels, b.levels, strict=True))
+
+
+def _known_cells(level: GridLevel) -> tuple[list[int], bytes, bytes]:
+    """The known box in the lattice and what is in it; nothing may be outside."""
+    row0, row1, column0, column1 = level.known
+    box = level.log_odds[row0:row1, column0:column1]
+    assert np.count_nonzero(level.log_odds) == np.count_nonzero(box)
+    assert np.count_nonzero(level.probability != 0.5) == np.count_nonzero(box)
+    place = [*(level.corner + np.array([column0, row0])).tolist(), *box.shape]
+    return place, box.tobytes(), level.probability[row0:row1, column0:column1].tobytes()

@@ -1,7 +1,8 @@
 """Equations (7)-(14) as loops over the beams: float32, branch-free, so that LLVM turns them into gathers.
 
-Poses are float64 (x, y, psi) in metres and radians; `inverse` is cells a metre and `origin` the map coordinates of
-the corner of cell [0, 0], whose centre lies half a cell further.
+Poses are float64 (x, y, psi) in metres and radians; `inverse` is cells a metre and `left`, `low` are column and
+row of cell [0, 0] in the lattice. Beams are placed in the lattice: float32 rounds finely near the map's start, and
+in the same way however far the map reaches.
 """
 
 import math
@@ -17,7 +18,7 @@ ONE = np.float32(1.0)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def normal_equations(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, along_x, along_y, x, y, psi):
+def normal_equations(cells, rows, columns, left, low, inverse, xs, ys, along_x, along_y, x, y, psi):
     """H of (13) as its six upper entries, the right side of (12), and the cost of (7); metres and radians.
 
     along_x, along_y: direction in the scan along which the map's gradient does not count, zero for all of it.
@@ -26,21 +27,23 @@ def normal_equations(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, 
     cosine = np.float32(math.cos(psi) * inverse)
     sine = np.float32(math.sin(psi) * inverse)
     turn_u, turn_v = np.float32(math.cos(psi)), np.float32(math.sin(psi))
-    shift_u = np.float32((x - origin_x) * inverse - 0.5)
-    shift_v = np.float32((y - origin_y) * inverse - 0.5)
-    last_u = np.float32(columns - 2)
-    last_v = np.float32(rows - 2)
+    shift_u = np.float32(x * inverse - 0.5)
+    shift_v = np.float32(y * inverse - 0.5)
+    first_u, last_u = np.float32(left), np.float32(left + columns - 2)
+    first_v, last_v = np.float32(low), np.float32(low + rows - 2)
     width = np.int32(columns)
+    left, low = np.int32(left), np.int32(low)
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
     for i in range(len(xs)):
         arm_u = cosine * xs[i] - sine * ys[i]
         arm_v = sine * xs[i] + cosine * ys[i]
         u = arm_u + shift_u
         v = arm_v + shift_v
-        inside = (u >= ZERO) & (v >= ZERO) & (u < last_u + ONE) & (v < last_v + ONE)
-        column = np.int32(min(max(u, ZERO), last_u))
-        row = np.int32(min(max(v, ZERO), last_v))
-        value, du, dv = bilinear(cells, width, column, row, u - np.float32(column), v - np.float32(row))
+        inside = (u >= first_u) & (v >= first_v) & (u < last_u + ONE) & (v < last_v + ONE)
+        floor_u = np.floor(min(max(u, first_u), last_u))
+        floor_v = np.floor(min(max(v, first_v), last_v))
+        column, row = np.int32(floor_u) - left, np.int32(floor_v) - low
+        value, du, dv = bilinear(cells, width, column, row, u - floor_u, v - floor_v)
         weight = ONE if inside else ZERO
         along_u = turn_u * along_x[i] - turn_v * along_y[i]
         along_v = turn_v * along_x[i] + turn_u * along_y[i]
@@ -67,22 +70,24 @@ def normal_equations(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, 
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def residuals(cells, rows, columns, origin_x, origin_y, inverse, xs, ys, x, y, psi, out):
+def residuals(cells, rows, columns, left, low, inverse, xs, ys, x, y, psi, out):
     """1 - M(S_i(xi)) of every beam, eq. (7), into `out`."""
     cosine = np.float32(math.cos(psi) * inverse)
     sine = np.float32(math.sin(psi) * inverse)
-    shift_u = np.float32((x - origin_x) * inverse - 0.5)
-    shift_v = np.float32((y - origin_y) * inverse - 0.5)
-    last_u = np.float32(columns - 2)
-    last_v = np.float32(rows - 2)
+    shift_u = np.float32(x * inverse - 0.5)
+    shift_v = np.float32(y * inverse - 0.5)
+    first_u, last_u = np.float32(left), np.float32(left + columns - 2)
+    first_v, last_v = np.float32(low), np.float32(low + rows - 2)
     width = np.int32(columns)
+    left, low = np.int32(left), np.int32(low)
     for i in range(len(xs)):
         u = cosine * xs[i] - sine * ys[i] + shift_u
         v = sine * xs[i] + cosine * ys[i] + shift_v
-        inside = (u >= ZERO) & (v >= ZERO) & (u < last_u + ONE) & (v < last_v + ONE)
-        column = np.int32(min(max(u, ZERO), last_u))
-        row = np.int32(min(max(v, ZERO), last_v))
-        value, _, _ = bilinear(cells, width, column, row, u - np.float32(column), v - np.float32(row))
+        inside = (u >= first_u) & (v >= first_v) & (u < last_u + ONE) & (v < last_v + ONE)
+        floor_u = np.floor(min(max(u, first_u), last_u))
+        floor_v = np.floor(min(max(v, first_v), last_v))
+        column, row = np.int32(floor_u) - left, np.int32(floor_v) - low
+        value, _, _ = bilinear(cells, width, column, row, u - floor_u, v - floor_v)
         out[i] = ONE - value if inside else HALF
 
 
@@ -111,8 +116,8 @@ def gauss_newton(
     cells,
     rows,
     columns,
-    origin_x,
-    origin_y,
+    left,
+    low,
     inverse,
     xs,
     ys,
@@ -134,7 +139,7 @@ def gauss_newton(
     steps = 0
     for k in range(iterations):
         h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(
-            cells, rows, columns, origin_x, origin_y, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2]
+            cells, rows, columns, left, low, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2]
         )
         e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
         dx, dy, dpsi, solved = solve3(

@@ -103,6 +103,30 @@ def test_known_box_holds_every_touched_cell(level):
     np.testing.assert_array_equal(classes == 1, level.log_odds[row0:row1, column0:column1] < 0)
 
 
+def test_growing_moves_nothing_in_the_map(level):
+    """New cells are unknown, old ones keep content and place, and the known box still holds what was touched."""
+    update(level, (0.5, 0.5), [(6.5, 0.5)])
+    old = level.copy()
+    level.grow(3, 2, 5, 1)
+    assert level.shape == (25, 36)
+    np.testing.assert_array_equal(level.origin, [-15.0, -8.0])
+    assert [int(i) for i in level.cell_of(6.5, 0.5)] == [21, 8]
+    np.testing.assert_array_equal(level.log_odds[3:23, 5:35], old.log_odds)
+    np.testing.assert_array_equal(level.probability[3:23, 5:35], old.probability)
+    assert np.count_nonzero(level.log_odds) == 7
+    assert np.count_nonzero(level.probability != 0.5) == 7
+    np.testing.assert_array_equal(level.classes(), old.classes())
+    assert old.shape == (20, 30)
+
+
+def test_an_untouched_map_grows_too(level):
+    """With nothing known there is nothing known afterwards."""
+    level.grow(4, 4, 4, 4)
+    assert level.classes().size == 0
+    update(level, (0.5, 0.5), [(21.5, 0.5)])
+    assert level.classes().shape == (1, 22)
+
+
 def test_occupancy_is_a_ros_grid(level):
     """-1 where unknown, else the probability in percent."""
     update(level, (0.5, 0.5), [(6.5, 0.5)])

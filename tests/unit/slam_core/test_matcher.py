@@ -271,3 +271,17 @@ def test_a_corridor_keeps_to_the_prediction():
     assert result.pose[0] == pytest.approx(0.1, abs=0.005)
     assert abs(result.pose[1]) < 0.02
     assert math.sqrt(result.covariance[0, 0]) > 10 * math.sqrt(result.covariance[1, 1])
+
+
+@pytest.mark.parametrize("sides", [(0, 8, 0, 8), (400, 0, 1200, 0), (4, 4000, 4, 4)])
+def test_matching_does_not_depend_on_how_far_the_map_reaches(room, sides):
+    """With more unknown cells on any side, pose, Hessian and residuals are the same to the last bit."""
+    larger = room.copy()
+    for i, level in enumerate(larger.levels):
+        level.grow(*(n >> i for n in sides))
+    points = room_points(np.array([0.3, -0.2, 0.7]), noise=0.01)
+    start = np.array([0.35, -0.25, 0.75])
+    a, b = (coarse_to_fine(pyramid, points, start, MatcherConfig()) for pyramid in (room, larger))
+    assert (a.pose == b.pose).all()
+    assert (a.hessian == b.hessian).all()
+    assert (a.residuals == b.residuals).all()

@@ -1,10 +1,13 @@
 """Section IV-C: the levels share one corner and one scan."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from slam_core.config import MapConfig
-from slam_core.pyramid import Pyramid
+from slam_core.pyramid import Pyramid, megabytes
+from tests.worlds import same_map
 
 CONFIG = MapConfig(size=256, levels=3, start_x=0.25, start_y=0.75)
 
@@ -48,3 +51,106 @@ def test_copy_is_independent():
     other.update(np.ones((5, 2), np.float32), np.empty((0, 2), np.float32), np.zeros(2), np.zeros(3), CONFIG)
     np.testing.assert_array_equal(pyramid.levels[0].log_odds, before)
     assert (pyramid.updates, other.updates) == (1, 2)
+
+
+SMALL = MapConfig(size=64, levels=3)
+NOTHING = np.empty((0, 2), np.float32)
+
+
+def beam(pyramid, x, y, config, start=(0.0, 0.0)):
+    """One beam from `start` to x, y, metres in the map."""
+    pose = np.array([*start, 0.0])
+    pyramid.update(
+        np.array([[x, y]], np.float32) - pose[:2].astype(np.float32), NOTHING, np.zeros(2), pose, config
+    )
+
+
+@pytest.mark.parametrize("size", [64, 65, 100, 127])
+@pytest.mark.parametrize("levels", [1, 3, 6])
+def test_any_size_is_rounded_up_to_whole_coarsest_cells(size, levels):
+    """All levels cover the same area, also when the size asked for cannot be halved that often."""
+    config = replace(SMALL, size=size, levels=levels, start_x=0.3)
+    pyramid = Pyramid(config)
+    sides = {level.shape[0] * 2**i for i, level in enumerate(pyramid.levels)}
+    assert len(sides) == 1
+    assert size <= sides.pop() < size + 2 ** (levels - 1)
+    assert all((level.origin == pyramid.levels[0].origin).all() for level in pyramid.levels)
+
+
+def test_the_map_grows_only_towards_the_beams():
+    """Sides that no beam came near stay where they were; what lies well inside changes no size."""
+    pyramid = Pyramid(SMALL)
+    beam(pyramid, 1.0, 1.0, SMALL)
+    assert pyramid.levels[0].shape == (64, 64)
+    beam(pyramid, 3.0, 0.0, SMALL)
+    assert pyramid.levels[0].shape[0] == 64
+    assert pyramid.levels[0].corner.tolist() == [-32, -32]
+    assert 32 + 60 < pyramid.levels[0].shape[1] < 32 + 60 + 16
+    beam(pyramid, 0.0, -2.0, SMALL)
+    assert pyramid.levels[0].corner[0] == -32
+    assert pyramid.levels[0].corner[1] < -40
+
+
+def test_the_laser_and_cleared_beams_take_the_map_along():
+    """A robot that sees its nearest walls only, or clears without an end, still stays on the map."""
+    pyramid = Pyramid(SMALL)
+    beam(pyramid, 9.0, 0.0, SMALL, start=(20.0, 0.0))
+    assert int(pyramid.levels[0].cell_of(20.0, 0.0)[0]) < pyramid.levels[0].shape[1]
+    free = np.array([[0.0, 30.0]], np.float32)
+    pyramid.update(np.ones((1, 2), np.float32), free, np.zeros(2), np.zeros(3), SMALL)
+    assert pyramid.levels[0].shape[0] > 600
+
+
+def test_growing_is_rare():
+    """A hundred metres straight on, in steps of the update distance, take a dozen enlargements at most."""
+    pyramid, shapes = Pyramid(SMALL), set()
+    for k in range(250):
+        beam(pyramid, 0.4 * k + 1.0, 0.5, SMALL, start=(0.4 * k, 0.0))
+        shapes.add(pyramid.levels[0].shape)
+    assert 5 < len(shapes) <= 18
+    assert (pyramid.levels[0].log_odds > 0).sum() == 250
+
+
+def test_without_growing_beams_are_cut_at_the_edge():
+    """With map.grow off the map stays as it is, and is not called full."""
+    config = replace(SMALL, grow=False)
+    pyramid = Pyramid(config)
+    beam(pyramid, 20.0, 0.0, config)
+    assert pyramid.levels[0].shape == (64, 64)
+    assert np.count_nonzero(pyramid.levels[0].log_odds) > 20
+    assert pyramid.stopped_at == 0
+
+
+def test_the_limit_stops_the_map_and_raising_it_lets_it_go_on():
+    """Beyond map.limit the size stays, beams are cut, the map says so; a higher limit acts from the next scan."""
+    tight, wide = replace(SMALL, limit=1), replace(SMALL, limit=100)
+    pyramid = Pyramid(tight)
+    beam(pyramid, 3.0, 0.0, tight)
+    shape = pyramid.levels[0].shape
+    assert pyramid.stopped_at == 0
+    beam(pyramid, 60.0, 40.0, tight)
+    assert pyramid.stopped_at == 1
+    assert pyramid.levels[0].shape == shape
+    beam(pyramid, 1.0, 1.0, tight)
+    assert pyramid.stopped_at == 1
+    beam(pyramid, 60.0, 40.0, wide)
+    assert pyramid.stopped_at == 0
+    assert int(pyramid.levels[0].cell_of(60.0, 40.0)[0]) < pyramid.levels[0].shape[1]
+
+
+def test_memory_is_what_the_limit_counts():
+    """The arrays of all levels take exactly the megabytes that are compared with the limit."""
+    pyramid = Pyramid(replace(SMALL, size=512))
+    cells = [a for level in pyramid.levels for a in vars(level).values() if np.shape(a) == level.shape]
+    assert len(cells) == 9
+    assert sum(a.nbytes for a in cells) == pytest.approx(1e6 * megabytes(512 * 512, 3))
+
+
+def test_a_copy_does_not_grow_along():
+    """A checkpoint keeps its size when the map that it was made of grows, and then grows by itself."""
+    pyramid = written(SMALL)
+    other = pyramid.copy()
+    beam(pyramid, 30.0, 10.0, SMALL)
+    assert same_map(other, written(SMALL))
+    beam(other, 30.0, 10.0, SMALL)
+    assert same_map(other, pyramid)

@@ -1,6 +1,7 @@
 """The whole pipeline on made rooms: first scan, thresholds, choices, counters and determinism."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from slam_core import geometry
 from slam_core.config import ConfigError, MapConfig, MatcherConfig, SlamConfig, with_value
 from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
-from tests.worlds import room_scan
+from tests.worlds import room_scan, same_map
 
 CONFIG = SlamConfig(map=MapConfig(size=400))
 DT = 100_000_000
@@ -106,6 +107,43 @@ def test_the_same_measurements_give_the_same_bytes():
     assert all((x.planar == y.planar).all() for x, y in zip(ra, rb, strict=True))
     assert all((x.fused.covariance == y.fused.covariance).all() for x, y in zip(ra, rb, strict=True))
     assert (a.pyramid.levels[0].log_odds == b.pyramid.levels[0].log_odds).all()
+
+
+@pytest.mark.parametrize("size", [64, 150])
+def test_the_size_at_the_start_changes_nothing(size):
+    """A map that had to grow gives the poses, covariances and cells of one that was large, to the last bit."""
+    (small, grown), (large, whole) = run(with_value(CONFIG, "map.size", size)), run()
+    assert small.pyramid.levels[0].shape != (size, size)
+    assert all((x.planar == y.planar).all() for x, y in zip(grown, whole, strict=True))
+    assert all((x.fused.covariance == y.fused.covariance).all() for x, y in zip(grown, whole, strict=True))
+    assert same_map(small.pyramid, large.pyramid)
+
+
+def test_a_map_at_its_limit_warns_until_the_limit_is_raised():
+    """The warning names the limit and the remedy; the drive goes on, and a higher limit ends it."""
+    fine = MapConfig(resolution=0.01, size=64, limit=1, update_distance=0.0, update_angle=0.0)
+    config = SlamConfig(map=fine)
+    slam, results = run(config, scans=5)
+    assert len(results) == 5
+    (warning,) = slam.warnings
+    assert "limit of 1 MB: raise map.limit" in warning
+    slam.configure(with_value(config, "map.limit", 100))
+    slam.step(room_scan(drive(5), 5 * DT))
+    assert slam.warnings == ()
+    assert slam.pyramid.levels[0].shape[0] > 600
+
+
+def test_absurd_ranges_do_not_make_the_map_grow():
+    """NaN, infinite, negative and enormous ranges never reach the map, whatever range the laser claims."""
+    slam, _ = run(with_value(CONFIG, "scan.clear_range", 2.0), scans=5)
+    shape = slam.pyramid.levels[0].shape
+    scan = room_scan(drive(30), 5 * DT)
+    ranges = scan.ranges.copy()
+    ranges[::7], ranges[1::7], ranges[2::7], ranges[3::7], ranges[4::7] = np.nan, np.inf, -np.inf, 3e38, -5.0
+    for range_max in (math.inf, 0.0, 30.0):
+        slam.step(replace(scan, ranges=ranges, range_max=range_max))
+    assert slam.pyramid.updates > 1
+    assert slam.pyramid.levels[0].shape == shape
 
 
 def test_unusable_scans_are_counted_and_harm_nothing():
