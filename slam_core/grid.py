@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.kernels.mapping import clear_rays, mark_ends
+from slam_core.kernels.mapping import cells_of, write_scan
 from slam_core.measurements import Float32s, Float64s
 
 
@@ -14,7 +14,7 @@ class GridLevel:
 
     log_odds: (rows, columns), 0 unknown. probability: the same as M of eq. (4), 0.5 unknown.
     known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
-    Memory: 12 bytes a cell.
+    Memory: 9 bytes a cell.
     """
 
     def __init__(self, resolution: float, shape: tuple[int, int], origin: Float64s) -> None:
@@ -22,8 +22,8 @@ class GridLevel:
         self.origin = origin
         self.log_odds: Float32s = np.zeros(shape, np.float32)
         self.probability: Float32s = np.full(shape, 0.5, np.float32)
-        self._marks = np.zeros(shape, np.int32)
-        self._mark = 0
+        # Rows an odd number of cache lines apart: cells above each other do not compete for the same lines.
+        self._marks = np.zeros((shape[0], 64 * (shape[1] // 64 + 1 | 1)), np.uint8)
         self.known = (0, 0, 0, 0)
 
     @property
@@ -51,27 +51,18 @@ class GridLevel:
         start: (2,) laser. ends: (n, 2) endpoints. cleared: (m, 2) ends of beams that hit nothing. Map metres.
         steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds.
         """
-        self._mark += 1
-        rows, columns = self.shape
-        low, high = np.float32(caps[0]), np.float32(caps[1])
-        u0, v0 = self.cell_of(start[0], start[1])
-        us, vs = self.cell_of(ends[:, 0], ends[:, 1])
-        flat = (self.log_odds.reshape(-1), self.probability.reshape(-1), self._marks.reshape(-1))
-        mark_ends(*flat, self._mark, rows, columns, us, vs, np.float32(steps[1]), low, high)
-        for ray_us, ray_vs in ((us, vs), self.cell_of(cleared[:, 0], cleared[:, 1])):
-            clear_rays(
-                *flat, self._mark, rows, columns, int(u0), int(v0), ray_us, ray_vs, np.float32(steps[0]), low, high
-            )
-            self._grow_known(np.append(ray_us, u0), np.append(ray_vs, v0))
-
-    def _grow_known(self, us: NDArray[np.int64], vs: NDArray[np.int64]) -> None:
-        rows, columns = self.shape
-        row0, row1, column0, column1 = self.known if self.known[1] else (rows, 0, columns, 0)
+        laser, hits, free = (
+            cells_of(np.ascontiguousarray(points), self.origin, self.resolution)
+            for points in (start[None], ends, cleared)
+        )
+        limits = (np.float32(x) for x in (*steps, *caps))
+        touched = write_scan(self.log_odds, self.probability, self._marks, laser, hits, free, *limits)
+        row0, row1, column0, column1 = self.known if self.known[1] else touched
         self.known = (
-            max(0, min(row0, int(vs.min()))),
-            min(rows, max(row1, int(vs.max()) + 1)),
-            max(0, min(column0, int(us.min()))),
-            min(columns, max(column1, int(us.max()) + 1)),
+            min(row0, touched[0]),
+            max(row1, touched[1]),
+            min(column0, touched[2]),
+            max(column1, touched[3]),
         )
 
     def classes(self) -> NDArray[np.uint8]:
