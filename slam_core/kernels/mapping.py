@@ -38,7 +38,8 @@ def write_scan(log_odds, probability, marks, laser, ends, cleared, free, occupie
     """Change every cell of one scan: beams' ends by the step `occupied`, the ways to them by `free`, within caps.
 
     marks: bytes, rows as many as the map's, of whole cache lines and no shorter, all 0 before and after.
-    laser, ends, cleared: (2, 1), (2, n) and (2, m) cells. Returns row0, row1, column0, column1 (half open) around all that was touched.
+    laser, ends, cleared: (2, 1), (2, n) and (2, m) cells.
+    Returns row0, row1, column0, column1 (half open) around all that was touched.
     """
     rows, columns = log_odds.shape
     _mark_ways(marks, rows, columns, laser, ends)
