@@ -22,8 +22,7 @@ class GridLevel:
         self.origin = origin
         self.log_odds: Float32s = np.zeros(shape, np.float32)
         self.probability: Float32s = np.full(shape, 0.5, np.float32)
-        # Rows an odd number of cache lines apart: cells above each other do not compete for the same lines.
-        self._marks = np.zeros((shape[0], 64 * (shape[1] // 64 + 1 | 1)), np.uint8)
+        self._marks = _no_marks(shape)
         self.known = (0, 0, 0, 0)
 
     @property
@@ -81,3 +80,9 @@ class GridLevel:
         other = GridLevel.__new__(GridLevel)
         other.__dict__.update({k: v.copy() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()})
         return other
+
+
+def _no_marks(shape: tuple[int, int]) -> NDArray[np.uint8]:
+    """Rows an odd number of cache lines apart: cells above each other do not compete for the same lines."""
+    rows, columns = shape
+    return np.zeros((rows, 64 * (columns // 64 + 1 | 1)), np.uint8)
