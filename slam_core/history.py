@@ -131,7 +131,7 @@ class History:
     def _predict(
         self, stamp_ns: int, entry: Entry, u: Float64s | None, model: Strapdown
     ) -> tuple[Float64s, Float64s]:
-        """The belief at an instant after an entry; the last answer is kept, as a scan's instant is asked thrice."""
+        """The belief at an instant after an entry; the last one is kept, as a scan asks for its own thrice."""
         asked, now = self._asked, (stamp_ns, entry, u, model)
         if (
             asked is None
