@@ -65,7 +65,8 @@ def _knots(scan: LaserScan, motion: Callable[[int], Transform], config: ScanConf
     reference = motion(scan.mid_ns)
     if config.deskew and sweep_ns > 0:
         k = 2 + sweep_ns // KNOT_NS
-        poses = [motion(scan.stamp_ns + sweep_ns * i // (k - 1)) for i in range(k)]
+        times = [scan.stamp_ns + sweep_ns * i // (k - 1) for i in range(k)]
+        poses = [reference if time_ns == scan.mid_ns else motion(time_ns) for time_ns in times]
     else:
         poses = [reference, reference]
     turn = geometry.yaw_quaternion(-geometry.heading(reference.rotation))
