@@ -36,8 +36,11 @@ def inverse(pose: Float64s) -> Float64s:
 def transform_points(pose: Float64s, points: Float32s | Float64s) -> Float64s:
     """Eq. (8): points (n, 2) of the child in the parent, metres."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    turned: Float64s = points @ np.array([[c, s], [-s, c]])
-    return turned + pose[:2]
+    x, y = points[:, 0].astype(np.float64), points[:, 1].astype(np.float64)
+    out = np.empty((len(points), 2))
+    out[:, 0] = c * x - s * y + pose[0]
+    out[:, 1] = s * x + c * y + pose[1]
+    return out
 
 
 def multiply(p: Float64s, q: Float64s) -> Float64s:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.kernels.mapping import clear_rays, mark_ends
+from slam_core.kernels.mapping import cells_of, write_scan
 from slam_core.measurements import Float32s, Float64s
 
 
@@ -18,15 +18,14 @@ class GridLevel:
     known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
     """
 
-    BYTES = 12  # of memory a cell: four in each of the three arrays
+    BYTES = 9  # of memory a cell: four in each of the first two arrays, one mark
 
     def __init__(self, resolution: float, shape: tuple[int, int], origin: Float64s) -> None:
         self.resolution = resolution
         self.corner: NDArray[np.int64] = np.rint(origin / resolution).astype(np.int64)
         self.log_odds: Float32s = np.zeros(shape, np.float32)
         self.probability: Float32s = np.full(shape, 0.5, np.float32)
-        self._marks = np.zeros(shape, np.int32)
-        self._mark = 0
+        self._marks = _no_marks(shape)
         self.known = (0, 0, 0, 0)
 
     @property
@@ -54,7 +53,7 @@ class GridLevel:
         sides = ((below, above), (left, right))
         self.log_odds = np.pad(self.log_odds, sides)
         self.probability = np.pad(self.probability, sides, constant_values=np.float32(0.5))
-        self._marks = np.pad(self._marks, sides)
+        self._marks = _no_marks(self.shape)
         self.corner = self.corner - (left, below)
         row0, row1, column0, column1 = self.known
         if row1:
@@ -73,27 +72,18 @@ class GridLevel:
         start: (2,) laser. ends: (n, 2) endpoints. cleared: (m, 2) ends of beams that hit nothing. Map metres.
         steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds.
         """
-        self._mark += 1
-        rows, columns = self.shape
-        low, high = np.float32(caps[0]), np.float32(caps[1])
-        u0, v0 = self.cell_of(start[0], start[1])
-        us, vs = self.cell_of(ends[:, 0], ends[:, 1])
-        flat = (self.log_odds.reshape(-1), self.probability.reshape(-1), self._marks.reshape(-1))
-        mark_ends(*flat, self._mark, rows, columns, us, vs, np.float32(steps[1]), low, high)
-        for ray_us, ray_vs in ((us, vs), self.cell_of(cleared[:, 0], cleared[:, 1])):
-            clear_rays(
-                *flat, self._mark, rows, columns, int(u0), int(v0), ray_us, ray_vs, np.float32(steps[0]), low, high
-            )
-            self._grow_known(np.append(ray_us, u0), np.append(ray_vs, v0))
-
-    def _grow_known(self, us: NDArray[np.int64], vs: NDArray[np.int64]) -> None:
-        rows, columns = self.shape
-        row0, row1, column0, column1 = self.known if self.known[1] else (rows, 0, columns, 0)
+        laser, hits, free = (
+            cells_of(np.ascontiguousarray(points), self.corner, self.resolution)
+            for points in (start[None], ends, cleared)
+        )
+        limits = (np.float32(x) for x in (*steps, *caps))
+        touched = write_scan(self.log_odds, self.probability, self._marks, laser, hits, free, *limits)
+        row0, row1, column0, column1 = self.known if self.known[1] else touched
         self.known = (
-            max(0, min(row0, int(vs.min()))),
-            min(rows, max(row1, int(vs.max()) + 1)),
-            max(0, min(column0, int(us.min()))),
-            min(columns, max(column1, int(us.max()) + 1)),
+            min(row0, touched[0]),
+            max(row1, touched[1]),
+            min(column0, touched[2]),
+            max(column1, touched[3]),
         )
 
     def classes(self) -> NDArray[np.uint8]:
@@ -112,3 +102,9 @@ class GridLevel:
         other = GridLevel.__new__(GridLevel)
         other.__dict__.update({k: v.copy() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()})
         return other
+
+
+def _no_marks(shape: tuple[int, int]) -> NDArray[np.uint8]:
+    """Rows an odd number of cache lines apart: cells above each other do not compete for the same lines."""
+    rows, columns = shape
+    return np.zeros((rows, 64 * (columns // 64 + 1 | 1)), np.uint8)

@@ -3,7 +3,7 @@
 The belief is a function of what was measured, whatever order it came in.
 """
 
-from bisect import bisect_left, bisect_right
+from bisect import bisect_left
 from typing import NamedTuple
 
 from slam_core.aiding import Correction
@@ -37,12 +37,15 @@ class History:
         self.sample_ns = stamp_ns
         self._sample = sample
         self._entries = [Entry(stamp_ns, None, None, x, P)]
+        self._asked: tuple[int, Entry, Float64s | None, Strapdown] | None = None
+        self._answer = x, P
 
     def copy(self) -> "History":
         """An independent copy; entries are never changed, so they are shared."""
         other = History.__new__(History)
         other.sample_ns, other._sample = self.sample_ns, self._sample
         other._entries = self._entries.copy()
+        other._asked, other._answer = self._asked, self._answer
         return other
 
     @property
@@ -53,10 +56,9 @@ class History:
     def at(self, time_ns: int, model: Strapdown) -> tuple[int, Float64s, Float64s]:
         """(stamp, x, P) predicted to an instant; the oldest belief for an instant before it."""
         entry, u = self._around(time_ns)
-        dt = (time_ns - entry.stamp_ns) * 1e-9
-        if dt <= 0.0:
+        if time_ns <= entry.stamp_ns:
             return entry.stamp_ns, entry.x, entry.P
-        return time_ns, *model.advance(entry.x, entry.P, u, dt)
+        return time_ns, *self._predict(time_ns, entry, u, model)
 
     def state_at(self, time_ns: int, model: Strapdown) -> Float64s:
         """As `at`, but x alone."""
@@ -81,7 +83,7 @@ class History:
 
     def add_correction(self, stamp_ns: int, correction: Correction, model: Strapdown) -> bool:
         """Apply a correction at its time and predict on through what came after; False if it is too old."""
-        i = bisect_right(self._entries, stamp_ns, key=_stamp)
+        i = self._later_than(stamp_ns)
         if i == 0:
             return False
         later = self._take(i)
@@ -92,9 +94,16 @@ class History:
 
     def _around(self, time_ns: int) -> tuple[Entry, Float64s | None]:
         """The entry at or before an instant, and the input that holds from there."""
-        i = bisect_right(self._entries, time_ns, key=_stamp)
+        i = self._later_than(time_ns)
         u = self._entries[i].u if i < len(self._entries) else self._held(time_ns)
         return self._entries[max(i - 1, 0)], u
+
+    def _later_than(self, time_ns: int) -> int:
+        """Index of the first entry later than an instant, from the newest on: nearly always one of the last."""
+        i = len(self._entries)
+        while i and self._entries[i - 1].stamp_ns > time_ns:
+            i -= 1
+        return i
 
     def _held(self, time_ns: int) -> Float64s | None:
         """The input after the last sample: that sample, for a while."""
@@ -114,10 +123,24 @@ class History:
 
     def _push(self, stamp_ns: int, u: Float64s | None, correction: Correction | None, model: Strapdown) -> None:
         last = self._entries[-1]
-        x, P = model.advance(last.x, last.P, u, (stamp_ns - last.stamp_ns) * 1e-9)
+        x, P = self._predict(stamp_ns, last, u, model)
         if correction is not None:
             x, P = _corrected(x, P, correction)
         self._entries.append(Entry(stamp_ns, u, correction, x, P))
+
+    def _predict(
+        self, stamp_ns: int, entry: Entry, u: Float64s | None, model: Strapdown
+    ) -> tuple[Float64s, Float64s]:
+        """The belief at an instant after an entry; the last one is kept, as a scan asks for its own thrice."""
+        asked, now = self._asked, (stamp_ns, entry, u, model)
+        if (
+            asked is None
+            or asked[0] != stamp_ns
+            or any(a is not b for a, b in zip(asked[1:], now[1:], strict=True))
+        ):
+            self._asked = now
+            self._answer = model.advance(entry.x, entry.P, u, (stamp_ns - entry.stamp_ns) * 1e-9)
+        return self._answer
 
     def _forget(self) -> None:
         """Drop what is too old, in large pieces since each costs a copy of the list."""

@@ -20,6 +20,8 @@ SMALLEST_INFORMATION = np.diag(LARGEST_SIGMA**-2.0)
 # The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
+NO_TRACE = np.empty((0, 4))
+
 
 def coarse_to_fine(
     pyramid: Pyramid,
@@ -40,14 +42,15 @@ def coarse_to_fine(
     pose = np.array(start, np.float64)
     held = _prior_term(prior, start, config)
     iterations: list[int] = []
-    traces: list[Float64s] = []
+    traces: list[Float64s] = [NO_TRACE]
     converged = False
     for i in reversed(range(len(pyramid.levels))):
         allowed = config.iterations_coarse if i else config.iterations_fine
         steps = np.empty((allowed if trace else 0, 3))
         taken, converged = _climb(pyramid.levels[i], beams, pose, held, allowed, config, steps)
         iterations.insert(0, taken)
-        traces.append(np.column_stack([np.full(len(steps[:taken]), float(i)), steps[:taken]]))
+        if trace:
+            traces.append(np.column_stack([np.full(taken, float(i)), steps[:taken]]))
     finest = pyramid.levels[0]
     hessian, _, _ = normal_equations(finest, beams, pose)
     pose[2] = wrap(pose[2])
@@ -56,7 +59,13 @@ def coarse_to_fine(
     else:
         covariance = hessian_covariance(hessian, config.sigma)
     return MatchResult(
-        pose, covariance, hessian, residuals(finest, beams, pose), tuple(iterations), converged, np.vstack(traces)
+        pose,
+        covariance,
+        hessian,
+        residuals(finest, beams, pose),
+        tuple(iterations),
+        converged,
+        np.concatenate(traces),
     )
 
 

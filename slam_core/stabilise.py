@@ -39,19 +39,14 @@ def stabilise(scan: LaserScan, motion: Callable[[int], Transform], config: ScanC
     way = _knots(scan, motion, config)
     z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
     cosines, sines = _directions(scan.angle_min, scan.angle_increment, n)
-    xs, ys, zs, free_xs, free_ys = (np.empty(n, np.float32) for _ in range(5))
+    points, zs, free = (np.empty(shape, np.float32) for shape in ((n, 2), n, (n, 2)))
     kept, cleared = place_beams(
         np.ascontiguousarray(scan.ranges, np.float32), cosines, sines, way, max(n - 1, 1) / (len(way) - 1),
         max(config.range_min, scan.range_min), min(config.range_max, _end(scan.range_max)), scan.range_max,
-        config.clear_range, z_laser + config.z_min, z_laser + config.z_max, xs, ys, zs, free_xs, free_ys,
+        config.clear_range, z_laser + config.z_min, z_laser + config.z_max, points, zs, free,
     )  # fmt: skip
     laser = 0.5 * (way[0, :2, 3] + way[-1, :2, 3])
-    return StabilisedScan(
-        np.column_stack([xs[:kept], ys[:kept]]),
-        zs[:kept] - np.float32(z_laser),
-        np.column_stack([free_xs[:cleared], free_ys[:cleared]]),
-        laser,
-    )
+    return StabilisedScan(points[:kept], zs[:kept] - np.float32(z_laser), free[:cleared], laser)
 
 
 def _end(range_max: float) -> float:
@@ -70,7 +65,8 @@ def _knots(scan: LaserScan, motion: Callable[[int], Transform], config: ScanConf
     reference = motion(scan.mid_ns)
     if config.deskew and sweep_ns > 0:
         k = 2 + sweep_ns // KNOT_NS
-        poses = [motion(scan.stamp_ns + sweep_ns * i // (k - 1)) for i in range(k)]
+        times = [scan.stamp_ns + sweep_ns * i // (k - 1) for i in range(k)]
+        poses = [reference if time_ns == scan.mid_ns else motion(time_ns) for time_ns in times]
     else:
         poses = [reference, reference]
     turn = geometry.yaw_quaternion(-geometry.heading(reference.rotation))

@@ -16,13 +16,11 @@ def place_beams(
     clear_range,
     z_low,
     z_high,
-    xs,
-    ys,
+    points,
     zs,
-    free_xs,
-    free_ys,
+    free,
 ):
-    """Endpoints in the stabilised frame: returns how many were kept and how many free ends were written.
+    """Endpoints (n, 2) and heights (n,) in the stabilised frame, and free ends: returns how many of each.
 
     knots: (k, 3, 4) transforms laser -> stabilised frame every `knot_step` beams. A range in [low, high)
     is an endpoint; one of at least `no_return` clears up to `clear_range`, if that is not 0. z_low <= z <= z_high.
@@ -46,10 +44,10 @@ def place_beams(
         if z < z_low or z > z_high:
             continue
         if hit:
-            xs[kept], ys[kept], zs[kept] = x, y, z
+            points[kept, 0], points[kept, 1], zs[kept] = x, y, z
             kept += 1
         else:
-            free_xs[cleared], free_ys[cleared] = x, y
+            free[cleared, 0], free[cleared, 1] = x, y
             cleared += 1
     return kept, cleared
 

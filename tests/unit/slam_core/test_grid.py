@@ -153,3 +153,41 @@ def test_the_free_way_matches_a_plain_walk(level):
             k = abs(u - 4) if abs(du) >= abs(dv) else abs(v - 5)
             ideal = (4 + du * k / n, 5 + dv * k / n)
             assert max(abs(u - ideal[0]), abs(v - ideal[1])) <= 0.5 + 1e-9
+
+
+def test_many_beams_free_what_each_alone_would(level):
+    """The cells that a scan changes are the union of those of its beams, even of two into one cell."""
+    rng = np.random.default_rng(3)
+    ends = np.repeat(rng.uniform((-15, -9), (25, 19), (30, 2)), 2, axis=0)
+    update(level, (4.5, 5.5), ends)
+    freed, hit = np.zeros(level.shape, bool), np.zeros(level.shape, bool)
+    for end in ends:
+        alone = GridLevel(level.resolution, level.shape, level.origin)
+        update(alone, (4.5, 5.5), [end])
+        freed |= alone.log_odds < 0
+        hit |= alone.log_odds > 0
+    np.testing.assert_array_equal(level.log_odds > 0, hit)
+    np.testing.assert_array_equal(level.log_odds < 0, freed & ~hit)
+
+
+def test_an_end_beyond_all_measure_writes_nothing_outside(level):
+    """A beam of thousands of kilometres leaves a sound map: no ray, no end."""
+    update(level, (0.5, 0.5), [(4e6, 3e5), (6.5, 0.5)])
+    assert np.count_nonzero(level.log_odds) == 7
+
+
+def test_a_long_walk_is_exact():
+    """On a large map the freed cells are those of the walk in whole numbers, to the last one."""
+    rng = np.random.default_rng(11)
+    for end in rng.integers(0, 3000, (20, 2)):
+        level = GridLevel(1.0, (3000, 3000), np.zeros(2))
+        update(level, (1400.5, 1700.5), [end + 0.5])
+        (du, dv), start = np.abs(end - (1400, 1700)), np.array([1400, 1700])
+        long, short = max(du, dv), min(du, dv)
+        k = np.arange(long)
+        across = (k * short + long - 1 - (long >> 1)) // long
+        steps = np.column_stack([k, across] if du >= dv else [across, k])
+        expected = start + np.sign(end - start) * steps
+        np.testing.assert_array_equal(
+            np.argwhere(level.log_odds < 0), np.array(sorted((v, u) for u, v in expected.tolist()))
+        )
