@@ -181,7 +181,7 @@ class TrackingConfig:
         float, Param("A match further from the prediction than this is searched for again.", "σ", 1.0, 100.0)
     ] = 15.0
     search_distance: Annotated[float, Param("The search goes this far at most.", "m", 0.1, 5.0)] = 2.0
-    search_angle: Annotated[float, Param("The search turns this far at most.", "rad", 0.05, 3.14)] = 1.2
+    search_angle: Annotated[float, Param("The search turns this far at most.", "rad", 0.05, 3.14)] = 3.14
     lost_after: Annotated[
         int, Param("Scans in a row without a match that is believed until the pose is lost.", "", 1, 1000)
     ] = 10
