@@ -146,8 +146,16 @@ class Engine:
         if self._transport.unwanted:
             self._pipeline.skip("scan while the stream was paused")
         else:
-            self._pipeline.step(scan)
+            self._step(scan)
         self._transport.passed(scan.stamp_ns)
+
+    def _step(self, scan: LaserScan) -> None:
+        before = self._pipeline.result
+        result = self._pipeline.step(scan)
+        if before is not None and result is not None and result.tracking not in {before.tracking, "tracking"}:
+            because = f": {result.reason}" if result.reason else ""
+            found = result.tracking == "recovered"
+            self._log(f"The pose is {result.tracking}{because}", "info" if found else "warning")
 
     def _end(self, feeder: Feeder) -> None:
         feeder.check()

@@ -32,6 +32,7 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort) -> dict[st
             "used": pipeline.scans,
             "skipped": dict(pipeline.skipped),
         },
+        "tracking": dict(pipeline.states),
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
         "notes": [*report.notes, *pipeline.slam.warnings],
         "recording_s": round(effort.recording_s, 6),

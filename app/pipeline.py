@@ -13,7 +13,7 @@ from app.snapshot import SERIES_FIELDS
 from app.sources import Item, SourceError
 from slam_core.evaluation import Trajectory, first_on_first, interpolate
 from slam_core.measurements import LaserScan, Measurement, Transform, TruthPose
-from slam_core.results import StepResult
+from slam_core.results import StepResult, Tracking
 from slam_core.sequence import Sequencer
 from slam_core.slam import HectorSlam
 
@@ -32,6 +32,7 @@ class Pipeline:
         self.last_scan_ns: int | None = None
         self.scans_read = 0
         self.result: StepResult | None = None
+        self.states: Counter[Tracking] = Counter()
         self._sequencer = Sequencer()
         self._passed_over: Counter[str] = Counter()
         self._changes = 0
@@ -84,6 +85,7 @@ class Pipeline:
         row = self._row(result.stamp_ns, result.T_map_base)
         self._trajectory.append(row)
         self._series.append(series_row(result, row[0], self.slam.pyramid.updates))
+        self.states[result.tracking] += 1
         self.result = result
 
     def _row(self, stamp_ns: int, pose: Transform) -> tuple[float, ...]:

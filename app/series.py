@@ -23,6 +23,7 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
         sum(match.iterations) if match else 0,
         result.beams,
         map_updates,
+        match.weakest_sigma if match else _NAN,
         *_navigation(result.navigation),
         *(ns / 1e6 for ns in (durations.stabilise, durations.match, durations.update, durations.filter)),
     )

@@ -176,6 +176,25 @@ class FusionConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class TrackingConfig:
+    """Matches that cannot be believed: noticed, kept out of the map, and recovered from by a wider search."""
+
+    check: Annotated[bool, Param("Judge every match and search further after a bad one (off: the paper).")] = True
+    min_fit: Annotated[
+        float, Param("Share of the usual hits on walls below which a match is not believed.", "", 0.0, 1.0)
+    ] = 0.65
+    min_overlap: Annotated[float, Param("Share of the endpoints that must lie on known map.", "", 0.0, 1.0)] = 0.3
+    max_sigmas: Annotated[
+        float, Param("A match further from the prediction than this is searched for again.", "σ", 1.0, 100.0)
+    ] = 15.0
+    search_distance: Annotated[float, Param("The search goes this far at most.", "m", 0.1, 5.0)] = 2.0
+    search_angle: Annotated[float, Param("The search turns this far at most.", "rad", 0.05, 3.14)] = 3.14
+    lost_after: Annotated[
+        int, Param("Scans in a row without a match that is believed until the pose is lost.", "", 1, 1000)
+    ] = 10
+
+
+@dataclass(frozen=True, slots=True)
 class SlamConfig:
     """All settings of the pipeline."""
 
@@ -185,6 +204,7 @@ class SlamConfig:
     navigation: NavigationConfig = field(default_factory=NavigationConfig)
     motion: MotionConfig = field(default_factory=MotionConfig)
     fusion: FusionConfig = field(default_factory=FusionConfig)
+    tracking: TrackingConfig = field(default_factory=TrackingConfig)
 
     def __post_init__(self) -> None:
         """Refuse values out of range: ConfigError names the setting, the value and the range."""

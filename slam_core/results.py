@@ -1,10 +1,14 @@
 """What a step returns: plain frozen values that views, exporters and tests read."""
 
+import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from slam_core.measurements import Float32s, Float64s, Transform
+
+Tracking = Literal["tracking", "recovered", "degraded", "lost"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +41,12 @@ class MatchResult:
     def mean_residual(self) -> float:
         """Mean of the residuals: 0 is a perfect fit, 0.5 an unknown map."""
         return float(np.mean(self.residuals)) if len(self.residuals) else float("nan")
+
+    @property
+    def weakest_sigma(self) -> float:
+        """Sigma of the position along the direction that the scan determines worst, metres."""
+        (xx, xy, _), (_, yy, _), _ = self.covariance.tolist()
+        return math.sqrt(0.5 * (xx + yy + math.hypot(xx - yy, 2.0 * xy)))
 
     @property
     def gaussian(self) -> PlanarGaussian:
@@ -81,6 +91,8 @@ class StepResult:
     heights: (n,) their height over the laser. prior, fused: the filter projected to the plane before and after
     the fusion (prior is None on the first scan). navigation: the filter after the fusion; None without an IMU.
     match: None on the first scan, which only makes the map.
+    tracking: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
+    "lost" when that lasts); reason: what spoke against the match, else empty.
     """
 
     index: int
@@ -96,3 +108,5 @@ class StepResult:
     map_updated: bool
     beams: int
     durations: Durations
+    tracking: Tracking = "tracking"
+    reason: str = ""

@@ -11,6 +11,7 @@ from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.matcher import coarse_to_fine
 from slam_core.measurements import (
     Attitude,
+    Float32s,
     Float64s,
     Height,
     Imu,
@@ -23,7 +24,9 @@ from slam_core.motion import PlanarMotion
 from slam_core.navigation import NavigationFilter
 from slam_core.pyramid import Pyramid
 from slam_core.results import Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
+from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
+from slam_core.tracking import Tracker, Verdict, disagreement, fit, search_window
 
 # Where the map begins is where the first scan was taken: this sure.
 ORIGIN = PlanarGaussian(np.zeros(3), np.diag([1e-6, 1e-6, 1e-6]))
@@ -42,6 +45,7 @@ class HectorSlam:
         self.trace = False
         self._clock = clock
         self._planar = PlanarMotion()
+        self._tracker = Tracker()
         self._filter = NavigationFilter(config.navigation)
         self._inertial = False
         self._index = 0
@@ -102,11 +106,12 @@ class HectorSlam:
             return None
         prior = self._prior(scan.mid_ns)
         lap("filter")
-        match = self._match(leveled, prior)
+        match, verdict = self._match(leveled, prior)
         lap("match")
-        updated = self._map(leveled)
+        updated = verdict.believed and self._map(leveled)
         lap("update")
-        fused, navigation = self._fuse(scan.mid_ns, match.gaussian if match else ORIGIN)
+        matched = match.gaussian if match else ORIGIN
+        fused, navigation = self._fuse(scan.mid_ns, matched if verdict.believed else None)
         T_map_base = self._estimate(scan.mid_ns)
         lap("filter", self._waiting_ns)
         self._index, self._waiting_ns = self._index + 1, 0
@@ -124,6 +129,8 @@ class HectorSlam:
             map_updated=updated,
             beams=len(scan.ranges),
             durations=lap.durations(),
+            tracking=verdict.state,
+            reason=verdict.reason,
         )
 
     def _motion_pose(self, time_ns: int) -> Transform:
@@ -142,16 +149,34 @@ class HectorSlam:
             return self._filter.planar(time_ns)
         return self._planar.prior(time_ns, self.config.motion)
 
-    def _match(self, leveled: StabilisedScan, prior: PlanarGaussian) -> MatchResult | None:
-        """Align the scan with the map; None for the first scan, whose pose is the origin."""
+    def _match(self, leveled: StabilisedScan, prior: PlanarGaussian) -> tuple[MatchResult | None, Verdict]:
+        """Align the scan with the map and judge that; no match for the first scan, whose pose is the origin."""
         if not self.pyramid.updates:
-            return None
+            return None, Verdict()
         start = self._start_estimate(prior)
         match = coarse_to_fine(
             self.pyramid, leveled.points, start, self.config.matcher, prior=prior, trace=self.trace
         )
-        self._pose = match.pose
-        return match
+        verdict = Verdict()
+        if self.config.tracking.check:
+            match, verdict = self._judge(match, leveled.points, prior)
+        self._pose = match.pose if verdict.believed else prior.mean
+        return match, verdict
+
+    def _judge(self, match: MatchResult, points: Float32s, prior: PlanarGaussian) -> tuple[MatchResult, Verdict]:
+        """The match if it can be believed, else one found further away, else the verdict against both."""
+        level, config, tracker = self.pyramid.levels[-1], self.config.tracking, self._tracker
+        seen = fit(level, points, match.pose)
+        reason = tracker.doubt(seen, disagreement(match, prior), config)
+        if not reason:
+            return match, tracker.believe(seen, reason)
+        start = find_pose(level, points, prior.mean, search_window(prior, config))
+        other = coarse_to_fine(self.pyramid, points, start, self.config.matcher, trace=self.trace)
+        for candidate in (other, match):
+            seen = fit(level, points, candidate.pose)
+            if tracker.convinces(seen, config):
+                return candidate, tracker.believe(seen, reason)
+        return match, tracker.miss(reason, config)
 
     def _start_estimate(self, prior: PlanarGaussian) -> Float64s:
         """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""
@@ -173,10 +198,12 @@ class HectorSlam:
         self.pyramid.update(leveled.points, leveled.cleared, leveled.laser, self._pose, self.config.map)
         return True
 
-    def _fuse(self, time_ns: int, match: PlanarGaussian) -> tuple[PlanarGaussian, NavigationState | None]:
-        """Covariance intersection of the motion with the match, eqs. (18)-(20)."""
+    def _fuse(self, time_ns: int, match: PlanarGaussian | None) -> tuple[PlanarGaussian, NavigationState | None]:
+        """Covariance intersection of the motion with the match, eqs. (18)-(20); without one, the motion alone."""
         omega = self.config.fusion.omega
-        if not self._inertial:
+        if match is None:
+            fused, navigation = self._prior(time_ns), self._filter.at(time_ns) if self._inertial else None
+        elif not self._inertial:
             fused, navigation = self._planar.fuse(match, omega), None
         else:
             navigation = self._filter.fuse_planar(time_ns, match.mean, match.covariance, omega)[1]

@@ -10,7 +10,7 @@ from app.panels._format import figure, fixed
 from app.panels._handles import put
 from app.snapshot import Snapshot
 from app.web.stage import Stage
-from slam_core.results import MatchResult
+from slam_core.results import StepResult
 
 ROWS = (("match", "match", "R, eq. (15)"), ("filter", "prior", "P before"), ("fused", "fused", "P⁺, eq. (16)"))
 
@@ -34,24 +34,29 @@ class MatchPanel:
         result = snapshot.result
         if result is None:
             return
-        put(self._match, match_html(result.match, result.beams, snapshot))
+        put(self._match, match_html(result, snapshot))
         put(self._sigmas, sigmas_html(snapshot.series[-1]))
 
 
-def match_html(match: MatchResult | None, beams: int, snapshot: Snapshot) -> str:
-    """Residual, iterations, beams, map updates."""
-    cells = [figure("beams", str(beams)), figure("map updates", str(snapshot.map_updates))]
+def match_html(result: StepResult, snapshot: Snapshot) -> str:
+    """State of the tracking, residual, iterations, beams, map updates, and what the scan determines worst."""
+    match = result.match
+    cells = [figure("beams", str(result.beams)), figure("map updates", str(snapshot.map_updates))]
     if match is None:
         return readout([figure("scan", str(snapshot.scans)), *cells, figure("", "first scan")])
     state = figure("", "converged", "good") if match.converged else figure("", "out of steps", "bad")
+    tracking = figure("", result.tracking, "good" if result.tracking in {"tracking", "recovered"} else "bad")
+    weakest = figure("weakest σ mm", fixed(1e3 * match.weakest_sigma, 1))
     steps = figure("iterations", " · ".join(str(n) for n in match.iterations))
     return readout(
         [
+            tracking,
             figure("residual", fixed(match.mean_residual, 3)),
             steps,
             state,
             figure("scan", str(snapshot.scans)),
             *cells,
+            weakest,
         ]
     )
 

@@ -118,6 +118,26 @@ def test_pauses_steps_and_speeds_do_not_change_the_outcome(drive: list[Item], re
     assert ended.trajectory.tobytes() == reference.tobytes()
 
 
+def test_each_change_of_the_tracking_is_logged_once(drive: list[Item]):
+    """Three blind scans: a warning with the reason when the pose goes, a line when it is back, and counts."""
+    times = scan_times(drive)[40:43]
+    blind = [
+        replace(item, ranges=np.full_like(item.ranges, 0.7))
+        if isinstance(item, LaserScan) and item.stamp_ns in times
+        else item
+        for item in drive
+    ]
+    with running(MemoryRecording(blind), speed=math.inf) as engine:
+        ended = until(engine, state("ended"))
+    lines = [(entry.level, entry.text) for entry in ended.log if entry.text.startswith("The pose is")]
+    assert [level for level, _ in lines] == ["warning", "info"]
+    assert "degraded: 0% of the known endpoints on walls" in lines[0][1]
+    assert "recovered" in lines[1][1]
+    pipeline, _ = run_headless(MemoryRecording(blind), START)
+    assert pipeline.states["degraded"] == 3
+    assert sum(pipeline.states.values()) == pipeline.scans
+
+
 def test_without_autoplay_nothing_is_processed(drive: list[Item]):
     """The engine waits for the first command, with a snapshot to show."""
     with running(MemoryRecording(drive), autoplay=False) as engine:

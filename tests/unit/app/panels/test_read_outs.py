@@ -73,18 +73,19 @@ def test_the_log_shows_the_newest_first() -> None:
     assert "00:02.0" in html
 
 
-def test_the_match_says_whether_it_converged() -> None:
-    """Mean residual, iterations of each level, and the outcome; a first scan has nothing to match."""
+def test_the_match_says_whether_it_converged_and_is_believed() -> None:
+    """Mean residual, iterations of each level, outcome, state, weakest direction; a first scan has no match."""
     snapshot = room_snapshot()
-    assert snapshot.result is not None
-    match = snapshot.result.match
-    assert match is not None
-    html = match_html(match, 180, snapshot)
-    assert "converged" in html
-    assert "3 · 4 · 4" in html
-    assert "0.500" in html
-    assert "out of steps" in match_html(replace(match, converged=False), 180, snapshot)
-    assert "first scan" in match_html(None, 180, snapshot)
+    result = snapshot.result
+    assert result is not None
+    assert result.match is not None
+    html = match_html(result, snapshot)
+    for part in ("converged", "3 · 4 · 4", "0.500", 'hs-good"><small></small>tracking', "mm</small>2.0"):
+        assert part in html
+    slow = replace(result, match=replace(result.match, converged=False), tracking="lost")
+    assert "out of steps" in match_html(slow, snapshot)
+    assert 'hs-bad"><small></small>lost' in match_html(slow, snapshot)
+    assert "first scan" in match_html(replace(result, match=None), snapshot)
 
 
 def test_sigmas_are_millimetres_and_degrees() -> None:

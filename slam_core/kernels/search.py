@@ -1,0 +1,41 @@
+"""The loops of the wide search: how well endpoints hit a level at many poses. Cells are read, not blended."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+HALF = np.float32(0.5)
+
+
+@njit(cache=True, error_model="numpy")
+def count_hits(cells, origin_x, origin_y, inverse, points, x, y, psi):
+    """How many endpoints lie on known cells, and how many of those on occupied ones."""
+    rows, columns = cells.shape
+    c, s = math.cos(psi) * inverse, math.sin(psi) * inverse
+    shift_u, shift_v = (x - origin_x) * inverse, (y - origin_y) * inverse
+    known = hits = 0
+    for i in range(len(points)):
+        u = c * points[i, 0] - s * points[i, 1] + shift_u
+        v = s * points[i, 0] + c * points[i, 1] + shift_v
+        if 0.0 <= u < columns and 0.0 <= v < rows:
+            value = cells[int(v), int(u)]
+            known += value != 0.5
+            hits += value > 0.5
+    return known, hits
+
+
+@njit(cache=True, error_model="numpy")
+def score(cells, origin_x, origin_y, inverse, points, poses, out):
+    """Mean of M over the endpoints at each pose (m, 3), into `out` (m,); 0.5 off the map."""
+    rows, columns = cells.shape
+    for k in range(len(poses)):
+        c, s = math.cos(poses[k, 2]) * inverse, math.sin(poses[k, 2]) * inverse
+        shift_u, shift_v = (poses[k, 0] - origin_x) * inverse, (poses[k, 1] - origin_y) * inverse
+        total = np.float64(0.0)
+        for i in range(len(points)):
+            u = c * points[i, 0] - s * points[i, 1] + shift_u
+            v = s * points[i, 0] + c * points[i, 1] + shift_v
+            inside = 0.0 <= u < columns and 0.0 <= v < rows
+            total += cells[int(v), int(u)] if inside else HALF
+        out[k] = total / len(points)

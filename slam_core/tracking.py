@@ -1,0 +1,92 @@
+"""Whether a match can be believed: it must put the scan on walls about as well as the matches before it did."""
+
+import math
+from dataclasses import dataclass
+
+from slam_core.config import TrackingConfig
+from slam_core.geometry import wrap
+from slam_core.grid import GridLevel
+from slam_core.kernels.planar import inverse3
+from slam_core.kernels.search import count_hits
+from slam_core.measurements import Float32s, Float64s
+from slam_core.results import MatchResult, PlanarGaussian, Tracking
+
+USUAL_FIT = 0.9  # before any match was believed
+MEMORY = 0.05  # weight of the newest match in the running level
+LEAST_WINDOW = (0.5, 0.3)  # metres, radians: a prediction that failed may be too sure of itself
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """known: share of the endpoints on known cells. hit: share of those that lie on occupied cells."""
+
+    known: float
+    hit: float
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What became of a scan's match; reason is empty while all is well."""
+
+    state: Tracking = "tracking"
+    reason: str = ""
+
+    @property
+    def believed(self) -> bool:
+        """Whether the pose is a match; otherwise it is the prediction."""
+        return self.state in {"tracking", "recovered"}
+
+
+def fit(level: GridLevel, points: Float32s, pose: Float64s) -> Fit:
+    """How endpoints (n, 2) at `pose` (3,) meet a level."""
+    x, y = float(level.origin[0]), float(level.origin[1])
+    known, hits = count_hits(level.probability, x, y, 1.0 / level.resolution, points, pose[0], pose[1], pose[2])
+    return Fit(known / max(len(points), 1), hits / max(known, 1))
+
+
+def disagreement(match: MatchResult, prior: PlanarGaussian) -> float:
+    """How many sigmas of prediction and match together lie between the two (Mahalanobis)."""
+    d = match.pose - prior.mean
+    d[2] = wrap(d[2])
+    return math.sqrt(max(0.0, float(d @ inverse3(prior.covariance + match.covariance) @ d)))
+
+
+def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float, float]:
+    """Metres and radians around a prediction in which the pose must be sought: 3 sigmas within limits."""
+    x, y, psi = (3.0 * math.sqrt(variance) for variance in prior.covariance.diagonal().tolist())
+    distance = min(max(x, y, LEAST_WINDOW[0]), config.search_distance)
+    return distance, min(max(psi, LEAST_WINDOW[1]), config.search_angle)
+
+
+class Tracker:
+    """The running level of the fit, and for how many scans none was good enough."""
+
+    def __init__(self) -> None:
+        self._usual = USUAL_FIT
+        self._missed = 0
+
+    def doubt(self, seen: Fit, sigmas: float, config: TrackingConfig) -> str:
+        """Why a match cannot be believed as it is; empty if it can."""
+        if seen.known < config.min_overlap:
+            return f"{seen.known:.0%} of the scan on known map, less than {config.min_overlap:.0%}"
+        if seen.hit < config.min_fit * self._usual:
+            return f"{seen.hit:.0%} of the known endpoints on walls, usually {self._usual:.0%}"
+        if sigmas > config.max_sigmas:
+            return f"{sigmas:.0f} sigmas from the prediction"
+        return ""
+
+    def convinces(self, seen: Fit, config: TrackingConfig) -> bool:
+        """Whether a pose that was searched for is right: it must fit clearly better than one in doubt."""
+        return seen.known >= config.min_overlap and seen.hit >= 0.5 * (1.0 + config.min_fit) * self._usual
+
+    def believe(self, seen: Fit, reason: str) -> Verdict:
+        """Go on with a match; `reason` is why it had to be searched for, if it had."""
+        self._usual += MEMORY * (seen.hit - self._usual)
+        recovered = bool(reason) or self._missed > 0
+        self._missed = 0
+        return Verdict("recovered", reason) if recovered else Verdict()
+
+    def miss(self, reason: str, config: TrackingConfig) -> Verdict:
+        """Go on with the prediction."""
+        self._missed += 1
+        return Verdict("degraded" if self._missed < config.lost_after else "lost", reason)

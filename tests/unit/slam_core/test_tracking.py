@@ -1,0 +1,81 @@
+"""Which matches are believed."""
+
+import numpy as np
+import pytest
+
+from slam_core.config import TrackingConfig
+from slam_core.grid import GridLevel
+from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.tracking import Fit, Tracker, disagreement, fit
+
+CONFIG = TrackingConfig(lost_after=3)
+GOOD, WORSE, BAD = Fit(0.9, 0.95), Fit(0.9, 0.65), Fit(0.9, 0.2)
+
+
+def test_the_fit_counts_known_and_occupied_cells():
+    """One endpoint off the map, one on unknown, one on free and one on occupied ground: half known, half hits."""
+    level = GridLevel(1.0, (4, 4), np.array([-1.0, -1.0]))
+    level.probability[1, 2], level.probability[2, 1] = 0.9, 0.1  # at x, y = 1, 0 and 0, 1
+    points = np.array([[9.0, 0.0], [-0.5, -0.5], [1.5, 0.5], [0.5, 1.5]], np.float32)
+    assert fit(level, points, np.zeros(3)) == Fit(0.5, 0.5)
+    turned = np.column_stack([points[:, 1], -points[:, 0]])  # as seen from a quarter turn to the left
+    assert fit(level, turned, np.array([0.0, 0.0, 0.5 * np.pi])) == Fit(0.5, 0.5)
+    assert fit(level, points[2:3], np.zeros(3)) == Fit(1.0, 1.0)
+
+
+def test_a_match_is_doubted_for_each_of_three_reasons():
+    """Little overlap, few hits, far from the prediction: the reason says which, with its figure."""
+    tracker = Tracker()
+    assert tracker.doubt(GOOD, 1.0, CONFIG) == ""
+    assert "10% of the scan on known map" in tracker.doubt(Fit(0.1, 1.0), 1.0, CONFIG)
+    assert "20% of the known endpoints on walls" in tracker.doubt(BAD, 1.0, CONFIG)
+    assert "40 sigmas" in tracker.doubt(GOOD, 40.0, CONFIG)
+
+
+def test_what_is_usual_follows_the_place():
+    """In a place where few endpoints ever hit, as among reeds, that is no reason for doubt any more."""
+    tracker = Tracker()
+    reeds = Fit(0.9, 0.55)
+    assert tracker.doubt(reeds, 0.0, CONFIG)
+    for hit in np.linspace(0.9, 0.6, 200):
+        tracker.believe(Fit(0.9, float(hit)), "")
+    assert not tracker.doubt(reeds, 0.0, CONFIG)
+
+
+def test_the_states_follow_each_other():
+    """Degraded, lost after as many scans as set, recovered once, then tracking."""
+    tracker = Tracker()
+    missed = [tracker.miss("why", CONFIG) for _ in range(4)]
+    assert [verdict.state for verdict in missed] == ["degraded", "degraded", "lost", "lost"]
+    assert not any(verdict.believed for verdict in missed)
+    found = [tracker.believe(GOOD, "") for _ in range(2)]
+    assert [verdict.state for verdict in found] == ["recovered", "tracking"]
+    assert tracker.believe(GOOD, "searched for").state == "recovered"
+
+
+def test_a_pose_that_was_searched_for_must_convince():
+    """What is just good enough to go on with is not good enough to jump to."""
+    tracker = Tracker()
+    assert not tracker.doubt(WORSE, 0.0, CONFIG)
+    assert not tracker.convinces(WORSE, CONFIG)
+    assert tracker.convinces(GOOD, CONFIG)
+    assert not tracker.convinces(Fit(0.1, 1.0), CONFIG)
+
+
+def test_disagreement_is_in_sigmas_of_both_and_across_the_seam_of_the_heading():
+    """Three and four centimetres and 0.02 rad, on sigmas that add up to 1 cm and 0.01 rad."""
+    half = np.diag([1e-4, 1e-4, 1e-4]) / 2
+    match = MatchResult(
+        np.array([0.03, 0.0, np.pi - 0.01]), half, np.eye(3), np.zeros(1), (1,), True, np.zeros((0, 4))
+    )
+    prior = PlanarGaussian(np.array([0.0, 0.04, -np.pi + 0.01]), half)
+    assert disagreement(match, prior) == pytest.approx(np.sqrt(9 + 16 + 4))
+
+
+def test_the_weakest_direction_is_the_long_axis_of_the_covariance():
+    """Two metres along a diagonal corridor, a centimetre across it."""
+    turn = np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2)
+    covariance = np.zeros((3, 3))
+    covariance[:2, :2] = turn @ np.diag([4.0, 1e-4]) @ turn.T
+    match = MatchResult(np.zeros(3), covariance, np.eye(3), np.zeros(1), (1,), True, np.zeros((0, 4)))
+    assert match.weakest_sigma == pytest.approx(2.0)
