@@ -7,25 +7,34 @@ from numba import njit
 
 from slam_core import geometry
 
+TINY = 1e-14  # of a pivot: what rounding may leave of it
+
 _matrix: Any = njit(geometry.rotation_matrix)
 _product: Any = njit(geometry.multiply)
 
 
 @njit(cache=True, error_model="numpy")
 def inverse3(A):
-    """The inverse of a symmetric positive definite (3, 3), exactly symmetric."""
-    c00 = A[1, 1] * A[2, 2] - A[1, 2] * A[1, 2]
-    c01 = A[0, 2] * A[1, 2] - A[0, 1] * A[2, 2]
-    c02 = A[0, 1] * A[1, 2] - A[0, 2] * A[1, 1]
-    c11 = A[0, 0] * A[2, 2] - A[0, 2] * A[0, 2]
-    c12 = A[0, 1] * A[0, 2] - A[0, 0] * A[1, 2]
-    c22 = A[0, 0] * A[1, 1] - A[0, 1] * A[0, 1]
-    scale = 1.0 / (A[0, 0] * c00 + A[0, 1] * c01 + A[0, 2] * c02)
+    """The inverse of a symmetric positive definite (3, 3), exactly symmetric and positive however ill-conditioned.
+
+    By Cholesky: cofactors cancel where one direction is a million times better known than another.
+    """
+    a = np.sqrt(A[0, 0])
+    b, c = A[0, 1] / a, A[0, 2] / a
+    d = np.sqrt(max(A[1, 1] - b * b, TINY * A[1, 1]))
+    e = (A[1, 2] - b * c) / d
+    f = np.sqrt(max(A[2, 2] - c * c - e * e, TINY * A[2, 2]))
+    m00, m11, m22 = 1.0 / a, 1.0 / d, 1.0 / f
+    m10 = -b * m00 * m11
+    m21 = -e * m11 * m22
+    m20 = -(c * m00 + e * m10) * m22
     out = np.empty((3, 3))
-    out[0, 0], out[1, 1], out[2, 2] = c00 * scale, c11 * scale, c22 * scale
-    out[0, 1] = out[1, 0] = c01 * scale
-    out[0, 2] = out[2, 0] = c02 * scale
-    out[1, 2] = out[2, 1] = c12 * scale
+    out[0, 0] = m00 * m00 + m10 * m10 + m20 * m20
+    out[1, 1] = m11 * m11 + m21 * m21
+    out[2, 2] = m22 * m22
+    out[0, 1] = out[1, 0] = m10 * m11 + m20 * m21
+    out[0, 2] = out[2, 0] = m20 * m22
+    out[1, 2] = out[2, 1] = m21 * m22
     return out
 
 
