@@ -185,8 +185,8 @@ class TrackingConfig:
     ] = 0.65
     min_overlap: Annotated[float, Param("Share of the endpoints that must lie on known map.", "", 0.0, 1.0)] = 0.3
     max_sigmas: Annotated[
-        float, Param("A match further from the prediction than this is searched for again.", "σ", 1.0, 100.0)
-    ] = 15.0
+        float, Param("A match further from the prediction than this is searched for again.", "σ", 1.0, 1000.0)
+    ] = 100.0
     search_distance: Annotated[float, Param("The search goes this far at most.", "m", 0.1, 5.0)] = 2.0
     search_angle: Annotated[float, Param("The search turns this far at most.", "rad", 0.05, 3.14)] = 3.14
     lost_after: Annotated[

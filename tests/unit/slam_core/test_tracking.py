@@ -29,7 +29,8 @@ def test_a_match_is_doubted_for_each_of_three_reasons():
     assert tracker.doubt(GOOD, 1.0, CONFIG) == ""
     assert "10% of the scan on known map" in tracker.doubt(Fit(0.1, 1.0), 1.0, CONFIG)
     assert "20% of the known endpoints on walls" in tracker.doubt(BAD, 1.0, CONFIG)
-    assert "40 sigmas" in tracker.doubt(GOOD, 40.0, CONFIG)
+    assert "400 sigmas" in tracker.doubt(GOOD, 400.0, CONFIG)
+    assert tracker.doubt(GOOD, 40.0, CONFIG) == ""  # what a robot out of a corridor has to make good
 
 
 def test_what_is_usual_follows_the_place():
