@@ -32,7 +32,7 @@ class Pyramid:
             GridLevel(config.resolution * 2**i, (size >> i,) * 2, origin) for i in range(config.levels)
         )
         self.updates = 0
-        self.stopped_at = 0
+        self.stopped_at = 0.0
 
     def update(
         self, points: Float32s, cleared: Float32s, laser: Float64s, pose: Float64s, config: MapConfig
@@ -51,7 +51,7 @@ class Pyramid:
             level.update(start, ends, free, steps, (config.log_odds_min, config.log_odds_max))
         self.updates += 1
 
-    def _make_room(self, points: Float64s, limit: int) -> None:
+    def _make_room(self, points: Float64s, limit: float) -> None:
         """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""
         rows, columns = self.levels[0].shape
         us, vs = self.levels[0].cell_of(points[:, 0], points[:, 1])
@@ -60,7 +60,7 @@ class Pyramid:
         if not (below or above or left or right):
             return
         cells = (rows + below + above) * (columns + left + right)
-        self.stopped_at = limit if megabytes(cells, len(self.levels)) > limit else 0
+        self.stopped_at = limit if megabytes(cells, len(self.levels)) > limit else 0.0
         if not self.stopped_at:
             for i, level in enumerate(self.levels):
                 level.grow(below >> i, above >> i, left >> i, right >> i)

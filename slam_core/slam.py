@@ -67,7 +67,7 @@ class HectorSlam:
         limit = self.pyramid.stopped_at
         if not limit:
             return ()
-        return (f"the map stopped growing at its limit of {limit} MB: raise map.limit or map.resolution",)
+        return (f"the map stopped growing at its limit of {limit:g} MB: raise map.limit or map.resolution",)
 
     def step(self, measurement: Measurement) -> StepResult | None:
         """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
