@@ -31,7 +31,9 @@ def middle(page: Page) -> tuple[float, float]:
 def zoom(page: Page, ticks: int) -> float:
     """Turn the wheel over the scene; the distance afterwards."""
     page.mouse.move(*middle(page))
+    before = page.evaluate(CAMERA)["distance"]
     page.mouse.wheel(0, 120 * ticks)
+    page.wait_for_function(f"Math.abs(window.__viserMutable.cameraControl.distance / {before} - 1) > 0.02")
     page.wait_for_timeout(800)
     distance: float = page.evaluate(CAMERA)["distance"]
     return distance
