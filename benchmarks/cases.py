@@ -20,6 +20,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "matcher.converged_step": 0.0,
     "matcher.start_estimate": "last_pose",
     "scan.deskew": False,
+    "tracking.check": False,
 }
 
 
