@@ -4,93 +4,142 @@ x (19,) and P (15, 15) are laid out as in slam_core.kernels.navigation.
 """
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from slam_core import geometry
-from slam_core.intersection import intersect
-from slam_core.kernels.navigation import ERRORS, gain_update, inject, is_covariance
+from slam_core.chi_square import bound
+from slam_core.kernels import navigation as kernels
 from slam_core.measurements import Float64s
 
 # Nothing that a robot reports about its place or its speed is further out than this, in metres or m/s.
 PLAUSIBLE = 1e7
 
 
-class Correction(Protocol):
-    """A measurement of the state at one instant."""
+class Update(NamedTuple):
+    """A correction worked out: x and P after it, its innovation (m,) with covariance S (m, m), and the gate.
+
+    nis: nu^T S^-1 nu, which the gate compares with `bound`; past it (or NaN) x and P are as they were.
+    """
+
+    x: Float64s
+    P: Float64s
+    innovation: Float64s
+    S: Float64s
+    nis: float
+    bound: float
 
     @property
+    def accepted(self) -> bool:
+        """Whether it passed the gate."""
+        return self.nis <= self.bound
+
+
+class Correction(ABC):
+    """A measurement of the state at one instant: a Kalman update behind a gate.
+
+    source: a word for where it comes from. measures: the error states it is about; what the filter believes of
+    them is given up if it contradicts this source for long. gate: in sigmas, see `chi_square.bound`; 0 is open.
+    """
+
+    __slots__ = ()
+    source: ClassVar[str]
+    measures: ClassVar[tuple[int, ...]]
+    gate: float
+
+    @property
+    @abstractmethod
     def usable(self) -> bool:
         """Whether the values are finite and the noise is a covariance."""
 
-    def apply(self, x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
+    @abstractmethod
+    def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
+        """Innovation (m,) z - h(x) with angles wrapped, observer C (m, 15), and noise R (m, m)."""
+
+    def update(self, x: Float64s, P: Float64s) -> Update:
         """The belief after the measurement."""
+        innovation, C, R = self.observe(x)
+        limit = bound(self.gate, len(innovation))
+        better, reduced, S, nis = kernels.correct(x, P, innovation, C, R, limit)
+        return Update(better, reduced, innovation, S, nis, limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlanarPose:
+class PlanarPose(Correction):
     """Section V-B: a match xi (3,) with covariance R (3, 3), fused by intersection with weight omega."""
 
     xi: Float64s
     R: Float64s
     omega: float
+    gate: float = 0.0
+    source: ClassVar[str] = "scan"
+    measures: ClassVar[tuple[int, ...]] = (2, 3, 4)
 
     @property
     def usable(self) -> bool:
         """Finite, with a sensible noise."""
-        return _plausible(self.xi) and bool(is_covariance(self.R))
+        return _plausible(self.xi) and bool(kernels.is_covariance(self.R))
 
-    def apply(self, x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
-        """Eqs. (18)-(20) with C x = (p_x, p_y, psi)."""
+    def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
+        """C x = (p_x, p_y, psi)."""
         innovation = self.xi - project(x)
         innovation[2] = geometry.wrap(innovation[2])
-        error, P = intersect(P, observer(x), self.R, innovation, self.omega)
-        return inject(x, error), P
+        return innovation, observer(x), self.R
+
+    def update(self, x: Float64s, P: Float64s) -> Update:
+        """Eqs. (18)-(20)."""
+        limit = bound(self.gate, 3)
+        return Update(*kernels.intersect_planar(x, P, self.xi, self.R, self.omega, limit), limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class HeightAid:
+class HeightAid(Correction):
     """A height in metres over the start, with its standard deviation."""
 
     height: float
     sigma: float
+    gate: float = 0.0
+    source: ClassVar[str] = "height"
+    measures: ClassVar[tuple[int, ...]] = (5,)
 
     @property
     def usable(self) -> bool:
         """Finite, with a sensible noise."""
         return abs(self.height) < PLAUSIBLE and 0.0 < self.sigma < math.inf
 
-    def apply(self, x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
-        """A Kalman update of p_z."""
-        C = np.zeros((1, ERRORS))
+    def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
+        """C x = p_z."""
+        C = np.zeros((1, kernels.ERRORS))
         C[0, 5] = 1.0
-        error, P = gain_update(P, C, np.array([[self.sigma**2]]), np.array([self.height - x[6]]))
-        return inject(x, error), P
+        return np.array([self.height - x[6]]), C, np.array([[self.sigma**2]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BodyVelocity:
+class BodyVelocity(Correction):
     """Velocity in the axes of the base, (2,) forward and left or (3,) also up, m/s, and its deviation."""
 
     velocity: Float64s
     sigma: float
+    gate: float = 0.0
+    source: ClassVar[str] = "wheels"
+    measures: ClassVar[tuple[int, ...]] = (6, 7, 8)
 
     @property
     def usable(self) -> bool:
         """Finite, with a sensible noise."""
         return _plausible(self.velocity) and 0.0 < self.sigma < math.inf
 
-    def apply(self, x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
-        """A Kalman update with C x = R^T v."""
+    def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
+        """C x = R^T v."""
         n = len(self.velocity)
         to_body = geometry.rotation_matrix(x[:4]).T[:n]
-        C = np.zeros((n, ERRORS))
+        C = np.zeros((n, kernels.ERRORS))
         C[:, :3] = np.cross(to_body, x[7:10])
         C[:, 6:9] = to_body
-        error, P = gain_update(P, C, self.sigma**2 * np.eye(n), self.velocity - to_body @ x[7:10])
-        return inject(x, error), P
+        return self.velocity - to_body @ x[7:10], C, self.sigma**2 * np.eye(n)
 
 
 def project(x: Float64s) -> Float64s:
@@ -100,7 +149,7 @@ def project(x: Float64s) -> Float64s:
 
 def observer(x: Float64s) -> Float64s:
     """The observer matrix C (3, 15) of eqs. (16)-(20): how the planar pose follows the errors of the state."""
-    C = np.zeros((3, ERRORS))
+    C = np.zeros((3, kernels.ERRORS))
     C[0, 3] = C[1, 4] = 1.0
     C[2, :3] = geometry.heading_gradient(x[:4])
     return C

@@ -132,6 +132,19 @@ class NavigationConfig:
         float, Param("How large an accelerometer bias can be.", "m/s²", 1e-3, 2.0, log=True)
     ] = 0.1
     height_sigma: Annotated[float, Param("Noise of one height measurement.", "m", 0.001, 20.0, log=True)] = 0.2
+    height_gate: Annotated[
+        float, Param("A height further from the prediction than this is rejected (0: none).", "σ", 0.0, 100.0)
+    ] = 5.0
+    gate_patience: Annotated[
+        float,
+        Param(
+            "A source that was rejected for this long, consistently, while no other measured the same, is believed"
+            " again.",
+            "s",
+            0.1,
+            60.0,
+        ),
+    ] = 5.0
     zero_velocity_threshold: Annotated[
         float, Param("A velocity less certain than this is pulled to zero.", "m/s", 0.1, 20.0, log=True)
     ] = 2.0
@@ -164,6 +177,15 @@ class MotionConfig:
         float, Param("White noise on the yaw rate.", "rad/s²/√Hz", 0.01, 50.0, log=True)
     ] = 3.0
     odometry_sigma: Annotated[float, Param("Noise of a wheel velocity.", "m/s", 0.001, 2.0, log=True)] = 0.05
+    odometry_gate: Annotated[
+        float,
+        Param(
+            "With an IMU, a wheel velocity further from the prediction than this is rejected (0: none).",
+            "σ",
+            0.0,
+            100.0,
+        ),
+    ] = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +195,12 @@ class FusionConfig:
     omega: Annotated[
         float, Param("Weight of the match in the intersection, eqs. (16)-(20).", "", 0.001, 0.999)
     ] = 0.02
+    gate: Annotated[
+        float,
+        Param(
+            "With an IMU, a match further from the prediction than this is not fused (0: none).", "σ", 0.0, 100.0
+        ),
+    ] = 0.0
 
 
 @dataclass(frozen=True, slots=True)

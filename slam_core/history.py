@@ -7,7 +7,7 @@ from bisect import bisect_left
 from typing import NamedTuple
 
 from slam_core.aiding import Correction
-from slam_core.kernels.navigation import is_sound
+from slam_core.gates import Statuses, fuse
 from slam_core.measurements import Float64s
 from slam_core.strapdown import Strapdown
 
@@ -24,6 +24,7 @@ class Entry(NamedTuple):
     correction: Correction | None
     x: Float64s
     P: Float64s
+    statuses: Statuses
 
 
 def _stamp(entry: Entry) -> int:
@@ -36,7 +37,7 @@ class History:
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
         self.sample_ns = stamp_ns
         self._sample = sample
-        self._entries = [Entry(stamp_ns, None, None, x, P)]
+        self._entries = [Entry(stamp_ns, None, None, x, P, {})]
         self._asked: tuple[int, Entry, Float64s | None, Strapdown] | None = None
         self._answer = x, P
 
@@ -124,9 +125,10 @@ class History:
     def _push(self, stamp_ns: int, u: Float64s | None, correction: Correction | None, model: Strapdown) -> None:
         last = self._entries[-1]
         x, P = self._predict(stamp_ns, last, u, model)
+        statuses = last.statuses
         if correction is not None:
-            x, P = _corrected(x, P, correction)
-        self._entries.append(Entry(stamp_ns, u, correction, x, P))
+            x, P, statuses = fuse(x, P, statuses, stamp_ns, correction, model.patience_ns)
+        self._entries.append(Entry(stamp_ns, u, correction, x, P, statuses))
 
     def _predict(
         self, stamp_ns: int, entry: Entry, u: Float64s | None, model: Strapdown
@@ -146,9 +148,3 @@ class History:
         """Drop what is too old, in large pieces since each costs a copy of the list."""
         if self.sample_ns - self._entries[0].stamp_ns > 2 * KEPT_NS:
             del self._entries[: bisect_left(self._entries, self.sample_ns - KEPT_NS, key=_stamp) - 1]
-
-
-def _corrected(x: Float64s, P: Float64s, correction: Correction) -> tuple[Float64s, Float64s]:
-    """The belief after a correction, or the one before it if the numbers do not bear it."""
-    better, reduced = correction.apply(x, P)
-    return (better, reduced) if is_sound(better, reduced) else (x, P)

@@ -4,6 +4,7 @@ The attitude is a quaternion and its error a small rotation about the map's axes
 """
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from slam_core.history import MAX_GAP_NS, History
 from slam_core.kernels.navigation import sandwich, within
 from slam_core.leveling import start_belief
 from slam_core.measurements import Float64s, Imu, Transform
-from slam_core.results import NavigationState, PlanarGaussian
+from slam_core.results import AidingStatus, NavigationState, PlanarGaussian
 from slam_core.strapdown import Strapdown
 
 # No robot turns (rad/s) or accelerates (m/s²) like this: such a sample is broken.
@@ -31,6 +32,7 @@ class NavigationFilter:
 
     def __init__(self, config: NavigationConfig) -> None:
         self.counts: Counter[str] = Counter()
+        self._dropped: dict[str, Counter[str]] = {}
         self._config = config
         self._model = Strapdown(config)
         self._first: list[tuple[int, Float64s]] = []
@@ -46,6 +48,7 @@ class NavigationFilter:
         """An independent copy."""
         other = NavigationFilter(self._config)
         other.counts = self.counts.copy()
+        other._dropped = {source: reasons.copy() for source, reasons in self._dropped.items()}
         other._first = self._first.copy()
         other._history = self._history.copy() if self._history else None
         other._doubted_ns = self._doubted_ns
@@ -93,25 +96,45 @@ class NavigationFilter:
             if imu.stamp_ns - self._history.sample_ns > MAX_GAP_NS:
                 self.counts["gap in the inertial data"] += 1
             self._history.add_sample(imu.stamp_ns, sample, self._model)
+        else:
+            self.counts["stamp far ahead"] += 1
 
     def fuse_planar(
-        self, time_ns: int, xi: Float64s, R: Float64s, omega: float
+        self, time_ns: int, xi: Float64s, R: Float64s, omega: float, gate: float = 0.0
     ) -> tuple[NavigationState, NavigationState]:
         """Eqs. (18)-(20) with a match at an instant: the belief there before and after; it must be `ready`.
 
         xi: (3,) x, y, psi in metres and radians. R: (3, 3). The same belief twice if the match is of no use.
         """
         before = self.at(time_ns)
-        used = self._correct(time_ns, PlanarPose(np.array(xi), np.array(R), omega))
-        return before, self.at(time_ns) if used else before
+        taken = self.correct(time_ns, PlanarPose(np.array(xi), np.array(R), omega, gate))
+        return before, self.at(time_ns) if taken else before
 
     def update_height(self, time_ns: int, height: float, sigma: float | None = None) -> bool:
-        """A height over the start, metres; sigma from the configuration if not given. Whether it was used."""
-        return self._correct(time_ns, HeightAid(height, sigma or self._config.height_sigma))
+        """A height over the start, metres; sigma from the configuration if not given. See `correct`."""
+        config = self._config
+        return self.correct(time_ns, HeightAid(height, sigma or config.height_sigma, config.height_gate))
 
-    def update_velocity_body(self, time_ns: int, velocity: Float64s, sigma: float) -> bool:
-        """A velocity in the axes of the base, (2,) forward and left or (3,), m/s. Whether it was used."""
-        return self._correct(time_ns, BodyVelocity(np.array(velocity), sigma))
+    def update_velocity_body(self, time_ns: int, velocity: Float64s, sigma: float, gate: float = 0.0) -> bool:
+        """A velocity in the axes of the base, (2,) forward and left or (3,), m/s. See `correct`."""
+        return self.correct(time_ns, BodyVelocity(np.array(velocity), sigma, gate))
+
+    def correct(self, time_ns: int, correction: Correction) -> bool:
+        """Any other measurement, at its own time. Whether it came to its gate: what cannot be used is counted."""
+        reason = self._refusal(time_ns, correction)
+        if reason:
+            self.counts[reason] += 1
+            self._dropped.setdefault(correction.source, Counter())[reason] += 1
+        return not reason
+
+    @property
+    def aiding(self) -> tuple[AidingStatus, ...]:
+        """What became of the measurements of every source that was heard, up to the newest belief."""
+        statuses = dict(self._history.newest.statuses) if self._history else {}
+        for source, reasons in self._dropped.items():
+            known = statuses.get(source) or AidingStatus(source)
+            statuses[source] = replace(known, dropped=dict(reasons))
+        return tuple(statuses.values())
 
     @property
     def _belief(self) -> History:
@@ -133,23 +156,23 @@ class NavigationFilter:
         else:
             self._history = History(stamp_ns, sample, *belief)
 
-    def _correct(self, time_ns: int, correction: Correction) -> bool:
+    def _refusal(self, time_ns: int, correction: Correction) -> str:
+        """Why a correction cannot be applied; empty once it is."""
         if self._history is None:
-            self.counts["correction before the attitude was known"] += 1
-        elif not correction.usable:
-            self.counts["correction without a usable value"] += 1
-        elif self._believes(time_ns):
-            if self._history.add_correction(time_ns, correction, self._model):
-                return True
-            self.counts["correction older than the history"] += 1
-        return False
+            return "correction before the attitude was known"
+        if not correction.usable:
+            return "correction without a usable value"
+        if not self._believes(time_ns):
+            return "stamp far ahead"
+        if not self._history.add_correction(time_ns, correction, self._model):
+            return "correction older than the history"
+        return ""
 
     def _believes(self, stamp_ns: int) -> bool:
         """Whether a stamp may be true: a single one far ahead would carry the filter off for good."""
         if stamp_ns - self.stamp_ns <= LEAP_NS or 0 <= stamp_ns - self._doubted_ns <= LEAP_NS:
             return True
         self._doubted_ns = stamp_ns
-        self.counts["stamp far ahead"] += 1
         return False
 
 

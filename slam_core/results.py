@@ -1,7 +1,8 @@
 """What a step returns: plain frozen values that views, exporters and tests read."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -72,6 +73,38 @@ class NavigationState:
 
 
 @dataclass(frozen=True, slots=True)
+class AidingStatus:
+    """What became of the measurements of one source, up to some instant.
+
+    measures: the error states (0-2 attitude, 3-5 position, 6-8 velocity) that it is about. used, rejected: how
+    many passed the gate, and how many not. dropped: others, by reason. returns: how often it came back after a
+    rejection that lasted. Of the last one: stamp_ns, innovation and its sigma, normalised innovation squared (nis)
+    and the bound on that (inf: no gate). used_ns: time of the last that was used. streak, streak_ns: rejections in
+    a row that agree with each other, and since when.
+    """
+
+    source: str
+    measures: tuple[int, ...] = ()
+    used: int = 0
+    rejected: int = 0
+    dropped: Mapping[str, int] = field(default_factory=dict)
+    returns: int = 0
+    stamp_ns: int = 0
+    innovation: tuple[float, ...] = ()
+    sigma: tuple[float, ...] = ()
+    nis: float = 0.0
+    bound: float = math.inf
+    used_ns: int = 0
+    streak: int = 0
+    streak_ns: int = 0
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the last measurement was used."""
+        return self.used > 0 and self.streak == 0
+
+
+@dataclass(frozen=True, slots=True)
 class Durations:
     """Nanoseconds spent in each part of a step, by the clock that was handed to the pipeline."""
 
@@ -93,6 +126,7 @@ class StepResult:
     match: None on the first scan, which only makes the map.
     tracking: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
     "lost" when that lasts); reason: what spoke against the match, else empty.
+    aiding: what became of every source's measurements so far; without an IMU there are none.
     """
 
     index: int
@@ -110,3 +144,4 @@ class StepResult:
     durations: Durations
     tracking: Tracking = "tracking"
     reason: str = ""
+    aiding: tuple[AidingStatus, ...] = ()

@@ -89,8 +89,10 @@ class HectorSlam:
     def _wheels(self, odometry: Odometry) -> None:
         """A velocity by the wheels, to whichever motion is believed."""
         if self._inertial:
-            sigma = self.config.motion.odometry_sigma
-            self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma)
+            motion = self.config.motion
+            self._filter.update_velocity_body(
+                odometry.stamp_ns, odometry.velocity, motion.odometry_sigma, motion.odometry_gate
+            )
         else:
             self._planar.add_odometry(odometry, self.config.motion)
 
@@ -131,6 +133,7 @@ class HectorSlam:
             durations=lap.durations(),
             tracking=verdict.state,
             reason=verdict.reason,
+            aiding=self._filter.aiding,
         )
 
     def _motion_pose(self, time_ns: int) -> Transform:
@@ -200,13 +203,13 @@ class HectorSlam:
 
     def _fuse(self, time_ns: int, match: PlanarGaussian | None) -> tuple[PlanarGaussian, NavigationState | None]:
         """Covariance intersection of the motion with the match, eqs. (18)-(20); without one, the motion alone."""
-        omega = self.config.fusion.omega
+        omega, gate = self.config.fusion.omega, self.config.fusion.gate
         if match is None:
             fused, navigation = self._prior(time_ns), self._filter.at(time_ns) if self._inertial else None
         elif not self._inertial:
             fused, navigation = self._planar.fuse(match, omega), None
         else:
-            navigation = self._filter.fuse_planar(time_ns, match.mean, match.covariance, omega)[1]
+            navigation = self._filter.fuse_planar(time_ns, match.mean, match.covariance, omega, gate)[1]
             fused = self._filter.planar(time_ns)
         self._fused = fused.mean
         return fused, navigation

@@ -25,6 +25,7 @@ class Strapdown:
         walks = [config.gyro_bias_walk**2, config.accel_bias_walk**2]
         common = [config.gravity, SMOOTHING]
         self.gravity = config.gravity
+        self.patience_ns = round(config.gate_patience * 1e9)
         self.bounds = _bounds(config)
         self._model = np.array([*common, config.gyro_noise**2, config.accel_noise**2, *walks])
         self._blind = np.array([*common, BLIND_GYRO_NOISE**2, BLIND_ACCEL_NOISE**2, *walks])

@@ -24,6 +24,7 @@ NEAR_GRAVITY = 0.1
 _product = njit(error_model="numpy")(geometry.multiply)
 _exponential = njit(error_model="numpy")(geometry.from_rotation_vector)
 _matrix = njit(error_model="numpy")(geometry.rotation_matrix)
+_heading_gradient = njit(error_model="numpy")(geometry.heading_gradient)
 
 
 @njit(cache=True, error_model="numpy")
@@ -153,6 +154,56 @@ def inject(x: Float64s, error: Float64s) -> Float64s:
     for i in range(3, ERRORS):
         out[1 + i] += error[i]
     return out
+
+
+@njit(cache=True, error_model="numpy")
+def correct(
+    x: Float64s, P: Float64s, innovation: Float64s, C: Float64s, R: Float64s, bound: float
+) -> tuple[Float64s, Float64s, Float64s, float]:
+    """A Kalman update behind a gate: x, P, S = C P C^T + R, and nu^T S^-1 nu.
+
+    Where that passes `bound`, or the numbers do not bear the update (it is NaN then), x and P stay as they were.
+    """
+    return _gated(x, P, innovation, C, R, R, 1.0, bound)
+
+
+@njit(cache=True, error_model="numpy")
+def intersect_planar(
+    x: Float64s, P: Float64s, xi: Float64s, R: Float64s, omega: float, bound: float
+) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
+    """Eqs. (18)-(20) with C x = (p_x, p_y, psi), behind a gate as in `correct`: also the innovation."""
+    C = np.zeros((3, ERRORS))
+    C[0, 3] = C[1, 4] = 1.0
+    C[2, :3] = _heading_gradient(x[:4])
+    innovation = np.array([xi[0] - x[4], xi[1] - x[5], xi[2] - 2.0 * math.atan2(x[3], x[0])])
+    innovation[2] -= 2.0 * math.pi * round(innovation[2] / (2.0 * math.pi))
+    better, reduced, S, nis = _gated(x, P, innovation, C, R, (1.0 - omega) / omega * R, 1.0 - omega, bound)
+    return better, reduced, innovation, S, nis
+
+
+@njit(cache=True, error_model="numpy")
+def _gated(
+    x: Float64s,
+    P: Float64s,
+    innovation: Float64s,
+    C: Float64s,
+    R: Float64s,
+    weighed: Float64s,
+    share: float,
+    bound: float,
+) -> tuple[Float64s, Float64s, Float64s, float]:
+    """The update with the noise `weighed`, P divided by `share`, if the innovation passes the gate with R."""
+    S = R + sandwich(C, P)
+    whitened = solve_lower(cholesky(S), innovation.reshape(-1, 1))
+    nis = float(np.sum(whitened * whitened))
+    if not nis <= bound:
+        return x, P, S, nis
+    error, reduced = gain_update(P, C, weighed, innovation)
+    better = inject(x, error)
+    reduced /= share
+    if not is_sound(better, reduced):
+        return x, P, S, math.nan
+    return better, reduced, S, nis
 
 
 @njit(cache=True, error_model="numpy")
