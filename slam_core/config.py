@@ -58,7 +58,7 @@ class MapConfig:
     grow: Annotated[bool, Param("The map grows when beams reach its edge (off: they are cut there).")] = True
     limit: Annotated[
         float,
-        Param("Memory that all levels may take; beyond it the map stops growing.", "MB", 1.0, 16384.0, log=True),
+        Param("Memory that all levels may take; beyond it the map stops growing.", "MB", 1.0, 14336.0, log=True),
     ] = 1024.0
     levels: Annotated[int, Param("Levels, each half the resolution of the one below.", "", 1, 6, restart=True)] = 3
     start_x: Annotated[float, Param("Start, as a fraction of the map's width.", "", 0.0, 1.0, restart=True)] = 0.5

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.mapping import cells_of, write_scan
 from slam_core.measurements import Float32s, Float64s
 
@@ -14,17 +15,17 @@ class GridLevel:
 
     origin: (2,) lower left corner of the window in map coordinates, in whole cells. Row 0 is the lowest y.
     corner: (2,) column and row in the lattice of the window's cell [0, 0].
-    log_odds: (rows, columns), 0 unknown. probability: the same as M of eq. (4), 0.5 unknown.
+    log_odds: (rows, columns), 0 unknown. cells: the same as M of eq. (4), in parts of 2^16, 2^15 unknown.
     known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
     """
 
-    BYTES = 9  # of memory a cell: four in each of the first two arrays, one mark
+    BYTES = 7  # of memory a cell: four in log_odds, two in cells, one mark
 
     def __init__(self, resolution: float, shape: tuple[int, int], origin: Float64s) -> None:
         self.resolution = resolution
         self.corner: NDArray[np.int64] = np.rint(origin / resolution).astype(np.int64)
         self.log_odds: Float32s = np.zeros(shape, np.float32)
-        self.probability: Float32s = np.full(shape, 0.5, np.float32)
+        self.cells: NDArray[np.uint16] = np.full(shape, UNKNOWN)
         self._marks = _no_marks(shape)
         self.known = (0, 0, 0, 0)
 
@@ -33,6 +34,13 @@ class GridLevel:
         """Rows and columns."""
         rows, columns = self.log_odds.shape
         return rows, columns
+
+    @property
+    def probability(self) -> Float32s:
+        """M of eq. (4) as a number, (rows, columns); a copy."""
+        copy = self.cells * np.float32(1.0 / WHOLE)
+        copy.flags.writeable = False
+        return copy
 
     @property
     def origin(self) -> Float64s:
@@ -52,7 +60,7 @@ class GridLevel:
         """Add so many unknown rows and columns on each side; every cell keeps its place in the map."""
         sides = ((below, above), (left, right))
         self.log_odds = np.pad(self.log_odds, sides)
-        self.probability = np.pad(self.probability, sides, constant_values=np.float32(0.5))
+        self.cells = np.pad(self.cells, sides, constant_values=UNKNOWN)
         self._marks = _no_marks(self.shape)
         self.corner = self.corner - (left, below)
         row0, row1, column0, column1 = self.known
@@ -77,7 +85,7 @@ class GridLevel:
             for points in (start[None], ends, cleared)
         )
         limits = (np.float32(x) for x in (*steps, *caps))
-        touched = write_scan(self.log_odds, self.probability, self._marks, laser, hits, free, *limits)
+        touched = write_scan(self.log_odds, self.cells, self._marks, laser, hits, free, *limits)
         row0, row1, column0, column1 = self.known if self.known[1] else touched
         self.known = (
             min(row0, touched[0]),

@@ -7,20 +7,18 @@ import numpy as np
 from slam_core.config import MatcherConfig
 from slam_core.geometry import wrap
 from slam_core.grid import GridLevel
-from slam_core.kernels import matching
-from slam_core.kernels.planar import inverse3
+from slam_core.kernels import climbing, matching
+from slam_core.kernels.climbing import climb
 from slam_core.measurements import Float32s, Float64s
 from slam_core.pyramid import Pyramid
 from slam_core.results import MatchResult, PlanarGaussian
 from slam_core.surfaces import Beams
 
-# A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
-LARGEST_SIGMA = np.array([10.0, 10.0, math.pi])
-SMALLEST_INFORMATION = np.diag(LARGEST_SIGMA**-2.0)
 # The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
 NO_TRACE = np.empty((0, 4))
+NOTHING_KNOWN = np.eye(3)  # in the place of a prior's covariance, with a weight of 0
 
 
 def coarse_to_fine(
@@ -36,105 +34,59 @@ def coarse_to_fine(
 
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
-    config.prior_weight; R stays what the scan alone says.
+    config.prior_weight; R stays what the scan alone says. The paper's whole gradient is used where that fixes the
+    position, else only what lies across the surfaces (see config.weak_sigma).
     """
-    beams = _choose_beams(pyramid.levels[0], points, start, config)
-    pose = np.array(start, np.float64)
-    held = _prior_term(prior, start, config)
-    iterations: list[int] = []
-    traces: list[Float64s] = [NO_TRACE]
-    converged = False
-    for i in reversed(range(len(pyramid.levels))):
-        allowed = config.iterations_coarse if i else config.iterations_fine
-        steps = np.empty((allowed if trace else 0, 3))
-        taken, converged = _climb(pyramid.levels[i], beams, pose, held, allowed, config, steps)
-        iterations.insert(0, taken)
-        if trace:
-            traces.append(np.column_stack([np.full(taken, float(i)), steps[:taken]]))
-    finest = pyramid.levels[0]
-    hessian, _, _ = normal_equations(finest, beams, pose)
-    pose[2] = wrap(pose[2])
-    if config.covariance == "sampled":
-        covariance = sampled_covariance(finest, points, pose, config.sigma)
-    else:
-        covariance = hessian_covariance(hessian, config.sigma)
-    return MatchResult(
-        pose,
-        covariance,
-        hessian,
-        residuals(finest, beams, pose),
-        tuple(iterations),
-        converged,
-        np.concatenate(traces),
-    )
-
-
-def _choose_beams(level: GridLevel, points: Float32s, start: Float64s, config: MatcherConfig) -> Beams:
-    """The paper's whole gradient where that fixes the position, else only what lies across the surfaces."""
-    plain = Beams.plain(points)
-    hessian, _, _ = normal_equations(level, plain, start)
-    (xx, xy, _), (_, yy, _), _ = hessian_covariance(hessian, config.sigma).tolist()
-    weakest = 0.5 * (xx + yy + math.hypot(xx - yy, 2.0 * xy))  # the larger eigenvalue
-    return Beams.with_surfaces(points) if weakest > config.weak_sigma**2 else plain
-
-
-def _climb(
-    level: GridLevel,
-    beams: Beams,
-    pose: Float64s,
-    held: Float64s,
-    allowed: int,
-    config: MatcherConfig,
-    steps: Float64s,
-) -> tuple[int, bool]:
-    taken, converged = matching.gauss_newton(
-        *_grid_arguments(level),
-        *beams.arrays,
-        pose,
-        held,
-        allowed,
+    levels = pyramid.levels
+    residuals = np.empty(len(points), np.float32)
+    kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
+    steps = np.empty((len(levels), kept, 3))
+    found, taken, converged = climb(
+        tuple(level.cells for level in levels),
+        tuple(level.corner for level in levels),
+        levels[0].resolution,
+        points,
+        start,
+        start if prior is None else prior.mean,
+        NOTHING_KNOWN if prior is None else prior.covariance,
+        0.0 if prior is None else config.prior_weight,
+        config.iterations_coarse,
+        config.iterations_fine,
         config.converged_step,
         config.max_yaw_step,
+        config.sigma,
+        config.weak_sigma,
+        residuals,
         steps,
     )
-    return int(taken), bool(converged)
+    pose, hessian, covariance = found[0], found[1:4], found[4:]
+    pose[2] = wrap(pose[2])
+    if config.covariance == "sampled":
+        covariance = sampled_covariance(levels[0], points, pose, config.sigma)
+    iterations = tuple(taken.tolist())
+    iterates = _in_order(steps, iterations) if trace else NO_TRACE
+    return MatchResult(pose, covariance, hessian, residuals, iterations, converged, iterates)
 
 
-def _prior_term(prior: PlanarGaussian | None, start: Float64s, config: MatcherConfig) -> Float64s:
-    """(4, 3): the prior's information in units of the cost, whose scale is sigma^2 by eq. (15), and its mean."""
-    term = np.zeros((4, 3))
-    if prior is not None and config.prior_weight > 0.0:
-        term[:3] = config.prior_weight * config.sigma**2 * inverse3(prior.covariance)
-        term[3] = prior.mean
-        term[3, 2] = start[2] + wrap(prior.mean[2] - start[2])
-    return term
-
-
-def _grid_arguments(level: GridLevel) -> tuple[Float32s, int, int, int, int, float]:
-    rows, columns = level.shape
-    left, low = level.corner.tolist()
-    return level.probability.reshape(-1), rows, columns, left, low, 1.0 / level.resolution
+def _in_order(steps: Float64s, taken: tuple[int, ...]) -> Float64s:
+    """(k, 4) level and pose after each step, coarse to fine, from the poses of each level."""
+    levels = reversed(range(len(taken)))
+    return np.concatenate([np.insert(steps[i, : taken[i]], 0, float(i), axis=1) for i in levels])
 
 
 def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Float64s, Float64s, float]:
     """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
     h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = matching.normal_equations(
-        *_grid_arguments(level), *beams.arrays, pose[0], pose[1], pose[2]
-    )
+        level.cells, level.corner, 1.0 / level.resolution, *beams.arrays, pose[0], pose[1], pose[2],
+        np.empty_like(beams.xs),
+    )  # fmt: skip
     hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
     return hessian, np.array([b0, b1, b2]), float(cost)
 
 
-def residuals(level: GridLevel, beams: Beams, pose: Float64s) -> Float32s:
-    """1 - M(S_i(xi)) of every endpoint, eq. (7)."""
-    out = np.empty(len(beams.xs), np.float32)
-    matching.residuals(*_grid_arguments(level), beams.xs, beams.ys, pose[0], pose[1], pose[2], out)
-    return out
-
-
 def hessian_covariance(hessian: Float64s, sigma: float) -> Float64s:
     """R = sigma^2 H^-1, eq. (15), bounded where H is (nearly) singular by LARGEST_SIGMA."""
-    covariance: Float64s = inverse3(hessian / sigma**2 + SMALLEST_INFORMATION)
+    covariance: Float64s = climbing.hessian_covariance(hessian, sigma)
     return covariance
 
 

@@ -7,6 +7,7 @@ wall is a cell wider, so that large steps miss nothing; the second looks closely
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slam_core.geometry import wrap
 from slam_core.grid import GridLevel
@@ -31,16 +32,16 @@ def find_pose(level: GridLevel, points: Float32s, around: Float64s, window: tupl
     step = STEP_CELLS * level.resolution
     reach = min(window[0], REACH_CELLS * level.resolution)
     coarse = around + _lattice(_axis(reach, step), _axis(min(window[1], math.pi), STEP_ANGLE))
-    scores = _scores(level, pool(level.probability), few, coarse)
+    scores = _scores(level, pool(level.cells), few, coarse)
     best = np.argsort(-scores, kind="stable")[:CANDIDATES]
     near = _lattice(FINE_OFFSETS * 0.5 * step, FINE_OFFSETS * 0.5 * STEP_ANGLE)
     fine = (coarse[best][:, None] + near).reshape(-1, 3)
-    found: Float64s = fine[np.argmax(_scores(level, level.probability, few, fine))].copy()
+    found: Float64s = fine[np.argmax(_scores(level, level.cells, few, fine))].copy()
     found[2] = wrap(found[2])
     return found
 
 
-def pool(cells: Float32s) -> Float32s:
+def pool(cells: NDArray[np.uint16]) -> NDArray[np.uint16]:
     """The largest value among a cell and its eight neighbours: what a pose up to a cell away could read."""
     wide = cells.copy()
     np.maximum(wide[:, 1:], cells[:, :-1], out=wide[:, 1:])
@@ -62,7 +63,7 @@ def _lattice(shifts: Float64s, turns: Float64s) -> Float64s:
     return np.stack([x.ravel(), y.ravel(), psi.ravel()], axis=1)
 
 
-def _scores(level: GridLevel, cells: Float32s, points: Float32s, poses: Float64s) -> Float64s:
+def _scores(level: GridLevel, cells: NDArray[np.uint16], points: Float32s, poses: Float64s) -> Float64s:
     out = np.empty(len(poses))
     x, y = float(level.origin[0]), float(level.origin[1])
     kernels.score(cells, x, y, 1.0 / level.resolution, points, poses, out)

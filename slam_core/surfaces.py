@@ -13,10 +13,6 @@ import numpy as np
 from slam_core.kernels.surfaces import tangents
 from slam_core.measurements import Float32s
 
-# Neighbours on either side of an endpoint, and how far apart they may lie: a wall seen at a glance, not a room.
-WINDOW = 8
-GAP = 0.3
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beams:
@@ -38,7 +34,7 @@ class Beams:
         """Endpoints (n, 2) in the order of the sweep, with the directions of the surfaces they lie on."""
         xs, ys = _columns(points)
         along_x, along_y = np.empty_like(xs), np.empty_like(xs)
-        tangents(xs, ys, WINDOW, GAP, along_x, along_y)
+        tangents(xs, ys, along_x, along_y)
         return cls(xs, ys, along_x, along_y)
 
     @property

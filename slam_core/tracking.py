@@ -39,8 +39,7 @@ class Verdict:
 
 def fit(level: GridLevel, points: Float32s, pose: Float64s) -> Fit:
     """How endpoints (n, 2) at `pose` (3,) meet a level."""
-    x, y = float(level.origin[0]), float(level.origin[1])
-    known, hits = count_hits(level.probability, x, y, 1.0 / level.resolution, points, pose[0], pose[1], pose[2])
+    known, hits = count_hits(level.cells, level.corner, 1.0 / level.resolution, points, pose)
     return Fit(known / max(len(points), 1), hits / max(known, 1))
 
 

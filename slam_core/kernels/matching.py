@@ -1,8 +1,7 @@
 """Equations (7)-(14) as loops over the beams: float32, branch-free, so that LLVM turns them into gathers.
 
-Poses are float64 (x, y, psi) in metres and radians; `inverse` is cells a metre and `left`, `low` are column and
-row of cell [0, 0] in the lattice. Beams are placed in the lattice: float32 rounds finely near the map's start, and
-in the same way however far the map reaches.
+Poses are float64 (x, y, psi) in metres and radians; `inverse` is cells a metre. Beams are placed in the lattice:
+float32 rounds finely near the map's start, and in the same way however far the map reaches.
 """
 
 import math
@@ -10,48 +9,55 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.bilinear import bilinear
+from slam_core.kernels.bilinear import WHOLE, bilinear
+from slam_core.kernels.memory import get, put
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+PART = np.float32(1.0 / WHOLE)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def normal_equations(cells, rows, columns, left, low, inverse, xs, ys, along_x, along_y, x, y, psi):
+def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi, residuals):
     """H of (13) as its six upper entries, the right side of (12), and the cost of (7); metres and radians.
 
+    cells: (rows, columns) in parts, and corner: (2,) column and row of cell [0, 0] in the lattice.
     along_x, along_y: direction in the scan along which the map's gradient does not count, zero for all of it.
-    Points off the map read 0.5 (unknown) with no gradient.
+    residuals: (n,) takes 1 - M(S_i(xi)) of every beam. Points off the map read 0.5 (unknown) with no gradient.
     """
     cosine = np.float32(math.cos(psi) * inverse)
     sine = np.float32(math.sin(psi) * inverse)
     turn_u, turn_v = np.float32(math.cos(psi)), np.float32(math.sin(psi))
     shift_u = np.float32(x * inverse - 0.5)
     shift_v = np.float32(y * inverse - 0.5)
+    rows, columns = cells.shape
+    left, low = np.int32(corner[0]), np.int32(corner[1])
     first_u, last_u = np.float32(left), np.float32(left + columns - 2)
     first_v, last_v = np.float32(low), np.float32(low + rows - 2)
-    width = np.int32(columns)
-    left, low = np.int32(left), np.int32(low)
+    flat, width = cells.reshape(-1), np.int32(columns)
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
     for i in range(len(xs)):
-        arm_u = cosine * xs[i] - sine * ys[i]
-        arm_v = sine * xs[i] + cosine * ys[i]
+        j = np.int32(i)
+        px, py, ax, ay = get(xs, j), get(ys, j), get(along_x, j), get(along_y, j)
+        arm_u = cosine * px - sine * py
+        arm_v = sine * px + cosine * py
         u = arm_u + shift_u
         v = arm_v + shift_v
         inside = (u >= first_u) & (v >= first_v) & (u < last_u + ONE) & (v < last_v + ONE)
         floor_u = np.floor(min(max(u, first_u), last_u))
         floor_v = np.floor(min(max(v, first_v), last_v))
         column, row = np.int32(floor_u) - left, np.int32(floor_v) - low
-        value, du, dv = bilinear(cells, width, column, row, u - floor_u, v - floor_v)
+        value, du, dv = bilinear(flat, width, column, row, u - floor_u, v - floor_v)
         weight = ONE if inside else ZERO
-        along_u = turn_u * along_x[i] - turn_v * along_y[i]
-        along_v = turn_v * along_x[i] + turn_u * along_y[i]
+        along_u = turn_u * ax - turn_v * ay
+        along_v = turn_v * ax + turn_u * ay
         along = du * along_u + dv * along_v
         gu = (du - along * along_u) * weight
         gv = (dv - along * along_v) * weight
-        error = ONE - value if inside else HALF
+        error = ONE - PART * value if inside else HALF
         gp = gv * arm_u - gu * arm_v
+        put(residuals, j, error)
         h00 += gu * gu
         h01 += gu * gv
         h02 += gu * gp
@@ -62,33 +68,13 @@ def normal_equations(cells, rows, columns, left, low, inverse, xs, ys, along_x, 
         b1 += gv * error
         b2 += gp * error
         cost += error * error
-    k = inverse
+    # Gradients were summed in parts of the probability a cell.
+    p = 1.0 / WHOLE
+    k = inverse * p
     return (
-        h00 * k * k, h01 * k * k, h02 * k, h11 * k * k, h12 * k, np.float64(h22),
-        b0 * k, b1 * k, np.float64(b2), np.float64(cost),
+        h00 * k * k, h01 * k * k, h02 * k * p, h11 * k * k, h12 * k * p, h22 * p * p,
+        b0 * k, b1 * k, b2 * p, np.float64(cost),
     )  # fmt: skip
-
-
-@njit(cache=True, fastmath=True, error_model="numpy")
-def residuals(cells, rows, columns, left, low, inverse, xs, ys, x, y, psi, out):
-    """1 - M(S_i(xi)) of every beam, eq. (7), into `out`."""
-    cosine = np.float32(math.cos(psi) * inverse)
-    sine = np.float32(math.sin(psi) * inverse)
-    shift_u = np.float32(x * inverse - 0.5)
-    shift_v = np.float32(y * inverse - 0.5)
-    first_u, last_u = np.float32(left), np.float32(left + columns - 2)
-    first_v, last_v = np.float32(low), np.float32(low + rows - 2)
-    width = np.int32(columns)
-    left, low = np.int32(left), np.int32(low)
-    for i in range(len(xs)):
-        u = cosine * xs[i] - sine * ys[i] + shift_u
-        v = sine * xs[i] + cosine * ys[i] + shift_v
-        inside = (u >= first_u) & (v >= first_v) & (u < last_u + ONE) & (v < last_v + ONE)
-        floor_u = np.floor(min(max(u, first_u), last_u))
-        floor_v = np.floor(min(max(v, first_v), last_v))
-        column, row = np.int32(floor_u) - left, np.int32(floor_v) - low
-        value, _, _ = bilinear(cells, width, column, row, u - floor_u, v - floor_v)
-        out[i] = ONE - value if inside else HALF
 
 
 @njit(cache=True, error_model="numpy")
@@ -114,10 +100,7 @@ def solve3(h00, h01, h02, h11, h12, h22, b0, b1, b2):
 @njit(cache=True, error_model="numpy")
 def gauss_newton(
     cells,
-    rows,
-    columns,
-    left,
-    low,
+    corner,
     inverse,
     xs,
     ys,
@@ -128,6 +111,7 @@ def gauss_newton(
     iterations,
     converged_step,
     max_yaw_step,
+    residuals,
     trace,
 ):
     """Iterate (12) on one level; `pose` (3,) is updated in place and every iterate goes to `trace` (k, 3).
@@ -139,7 +123,7 @@ def gauss_newton(
     steps = 0
     for k in range(iterations):
         h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(
-            cells, rows, columns, left, low, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2]
+            cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals
         )
         e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
         dx, dy, dpsi, solved = solve3(

@@ -5,23 +5,23 @@ import math
 import numpy as np
 from numba import njit
 
-HALF = np.float32(0.5)
+from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 
 
 @njit(cache=True, error_model="numpy")
-def count_hits(cells, origin_x, origin_y, inverse, points, x, y, psi):
+def count_hits(cells, corner, inverse, points, pose):
     """How many endpoints lie on known cells, and how many of those on occupied ones."""
     rows, columns = cells.shape
-    c, s = math.cos(psi) * inverse, math.sin(psi) * inverse
-    shift_u, shift_v = (x - origin_x) * inverse, (y - origin_y) * inverse
+    c, s = math.cos(pose[2]) * inverse, math.sin(pose[2]) * inverse
+    shift_u, shift_v = pose[0] * inverse - corner[0], pose[1] * inverse - corner[1]
     known = hits = 0
     for i in range(len(points)):
         u = c * points[i, 0] - s * points[i, 1] + shift_u
         v = s * points[i, 0] + c * points[i, 1] + shift_v
         if 0.0 <= u < columns and 0.0 <= v < rows:
             value = cells[int(v), int(u)]
-            known += value != 0.5
-            hits += value > 0.5
+            known += value != UNKNOWN
+            hits += value > UNKNOWN
     return known, hits
 
 
@@ -32,10 +32,10 @@ def score(cells, origin_x, origin_y, inverse, points, poses, out):
     for k in range(len(poses)):
         c, s = math.cos(poses[k, 2]) * inverse, math.sin(poses[k, 2]) * inverse
         shift_u, shift_v = (poses[k, 0] - origin_x) * inverse, (poses[k, 1] - origin_y) * inverse
-        total = np.float64(0.0)
+        total = np.int64(0)
         for i in range(len(points)):
             u = c * points[i, 0] - s * points[i, 1] + shift_u
             v = s * points[i, 0] + c * points[i, 1] + shift_v
             inside = 0.0 <= u < columns and 0.0 <= v < rows
-            total += cells[int(v), int(u)] if inside else HALF
-        out[k] = total / len(points)
+            total += cells[int(v), int(u)] if inside else UNKNOWN
+        out[k] = total / (WHOLE * len(points))

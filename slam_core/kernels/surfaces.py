@@ -7,13 +7,16 @@ from numba import njit
 
 # A spread across the surface this share of the one along it, or more, makes it no line at all.
 ROUND = 1.0 / 9.0
+# Neighbours on either side of an endpoint, and how far apart they may lie: a wall seen at a glance, not a room.
+WINDOW = 8
+GAP = 0.3
 
 
 @njit(cache=True, error_model="numpy")
-def tangents(xs, ys, window, gap, along_x, along_y):
+def tangents(xs, ys, along_x, along_y):
     """Unit vectors along the surface, times the root of how straight it is; zero for a lone or round one.
 
-    The neighbours are up to `window` beams on either side, each within `gap` metres of the one before.
+    The neighbours are up to WINDOW beams on either side, each within GAP metres of the one before.
     """
     n = len(xs)
     sums = np.zeros((n + 1, 5))
@@ -28,11 +31,11 @@ def tangents(xs, ys, window, gap, along_x, along_y):
         sums[i + 1, 4] = sums[i, 4] + y * y
         if i > 0:
             dx, dy = xs[i] - xs[i - 1], ys[i] - ys[i - 1]
-            first[i] = first[i - 1] if dx * dx + dy * dy <= gap * gap else i
+            first[i] = first[i - 1] if dx * dx + dy * dy <= GAP * GAP else i
     for i in range(n - 2, -1, -1):
         last[i] = last[i + 1] if first[i + 1] == first[i] else i
     for i in range(n):
-        a, b = max(first[i], i - window), min(last[i], i + window) + 1
+        a, b = max(first[i], i - WINDOW), min(last[i], i + WINDOW) + 1
         along_x[i] = along_y[i] = 0.0
         if b - a >= 4:
             along_x[i], along_y[i] = _direction(sums[b] - sums[a], b - a)

@@ -51,4 +51,4 @@ def test_levels_stay_aligned_on_one_corner(seed, levels, size):
         for i, level in enumerate(pyramid.levels):
             assert (level.corner * 2**i == finest.corner).all()
             assert tuple(n * 2**i for n in level.shape) == finest.shape
-            assert level.log_odds.shape == level.probability.shape
+            assert level.log_odds.shape == level.cells.shape

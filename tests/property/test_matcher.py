@@ -44,7 +44,7 @@ def test_matching_turns_with_the_map(seed, turns, right, up):
     points = np.random.default_rng(seed).uniform(-0.6, 0.6, (150, 2)).astype(np.float32)
     start = np.array([1.6, 1.6, 0.2])
     moved = GridLevel(level.resolution, level.shape, np.array([right, up]) * level.resolution)
-    moved.probability[:] = np.rot90(level.probability, -turns)  # row 0 is the lowest y: this turns left
+    moved.cells[:] = np.rot90(level.cells, -turns)  # row 0 is the lowest y: this turns left
     side = level.shape[0] * level.resolution
     corner = np.array([(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)][turns])
     motion = np.array([*(corner + moved.origin), turns * np.pi / 2])

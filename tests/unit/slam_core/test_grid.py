@@ -54,7 +54,7 @@ def test_probability_follows_log_odds(level):
     rng = np.random.default_rng(0)
     for _ in range(5):
         update(level, (0.5, 0.5), rng.uniform((-9, -4), (18, 13), (40, 2)))
-    np.testing.assert_allclose(level.probability, 1 / (1 + np.exp(-level.log_odds)), atol=1e-6)
+    np.testing.assert_allclose(level.probability, 1 / (1 + np.exp(-level.log_odds)), atol=2.0**-16)
 
 
 def test_caps_hold(level):

@@ -13,7 +13,7 @@ from slam_core.pyramid import Pyramid
 from slam_core.results import PlanarGaussian
 from slam_core.stabilise import ScanConfig, stabilise
 from slam_core.surfaces import Beams
-from tests.worlds import room_scan, smooth_level
+from tests.worlds import in_parts, room_scan, smooth_level
 
 POSE = np.array([1.6, 1.5, 0.3])
 ROOM = MapConfig(size=400, levels=3)
@@ -186,7 +186,7 @@ def test_sampled_covariance_of_a_quadratic_cost_is_equation_15():
     """Where residuals are linear in the pose both covariances agree."""
     level = smooth_level()
     u, v = np.meshgrid(np.arange(64), np.arange(64))
-    level.probability[:] = 1.0 - 0.008 * np.abs(u - 31.5) - 0.012 * np.abs(v - 31.5)
+    level.cells[:] = in_parts(1.0 - 0.008 * np.abs(u - 31.5) - 0.012 * np.abs(v - 31.5))
     # Points in the four quadrants of that tent, mirrored: moving one way improves as many as it worsens.
     corner = np.random.default_rng(2).uniform(0.3, 0.6, (100, 2))
     points = np.vstack([corner * signs for signs in [(1, 1), (1, -1), (-1, 1), (-1, -1)]]).astype(np.float32)

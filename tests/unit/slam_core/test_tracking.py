@@ -7,6 +7,7 @@ from slam_core.config import TrackingConfig
 from slam_core.grid import GridLevel
 from slam_core.results import MatchResult, PlanarGaussian
 from slam_core.tracking import Fit, Tracker, disagreement, fit
+from tests.worlds import in_parts
 
 CONFIG = TrackingConfig(lost_after=3)
 GOOD, WORSE, BAD = Fit(0.9, 0.95), Fit(0.9, 0.65), Fit(0.9, 0.2)
@@ -15,7 +16,7 @@ GOOD, WORSE, BAD = Fit(0.9, 0.95), Fit(0.9, 0.65), Fit(0.9, 0.2)
 def test_the_fit_counts_known_and_occupied_cells():
     """One endpoint off the map, one on unknown, one on free and one on occupied ground: half known, half hits."""
     level = GridLevel(1.0, (4, 4), np.array([-1.0, -1.0]))
-    level.probability[1, 2], level.probability[2, 1] = 0.9, 0.1  # at x, y = 1, 0 and 0, 1
+    level.cells[1, 2], level.cells[2, 1] = in_parts([0.9, 0.1])  # at x, y = 1, 0 and 0, 1
     points = np.array([[9.0, 0.0], [-0.5, -0.5], [1.5, 0.5], [0.5, 1.5]], np.float32)
     assert fit(level, points, np.zeros(3)) == Fit(0.5, 0.5)
     turned = np.column_stack([points[:, 1], -points[:, 0]])  # as seen from a quarter turn to the left
