@@ -10,7 +10,7 @@ import tyro
 
 from app.compiled import keep_compiled, user_cache
 from app.options import PageArgs, PageFlags, SettingArgs, SettingFlags, SourceArgs, source_options
-from app.sources import SourceOptions, open_source
+from app.sources import Source, SourceOptions, open_source
 from slam_core.errors import SlamError
 
 # What takes long to import (viser, numba, rosbags) is imported by the command that needs it: help comes at once.
@@ -33,12 +33,12 @@ def demo(
     page: PageArgs,
 ) -> None:
     """Show one of the simulated recordings that come with the program."""
-    _show(str(demo_bag(scene)), SourceOptions(), settings, page)
+    _show(open_source(str(demo_bag(scene)), SourceOptions()), settings, page)
 
 
 def view(bag: Bag, *, settings: SettingArgs, source: SourceArgs, page: PageArgs) -> None:
     """Show a recording in the browser."""
-    _show(str(bag), source_options(source), settings, page)
+    _show(_examined(str(bag), source), settings, page)
 
 
 def live(
@@ -51,7 +51,7 @@ def live(
     page: PageArgs,
 ) -> None:
     """Show the stream of a running robot in the browser."""
-    _show(address, source_options(source), settings, page)
+    _show(_examined(address, source), settings, page)
 
 
 def run(
@@ -66,11 +66,11 @@ def run(
     from app.runner import run as run_to_files  # noqa: PLC0415
     from app.warmup import warm_up  # noqa: PLC0415
 
-    options, chosen = source_options(source), settings.settings()
-    recording = open_source(str(bag), options)
+    chosen = settings.settings()
+    recording = _examined(str(bag), source)
     warm_up()
     with show_progress(recording) as progress:
-        figures = run_to_files(recording, chosen, out, truth=options.truth_topic, progress=progress)
+        figures = run_to_files(recording, chosen, out, truth=source.truth_topic, progress=progress)
     summary(recording.name, figures, out)
 
 
@@ -81,13 +81,21 @@ def inspect(bag: Bag, *, source: SourceArgs) -> None:
     print(inspect_bag(bag, source_options(source)))
 
 
-def _show(uri: str, options: SourceOptions, settings: SettingFlags, page: PageFlags) -> None:
+def _examined(uri: str, flags: Any) -> Source:
+    """The source behind a path or address; SlamError if it cannot be used, or contradicts its own messages."""
+    from app.examiner import examined  # noqa: PLC0415
+
+    options = source_options(flags)
+    return examined(open_source(uri, options), options)
+
+
+def _show(source: Source, settings: SettingFlags, page: PageFlags) -> None:
     from app.engine import Engine  # noqa: PLC0415
     from app.warmup import warm_up  # noqa: PLC0415
     from app.web.server import serve  # noqa: PLC0415
 
     chosen = settings.settings()
-    engine = Engine(open_source(uri, options), chosen, prepare=warm_up)
+    engine = Engine(source, chosen, prepare=warm_up)
     engine.start()
     try:
         serve(engine, host=page.host, port=page.port, token=page.token)

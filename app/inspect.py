@@ -7,6 +7,8 @@ from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 
+from app.devices import Finding, findings, remedy
+from app.evidence import Evidence, Measures
 from app.snapshot import SourceReport
 from app.sources import Item, SourceOptions
 from app.sources.bag import BagSource, open_bag
@@ -56,6 +58,8 @@ class BagReport:
     topics: tuple[TopicLine, ...]
     parts: tuple[Part, ...]
     source: SourceReport
+    measures: Measures
+    findings: tuple[Finding, ...]
 
     def __str__(self) -> str:
         return "\n".join(_render(self))
@@ -64,13 +68,16 @@ class BagReport:
 def inspect_bag(path: Path, options: SourceOptions) -> BagReport:
     """Read a recording without mapping; SourceError if it cannot be read. One without a laser is welcome."""
     source = open_bag(path, options)
+    evidence = Evidence()
     counts = dict.fromkeys(_MEASURES.values(), 0)
     first_scan: LaserScan | None = None
     for item in source.items():
         counts[type(item)] += 1
+        evidence.take(item)
         if first_scan is None and isinstance(item, LaserScan):
             first_scan = item
     begin_ns, end_ns = source.span_ns
+    measures = evidence.measures()
     return BagReport(
         source.name,
         source.recording.container,
@@ -79,6 +86,8 @@ def inspect_bag(path: Path, options: SourceOptions) -> BagReport:
         tuple(_topic_lines(source)),
         tuple(_part(role, source, counts[kind], first_scan) for role, kind in _MEASURES.items()),
         source.report,
+        measures,
+        tuple(findings(measures, options)),
     )
 
 
@@ -132,9 +141,36 @@ def _render(report: BagReport) -> Iterator[str]:
         (part.role, part.topic or "-", str(part.measurements or "-"), part.detail) for part in report.parts
     ]
     yield from _table([("part", "played by", "used", ""), *used], right=(2,))
-    for title, lines in (("notes", report.source.notes), ("skipped", _skipped(report.source))):
+    for title, lines in (
+        ("devices", list(_devices(report.measures))),
+        ("wrong with them", list(_wrong(report.findings))),
+        ("notes", report.source.notes),
+        ("skipped", _skipped(report.source)),
+    ):
         if lines:
             yield from ("", title, *(f"  {line}" for line in lines))
+
+
+def _devices(measures: Measures) -> Iterator[str]:
+    """What the data tells of the sensors, whether it is as it should be or not."""
+    felt = measures.gravity
+    if felt is not None:
+        up = " ".join(f"{part:.2f}" for part in felt.up)
+        yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
+    for name, turn in (
+        ("gyroscope against the scans", measures.turn),
+        ("gyroscope against gravity", measures.tilt),
+        ("odometry against the scans", measures.wheels),
+    ):
+        if turn is not None:
+            late = f", the scans {turn.lag:.2f} s late" if turn is not measures.tilt else ""
+            yield f"{name}: turns {turn.ratio:.2f} times as far, correlation {turn.correlation:.2f}{late}"
+
+
+def _wrong(found: tuple[Finding, ...]) -> Iterator[str]:
+    yield from (finding.fact for finding in found)
+    if found:
+        yield f"repair: {remedy(found)}"
 
 
 def _skipped(report: SourceReport) -> list[str]:

@@ -14,14 +14,33 @@ from slam_core.config import Leaf, SlamConfig, leaves, with_value
 
 _TOPICS = {
     "scan_topic": "Topic of the laser scans.",
-    "imu_topic": "Topic of the inertial data.",
+    "imu_topic": "Topic of the inertial data; none leaves it out, as with every topic.",
     "attitude_topic": "Topic of an attitude that somebody else estimated (tf:PARENT>CHILD for tf).",
     "odometry_topic": "Topic of the wheel odometry.",
     "height_topic": "Topic of the height or the air pressure.",
     "truth_topic": "Topic of the true poses (tf:PARENT>CHILD for tf): shown and scored, never used.",
     "base_frame": "Frame of the robot's base.",
     "laser_pose": "The laser in the base, metres and radians; overrides tf.",
+    "imu_accel_unit": "Unit of the accelerations.",
+    "imu_gyro_unit": "Unit of the angular rates.",
+    "imu_inverted": "Which of its vectors the IMU gives with the wrong sign.",
+    "imu_rotation": "How the IMU is turned in the base, radians; on top of tf.",
+    "imu_delay": "How late the stamps of the inertial data are, seconds.",
+    "scan_mirrored": "Whether the beams run the other way round than the scan says.",
+    "scan_delay": "How late the stamps of the scans are, seconds.",
 }
+_METAVARS = {
+    "base_frame": "FRAME",
+    "laser_pose": "X Y Z ROLL PITCH YAW",
+    "imu_accel_unit": "{m/s2,g,mg}",
+    "imu_gyro_unit": "{rad/s,deg/s}",
+    "imu_inverted": "{accel,gyro}",
+    "imu_rotation": "ROLL PITCH YAW",
+    "imu_delay": "SECONDS",
+    "scan_mirrored": "{true,false}",
+    "scan_delay": "SECONDS",
+}
+_SWITCH: dict[Any, bool] = {"true": True, "false": False}
 
 
 def _flag(leaf: Leaf) -> Any:
@@ -53,7 +72,7 @@ class SettingFlags:
         for group, given in asdict(self).items():
             for key, value in given.items() if isinstance(given, dict) else ():
                 if value is not None:
-                    start = with_value(start, f"{group}.{key}", {"true": True, "false": False}.get(value, value))
+                    start = with_value(start, f"{group}.{key}", _SWITCH.get(value, value))
         return Settings(start, settings.changes)
 
 
@@ -69,15 +88,15 @@ def _setting_flags() -> type[SettingFlags]:
 def _source_flags() -> type[Any]:
     flags: list[Any] = []
     for option in fields(SourceOptions):
-        metavar = {"laser_pose": "X Y Z ROLL PITCH YAW", "base_frame": "FRAME"}.get(option.name, "TOPIC")
-        aliases = ["--truth"] if option.name == "truth_topic" else []
+        kind: Any = Literal["true", "false"] | None if option.type == bool | None else option.type
+        metavar = _METAVARS.get(option.name, "TOPIC")
         hint = tyro.conf.arg(
             help=_TOPICS[option.name],
             metavar=metavar,
-            aliases=aliases,
-            help_behavior_hint="(default: found by type)",
+            aliases=["--truth"] if option.name == "truth_topic" else [],
+            help_behavior_hint=f"(default: {'found by type' if metavar == 'TOPIC' else 'by tf and the messages'})",
         )
-        flags.append((option.name, Annotated[option.type, hint], None))
+        flags.append((option.name, Annotated[kind, hint], None))
     return make_dataclass("SourceFlags", flags)
 
 
@@ -101,4 +120,5 @@ PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
 
 def source_options(flags: Any) -> SourceOptions:
     """The flags of `SourceArgs` as the sources take them."""
-    return SourceOptions(**asdict(flags))
+    given = asdict(flags)
+    return SourceOptions(**{**given, "scan_mirrored": _SWITCH.get(given["scan_mirrored"])})

@@ -79,7 +79,13 @@ REAL = (
     ),
     Recording("hallway eng403_good", BESIDE / "hallway_rplidar/eng403_good.bag"),
     Recording("ccny_handheld", BESIDE / "ccny_handheld/demo_initial_commit.bag"),
-    Recording("mumble kitchen_1", BESIDE / "mumble_lidar_imu/kitchen_1"),
+    Recording(
+        "mumble kitchen_1",
+        BESIDE / "mumble_lidar_imu/kitchen_1",
+        options=SourceOptions(
+            imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=0.21
+        ),  # found by `hectorscope inspect`
+    ),
 )
 TIMED = (*DEMOS, *REAL[:2])
 

@@ -11,6 +11,7 @@ import numpy as np
 from app.ros import messages
 from app.ros.messages import BadMessage
 from app.ros.mounts import Mounts
+from app.ros.repairs import Repairs
 from app.ros.roles import PRESSURE, RANGE, Roles, is_static_tf, tf_spec
 from app.ros.tf import TfTree
 from app.ros.tf_poses import TfPoses
@@ -45,6 +46,7 @@ class Converter:
         self.tree = TfTree()
         self.mounts = Mounts(self.tree, options.base_frame)
         self._laser_pose = _laser_pose(options)
+        self._repairs = Repairs(options)
         self._tf_poses = TfPoses(self.tree, self.mounts)
         self._read: Counter[str] = Counter()
         self._skipped: Counter[str] = Counter()
@@ -126,26 +128,29 @@ class Converter:
 
     def _scan(self, pending: _Pending, waited_ns: float) -> LaserScan | None:
         message = pending.message
-        middle_ns = pending.stamp_ns + messages.sweep_ns(message) // 2
+        stamp_ns = pending.stamp_ns - self._repairs.scan_delay_ns
+        middle_ns = stamp_ns + messages.sweep_ns(message) // 2
         mount = self._laser_pose or self._mount(pending, waited_ns, middle_ns)
         if mount is None:
             return None
         beams = len(message.ranges)
         if self._beams.setdefault(pending.topic, beams) != beams:
             self._notes["beams"] = f"{pending.topic}: the number of beams varies"
-        return messages.laser_scan(message, pending.stamp_ns, mount)
+        return self._repairs.scan(messages.laser_scan(message, stamp_ns, mount))
 
     def _imu(self, pending: _Pending, waited_ns: float) -> Imu | None:
         mount = self._mount(pending, waited_ns)
         if mount is None:
             return None
-        return messages.imu(pending.message, pending.stamp_ns, mount.rotation)
+        stamp_ns = pending.stamp_ns - self._repairs.imu_delay_ns
+        return self._repairs.imu(messages.imu(pending.message, stamp_ns, mount.rotation))
 
     def _attitude(self, pending: _Pending, waited_ns: float) -> Attitude | None:
         mount = self._mount(pending, waited_ns)
         if mount is None:
             return None
-        return messages.imu_attitude(pending.message, pending.stamp_ns, mount.rotation)
+        stamp_ns = pending.stamp_ns - self._repairs.imu_delay_ns
+        return self._repairs.attitude(messages.imu_attitude(pending.message, stamp_ns, mount.rotation))
 
     def _odometry(self, pending: _Pending, _waited_ns: float) -> Odometry:
         return messages.odometry(pending.message, pending.stamp_ns)

@@ -17,8 +17,6 @@ MAX_SWEEP_RAD = 4.0 * math.pi
 MAX_SWEEP_S = 10.0
 # Zero stands for "no return" on many devices that announce range_min = 0.
 SHORTEST_RANGE = 1e-3
-# No robot shakes like this: the driver publishes milli-g.
-MAX_ACCELERATION = 400.0
 # A range sensor at less than this sine under the horizon does not measure height.
 STEEP = 0.8
 # The mount of a height sensor whose recording has no tf.
@@ -88,8 +86,6 @@ def imu(message: Any, time_ns: int, rotation: Float64s) -> Imu:
     omega, acceleration = message.angular_velocity, message.linear_acceleration
     rates = _finite_vector("IMU message", omega.x, omega.y, omega.z)
     forces = _finite_vector("IMU message", acceleration.x, acceleration.y, acceleration.z)
-    if math.hypot(acceleration.x, acceleration.y, acceleration.z) > MAX_ACCELERATION:
-        raise BadMessage(f"IMU message with more than {MAX_ACCELERATION:g} m/s²: its driver must publish SI units")
     if rotation[0] != 1.0:
         rates, forces = geometry.rotate(rotation, np.stack([rates, forces]))
     return Imu(time_ns, rates, forces)

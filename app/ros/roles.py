@@ -24,6 +24,8 @@ ROLE_TYPES: dict[str, tuple[str, ...]] = {
     "height": (PRESSURE, RANGE, POINT),
     "truth": (POSE, POSE_COVARIANCE, ODOMETRY, TRANSFORM),
 }
+# Asked for as a topic, it leaves a part out.
+NOTHING = "none"
 TRUTH_WORDS = ("truth", "vicon", "vrpn", "mocap", "ground")
 HEIGHT_WORDS = ("height", "altitude", "altimeter", "baro")
 
@@ -96,7 +98,7 @@ def check_overrides(topics: Iterable[Topic], options: SourceOptions) -> None:
     offer = sorted(topics, key=lambda topic: topic.name)
     for role, types in ROLE_TYPES.items():
         wanted = _wanted(role, options)
-        if wanted is None or (role in ("attitude", "truth") and tf_spec(wanted)):
+        if wanted is None or wanted == NOTHING or (role in ("attitude", "truth") and tf_spec(wanted)):
             continue
         fitting = [topic for topic in offer if topic.msgtype in types]
         if any(_same_name(topic.name, wanted) for topic in fitting):
@@ -109,6 +111,8 @@ def check_overrides(topics: Iterable[Topic], options: SourceOptions) -> None:
 
 def _choose(role: str, offer: list[Topic], options: SourceOptions) -> str | None:
     wanted = _wanted(role, options)
+    if wanted == NOTHING:
+        return None
     if wanted is not None and wanted.startswith("tf:"):
         return wanted
     fitting = [topic for topic in offer if topic.msgtype in ROLE_TYPES[role]]

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 from app.registry import members
 from app.snapshot import SourceReport
@@ -19,7 +19,10 @@ class SourceError(SlamError):
 
 @dataclass(frozen=True, slots=True)
 class SourceOptions:
-    """What a person may override; None lets the source find it by message type."""
+    """What a person may override; None lets the source find it by message type, or believe the message.
+
+    Of what is stated here nothing is doubted any more (see app.devices).
+    """
 
     scan_topic: str | None = None
     imu_topic: str | None = None
@@ -29,6 +32,13 @@ class SourceOptions:
     truth_topic: str | None = None
     base_frame: str | None = None
     laser_pose: tuple[float, float, float, float, float, float] | None = None  # x y z [m] roll pitch yaw [rad]
+    imu_accel_unit: Literal["m/s2", "g", "mg"] | None = None
+    imu_gyro_unit: Literal["rad/s", "deg/s"] | None = None
+    imu_inverted: Literal["accel", "gyro"] | None = None
+    imu_rotation: tuple[float, float, float] | None = None  # roll pitch yaw [rad] of the device, on top of tf
+    imu_delay: float | None = None  # s by which its stamps are late
+    scan_mirrored: bool | None = None
+    scan_delay: float | None = None
 
 
 class Source(Protocol):

@@ -8,11 +8,15 @@ import time
 import urllib.request
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from app.options import _setting_flags
+from app.simulation import SceneOptions, Simulation
 from app.toml import read_toml
 from slam_core.config import SlamConfig, leaves
+from slam_core.measurements import Imu, LaserScan
+from tests.ros_messages import Messages, write_bag
 
 PATIENCE_S = 180.0
 MISTAKE, INTERRUPTED = 2, 130
@@ -109,6 +113,35 @@ def test_inspect_says_what_would_be_used(bag: Path):
     done = hectorscope("inspect", bag)
     assert done.returncode == 0, done.stderr
     assert "/scan" in done.stdout
+
+
+@pytest.fixture(scope="module")
+def lying_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Ten simulated seconds whose IMU gives milli-g and degrees a second."""
+    ros, entries = Messages("ros1"), []
+    items = list(Simulation("rooms", SceneOptions(duration=10.0, beams=181, scan_rate=10.0)).items())
+    for item in items:
+        ns = item.stamp_ns - items[0].stamp_ns
+        if isinstance(item, Imu):
+            rates, forces = np.degrees(item.angular_velocity), item.linear_acceleration / 9.80665e-3
+            entries.append(("/imu", ros.imu(ns, rates=rates, forces=forces), ns))
+        elif isinstance(item, LaserScan):
+            beams = {"angle_min": item.angle_min, "angle_increment": item.angle_increment}
+            timing = {"time_increment": item.time_increment}
+            entries.append(("/scan", ros.scan(ns, ranges=item.ranges, **beams, **timing), ns))
+    return write_bag(tmp_path_factory.mktemp("lying") / "lying.bag", entries)
+
+
+def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path: Path):
+    """`run` and `view` name the flags, and with them it runs."""
+    flags = ["--imu-accel-unit", "mg", "--imu-gyro-unit", "deg/s"]
+    for command in (["run", "--out", tmp_path / "out"], ["view", "--port", 0]):
+        line = refused(command[0], lying_bag, *command[1:])
+        assert "so in milli-g and not in m/s²" in line
+        assert f"run again with {' '.join(flags)}, or without the IMU by --imu-topic none" in line
+    assert not (tmp_path / "out").exists()
+    done = hectorscope("run", lying_bag, "--out", tmp_path / "out", *flags)
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_missing_recording_is_named(tmp_path: Path):

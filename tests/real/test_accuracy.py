@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from app.metrics import metrics
@@ -45,6 +46,16 @@ def test_ignoring_the_mount_of_jarvis_costs_accuracy(recordings: Path):
     _, mounted = run(bag)
     _, bare = run(bag, laser_pose=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     assert bare["truth"]["aligned_rmse_m"] > 1.3 * mounted["truth"]["aligned_rmse_m"]
+
+
+def test_kitchen_comes_back_near_its_start_with_its_imu_repaired(recordings: Path):
+    """Units, handedness and delay by options: 22 m of path end less than 1 m from where they began; not without."""
+    path = recordings / "mumble_lidar_imu/kitchen_1"
+    mended, figures = run(path, imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=0.21)
+    bare, _ = run(path, imu_topic="none")
+    ends = [float(np.hypot(*pipeline.trajectory[-1, 1:3])) for pipeline in (mended, bare)]
+    assert ends[0] < 1.0 < ends[1]
+    assert figures["tracking"].get("lost", 0) == 0
 
 
 def test_stabilisation_cleans_the_map_of_a_tilted_laser(recordings: Path):

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.devices import remedy
+from app.examiner import DeviceError, examined
 from app.inspect import inspect_bag
 from app.sources import Item, Source, SourceOptions, open_source
 from slam_core import geometry
@@ -87,13 +89,79 @@ def test_turtlebot4_needs_no_definitions(recordings: Path) -> None:
     assert not source.report.skipped
 
 
-def test_mumble_publishes_milli_g(recordings: Path) -> None:
-    """The laser is used, the IMU is refused by name: both with and without definitions in the bag."""
-    for name in ("kitchen_1", "kitchen_1_mcap"):
-        source = open_recording(recordings / "mumble_lidar_imu" / name)
-        assert Counter(type(item) for item in source.items()) == {LaserScan: 675}
-        (reason,) = source.report.skipped
-        assert reason.startswith("/imu_data: IMU message with more than 400 m/s²")
+@pytest.mark.parametrize("name", ["kitchen_1", "kitchen_1_mcap", "straight"])
+def test_mumble_gives_milli_g_and_degrees_and_mirrors_its_scan(recordings: Path, name: str) -> None:
+    """Found in the data, with or without definitions in the bag; refused with flags that leave nothing to find."""
+    path = recordings / "mumble_lidar_imu" / name
+    report = inspect_bag(path, SourceOptions())
+    flags = "--imu-accel-unit mg --imu-gyro-unit deg/s --scan-mirrored true --scan-delay"
+    assert remedy(report.findings).startswith(flags)
+    with pytest.raises(DeviceError, match=flags):
+        examined(open_recording(path), SourceOptions())
+    late = float(report.findings[-1].repair.split()[-1])
+    options = SourceOptions(
+        imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=late if late > 0.1 else None
+    )
+    repaired = inspect_bag(path, options)
+    assert [finding for finding in repaired.findings if finding.grave] == []
+    assert repaired.measures.turn is not None
+    assert repaired.measures.turn.ratio == pytest.approx(1.0, abs=0.1)
+    assert repaired.measures.gravity is not None
+    assert repaired.measures.gravity.norm == pytest.approx(9.7, abs=0.1)
+
+
+def test_kitchen_is_scanned_a_fifth_of_a_second_late(recordings: Path) -> None:
+    """Its stamps are those of publishing; the shorter run turns too little to be exact."""
+    turn = inspect_bag(recordings / "mumble_lidar_imu" / "kitchen_1", SourceOptions()).measures.turn
+    assert turn is not None
+    assert turn.lag == pytest.approx(0.2, abs=0.03)
+
+
+def test_an_imu_at_rest_shows_its_unit_alone(recordings: Path) -> None:
+    """A static recording without a laser: milli-g, and no word on the gyroscope."""
+    report = inspect_bag(recordings / "mumble_lidar_imu" / "static_imu_test2", SourceOptions())
+    assert remedy(report.findings) == "--imu-accel-unit mg"
+    assert report.measures.turn is report.measures.tilt is None
+
+
+@pytest.mark.parametrize(
+    ("name", "flags"),
+    [("phidgets_imu_upside_down", "--imu-rotation 3.1416 0 0"), ("ardrone_imu", ""), ("sparkfun_razor", "")],
+)
+def test_of_three_devices_the_one_upside_down_is_found(recordings: Path, name: str, flags: str) -> None:
+    """Two are waved about by hand and keep to their messages; the third hangs."""
+    report = inspect_bag(recordings / "imu_only" / f"{name}.bag", SourceOptions())
+    assert remedy(report.findings) == flags
+    if flags:
+        turned = inspect_bag(
+            recordings / "imu_only" / f"{name}.bag", SourceOptions(imu_rotation=(3.1416, 0.0, 0.0))
+        )
+        assert turned.findings == ()
+        assert turned.measures.gravity is not None
+        assert turned.measures.gravity.up[2] > 0.99
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        f"{JACKAL}.bag",
+        JARVIS,
+        "ccny_tilted_handheld/demo_v2.bag",
+        "hallway_rplidar/eng403_good.bag",
+        "stage_sim_gt/run1_fixed.bag",
+        "turtlebot4_rosbag2/macfirst_floor_take_2",
+        "utm30lx_static_40hz/hokuyo.bag",
+    ],
+)
+def test_devices_that_keep_to_their_messages_are_taken(recordings: Path, name: str) -> None:
+    """Nobody is refused who tells the truth; the wheels of the turtlebot turn as its scans do."""
+    source = open_recording(recordings / name)
+    assert examined(source, SourceOptions()) is source
+    if "turtlebot4" in name:
+        wheels = inspect_bag(recordings / name, SourceOptions()).measures.wheels
+        assert wheels is not None
+        assert wheels.correlation > 0.98
+        assert wheels.ratio == pytest.approx(1.0, abs=0.05)
 
 
 def test_ccny_leans_by_its_tf(recordings: Path) -> None:
