@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
-from slam_core.kernels.mapping import cells_of, write_scan
+from slam_core.kernels.mapping import write_scan
 from slam_core.measurements import Float32s, Float64s
 
 
@@ -80,12 +80,10 @@ class GridLevel:
         start: (2,) laser. ends: (n, 2) endpoints. cleared: (m, 2) ends of beams that hit nothing. Map metres.
         steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds.
         """
-        laser, hits, free = (
-            cells_of(np.ascontiguousarray(points), self.corner, self.resolution)
-            for points in (start[None], ends, cleared)
-        )
         limits = (np.float32(x) for x in (*steps, *caps))
-        touched = write_scan(self.log_odds, self.cells, self._marks, laser, hits, free, *limits)
+        touched = write_scan(
+            self.log_odds, self.cells, self._marks, self.corner, self.resolution, start, ends, cleared, *limits
+        )
         row0, row1, column0, column1 = self.known if self.known[1] else touched
         self.known = (
             min(row0, touched[0]),

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from slam_core import geometry
 from slam_core.config import MapConfig
 from slam_core.grid import GridLevel
+from slam_core.kernels.mapping import bounds
 from slam_core.measurements import Float32s, Float64s
 
 # Beams end this many of the coarsest cells within the edge: interpolation reads one neighbour.
@@ -41,11 +42,10 @@ class Pyramid:
 
         points, cleared: (n, 2), (m, 2) endpoints, and laser: (2,), in the stabilised frame, metres.
         """
-        ends = geometry.transform_points(pose, points)
-        free = geometry.transform_points(pose, cleared)
-        start = geometry.transform_points(pose, laser[None])[0]
+        placed = geometry.transform_points(pose, np.concatenate([laser[None], points, cleared]))
         if config.grow:
-            self._make_room(np.vstack([start, ends, free]), config.limit)
+            self._make_room(placed, config.limit)
+        start, ends, free = placed[0], placed[1 : 1 + len(points)], placed[1 + len(points) :]
         steps = (log_odds(config.factor_free), log_odds(config.factor_occupied))
         for level in self.levels:
             level.update(start, ends, free, steps, (config.log_odds_min, config.log_odds_max))
@@ -54,7 +54,8 @@ class Pyramid:
     def _make_room(self, points: Float64s, limit: float) -> None:
         """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""
         rows, columns = self.levels[0].shape
-        us, vs = self.levels[0].cell_of(points[:, 0], points[:, 1])
+        box = bounds(points)
+        us, vs = self.levels[0].cell_of(box[:, 0], box[:, 1])
         below, above = self._missing(vs, rows)
         left, right = self._missing(us, columns)
         if not (below or above or left or right):
@@ -66,9 +67,9 @@ class Pyramid:
                 level.grow(below >> i, above >> i, left >> i, right >> i)
 
     def _missing(self, cells: NDArray[np.int64], size: int) -> tuple[int, int]:
-        """How many of the finest cells to add before and behind `size` of them to take in `cells` (n,)."""
+        """How many of the finest cells to add before and behind `size` of them, to reach the lowest and last."""
         margin = MARGIN * self._block
-        lacking = margin - int(cells.min()), int(cells.max()) + 1 + margin - size
+        lacking = margin - int(cells[0]), int(cells[1]) + 1 + margin - size
         before, behind = (_whole(max(n, int(GROWTH * size)), self._block) if n > 0 else 0 for n in lacking)
         return before, behind
 

@@ -10,12 +10,14 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import WHOLE, bilinear
-from slam_core.kernels.memory import get, put
+from slam_core.kernels.memory import lane
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 PART = np.float32(1.0 / WHOLE)
+get, _ = lane(0)  # what is read, as the map is
+_, put = lane(1)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")

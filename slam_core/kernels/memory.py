@@ -1,64 +1,64 @@
-"""Accesses to memory that numba has no words for, so that LLVM turns the loops around them into gathers.
+"""Accesses to memory that numba has no words for, so that LLVM makes vectors of the loops around them.
 
-What a loop reads and what it writes never overlap here, but only the caller knows that: `get`, `pair` and `put`
-say so by LLVM's metadata for aliasing. Without it a loop that gathers and stores stays scalar, four times as slow.
+Arrays that a kernel reads and writes never overlap, but only its caller knows that. Accesses of different lanes
+say so by LLVM's metadata for aliasing; without it a loop that gathers or that stores into several arrays stays
+scalar, four to six times as slow. Arrays are flat and contiguous, and indices count from 0.
 """
 
 from typing import Any
 
 from numba import extending, types
 
+LANES = range(3)
+
 intrinsic: Any = extending.intrinsic  # its own types leave out that calls lack the first argument
 
 
-@intrinsic
-def get(_: Any, array: Any, i: Any) -> Any:
-    """array[i] of a flat contiguous array that nothing is `put` into; i: int32."""
+def lane(own: int) -> tuple[Any, Any]:
+    """get(array, i) and put(array, i, value) for arrays that share no memory with those of other lanes."""
 
-    def load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return _load(builder, _address(context, builder, signature, arguments))
+    @intrinsic
+    def get(_: Any, array: Any, i: Any) -> Any:
+        def load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            return _apart(builder, builder.load(_address(context, builder, signature, arguments)), own)
 
-    return array.dtype(array, i), load
+        return array.dtype(array, i), load
+
+    @intrinsic
+    def put(_: Any, array: Any, i: Any, value: Any) -> Any:
+        def store(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            _apart(builder, builder.store(arguments[2], _address(context, builder, signature, arguments)), own)
+            return context.get_dummy_value()
+
+        return types.void(array, i, array.dtype), store
+
+    return get, put
 
 
 @intrinsic
 def pair(_: Any, cells: Any, i: Any) -> Any:
-    """cells[i] and, in the high half, cells[i + 1] of such an array of uint16, as a uint32."""
+    """cells[i] and, in the high half, cells[i + 1] of an array of uint16 in lane 0, as a uint32."""
 
     def load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = context.get_value_type(types.uint32).as_pointer()
-        loaded = _load(builder, builder.bitcast(_address(context, builder, signature, arguments), word))
+        loaded = builder.load(builder.bitcast(_address(context, builder, signature, arguments), word))
         loaded.align = 2
-        return loaded
+        return _apart(builder, loaded, 0)
 
     return types.uint32(cells, i), load
 
 
-@intrinsic
-def put(_: Any, array: Any, i: Any, value: Any) -> Any:
-    """array[i] = value, for a flat contiguous array that is not read; i: int32."""
-
-    def store(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        stored = builder.store(arguments[2], _address(context, builder, signature, arguments))
-        stored.set_metadata("noalias", _scope(builder))
-        return context.get_dummy_value()
-
-    return types.void(array, i, array.dtype), store
-
-
 def _address(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     array = context.make_array(signature.args[0])(context, builder, arguments[0])
-    place = builder.sext(arguments[1], context.get_value_type(types.int64))
+    place = context.cast(builder, arguments[1], signature.args[1], types.int64)
     return builder.gep(array.data, [place], inbounds=True)
 
 
-def _load(builder: Any, address: Any) -> Any:
-    loaded = builder.load(address)
-    loaded.set_metadata("alias.scope", _scope(builder))
-    return loaded
-
-
-def _scope(builder: Any) -> Any:
-    """The scope of all that is read."""
-    domain = builder.module.add_metadata(["slam_core"])
-    return builder.module.add_metadata([builder.module.add_metadata(["read", domain])])
+def _apart(builder: Any, access: Any, own: int) -> Any:
+    """The access, marked as one of its lane and of no other."""
+    add = builder.module.add_metadata
+    domain = add(["slam_core"])
+    scopes = [add([f"lane {k}", domain]) for k in LANES]
+    access.set_metadata("alias.scope", add([scopes[own]]))
+    access.set_metadata("noalias", add([scope for k, scope in enumerate(scopes) if k != own]))
+    return access

@@ -1,0 +1,43 @@
+"""What a sweep frees must be what each of its beams alone would, however many share a way."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from slam_core.grid import GridLevel
+from slam_core.pyramid import log_odds
+
+FREE, OCCUPIED = log_odds(0.4), log_odds(0.9)
+CELLS = 400
+
+
+def way(start, end):
+    """Cells (n, 2) from start up to end, without it: the places across are rounded, halves towards the start."""
+    d = end - start
+    long = np.abs(d).max()
+    if not long:
+        return np.empty((0, 2), np.int64)
+    k = np.arange(long)
+    # ceil(k |d| / long - 1/2) in whole numbers
+    steps = np.sign(d) * ((2 * k[:, None] * np.abs(d) + long - 1) // (2 * long))
+    return start + steps
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10_000), st.integers(3, 900), st.floats(0.5, 2 * np.pi), st.booleans())
+def test_a_sweep_frees_the_ways_of_all_its_beams(seed, beams, angle, jagged):
+    """Near walls or jagged ones, few or many beams, any field of view: exactly the cells of the beams' ways."""
+    rng = np.random.default_rng(seed)
+    level = GridLevel(1.0, (CELLS, CELLS), np.zeros(2))
+    start = rng.integers(150, 250, 2)
+    angles = rng.uniform(-np.pi, np.pi) + np.linspace(0, angle, beams)
+    ranges = rng.uniform(1, 145, beams if jagged else 1 + beams // 50)
+    ranges = np.interp(np.linspace(0, 1, beams), np.linspace(0, 1, len(ranges)), ranges)
+    ends = start + np.rint(ranges[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])).astype(int)
+    level.update(start + 0.5, ends + 0.5, np.empty((0, 2)), (FREE, OCCUPIED), (-50.0, 50.0))
+    expected = np.zeros((CELLS, CELLS), bool)
+    for end in ends:
+        cells = way(start, end)
+        expected[cells[:, 1], cells[:, 0]] = True
+    expected[ends[:, 1], ends[:, 0]] = False
+    np.testing.assert_array_equal(level.log_odds < 0, expected)
