@@ -13,7 +13,18 @@ from app.snapshot import SourceReport
 from app.sources import Item, SourceOptions
 from app.sources.bag import BagSource, open_bag
 from slam_core.geometry import to_euler
-from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry, TruthPose
+from slam_core.measurements import (
+    Attitude,
+    GpsPosition,
+    GpsVelocity,
+    GroundDistance,
+    Height,
+    Imu,
+    LaserScan,
+    MagneticField,
+    Odometry,
+    TruthPose,
+)
 
 _Row = tuple[str, ...]
 _MEASURES: Mapping[str, type[Item]] = {
@@ -22,6 +33,10 @@ _MEASURES: Mapping[str, type[Item]] = {
     "attitude": Attitude,
     "odometry": Odometry,
     "height": Height,
+    "ground": GroundDistance,
+    "magnetic": MagneticField,
+    "gps": GpsPosition,
+    "gps_velocity": GpsVelocity,
     "truth": TruthPose,
 }
 

@@ -21,6 +21,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "matcher.start_estimate": "last_pose",
     "scan.deskew": False,
     "tracking.check": False,
+    "aiding.standstill": False,
     "navigation.height_gate": 0.0,
     "motion.odometry_gate": 0.0,
 }

@@ -35,6 +35,7 @@ from benchmarks.cases import (
     Recording,
     present,
 )
+from benchmarks.outage import OUTAGE_SEEDS, OUTAGES, Outage
 from tests.conftest import ROOT
 
 PROCESSES = 2
@@ -48,6 +49,7 @@ class Accuracy:
 
     drives: dict[Drive, list[Outcomes]]
     corridor: list[dict[str, CorridorOutcome]]
+    outages: dict[str, list[Outage]]
     replays: dict[Recording, dict[str, Replay]]
 
 
@@ -67,14 +69,17 @@ def measure_accuracy() -> Accuracy:
     with ProcessPoolExecutor(PROCESSES) as pool:
         drives = {case: [pool.submit(drive, case.options, seed) for seed in SEEDS] for case in DRIVES}
         bare = [pool.submit(corridor, CORRIDOR, seed) for seed in SEEDS]
+        lost = {name: [pool.submit(run, seed) for seed in OUTAGE_SEEDS] for name, run in OUTAGES.items()}
         replays = {recording: pool.submit(replay, recording) for recording in present((*DEMOS, *REAL))}
         names: dict[Future[Any], str] = {future: case.name for case in drives for future in drives[case]}
+        names |= {future: name for name, futures in lost.items() for future in futures}
         names |= dict.fromkeys(bare, "corridor") | {future: each.name for each, future in replays.items()}
         for done, future in enumerate(as_completed(names), start=1):
             print(f"accuracy {done}/{len(names)}: {names[future]}", flush=True)
         return Accuracy(
             {case: [future.result() for future in futures] for case, futures in drives.items()},
             [future.result() for future in bare],
+            {name: [future.result() for future in futures] for name, futures in lost.items()},
             {recording: future.result() for recording, future in replays.items()},
         )
 
@@ -133,6 +138,13 @@ column is the share of scans whose error along the corridor lies within three of
 claim contains the error in every scan.
 
 {tables.corridor(accuracy.corridor)}
+## Outages
+
+The boat of `littoral` loses its satellites for 30 s behind the island, or its laser for 10 s; median / worst of
+{len(OUTAGE_SEEDS)} seeds, in the plane. A jump is what the pose moves from one scan to the next beyond what it
+should. The goal: at most 1 m when the satellites return, and no jump.
+
+{tables.outages(accuracy.outages)}
 ## Accuracy on recordings
 
 Metres. The demos are simulated; the others are real but for stage_sim_gt.

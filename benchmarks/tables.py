@@ -7,6 +7,7 @@ from typing import Any
 from app.metrics import PARTS
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import METHODS, Drive, Recording
+from benchmarks.outage import Outage
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -75,6 +76,17 @@ def _corridor_row(method: str, runs: Sequence[CorridorOutcome]) -> Iterator[str]
     for column in columns:
         yield spread([column(run) for run in runs], ".3f") + " m"
     yield spread([-100 * run.held for run in runs], ".0f").replace("-", "") + " % of the scans"
+
+
+def outages(results: Mapping[str, Sequence[Outage]]) -> str:
+    """Errors in metres around an outage, a row a kind."""
+    head = ("what fails", "error at return", "worst after", "largest jump")
+    return table(head, ((name, *_outage_cells(runs)) for name, runs in results.items()))
+
+
+def _outage_cells(runs: Sequence[Outage]) -> Iterator[str]:
+    for name in ("at_return", "after", "jump"):
+        yield spread([getattr(run, name) for run in runs], ".3f") + " m"
 
 
 def replays(results: Mapping[Recording, Mapping[str, Replay]]) -> str:

@@ -167,6 +167,43 @@ class NavigationConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class AidingConfig:
+    """Section V: other sensors that aid the filter, where there are any; each needs an IMU beside it."""
+
+    gate: Annotated[
+        float, Param("An aid further from the prediction than this is rejected (0: none).", "σ", 0.0, 100.0)
+    ] = 5.0
+    gps: Annotated[bool, Param("Use satellites, once it is known where the map lies.")] = True
+    gps_sigma: Annotated[
+        float, Param("Noise of a satellite fix whose receiver does not tell.", "m", 0.01, 100.0, log=True)
+    ] = 2.5
+    gps_velocity_sigma: Annotated[
+        float, Param("Noise of a velocity by satellites.", "m/s", 0.01, 10.0, log=True)
+    ] = 0.2
+    compass: Annotated[bool, Param("Hold the heading by the magnetic field.")] = True
+    compass_sigma: Annotated[float, Param("Error of a magnetic heading.", "rad", 0.01, 1.0, log=True)] = 0.1
+    compass_tolerance: Annotated[
+        float,
+        Param(
+            "A field further from the usual one, in size (share) or dip (rad), is disturbed.",
+            "",
+            0.01,
+            1.0,
+        ),
+    ] = 0.15
+    declination: Annotated[float, Param("How far magnetic north lies east of true north.", "rad", -3.14, 3.14)] = (
+        0.0
+    )
+    ground: Annotated[bool, Param("Hold the height by the distance to the ground.")] = True
+    ground_sigma: Annotated[float, Param("Noise of that distance.", "m", 0.001, 5.0, log=True)] = 0.05
+    attitude: Annotated[bool, Param("Level the filter by an attitude that somebody else estimated.")] = True
+    attitude_sigma: Annotated[float, Param("Error of that attitude's tilt.", "rad", 0.001, 1.0, log=True)] = 0.03
+    standstill: Annotated[
+        bool, Param("A base that stands still has no velocity, and its gyros read their bias.")
+    ] = True
+
+
+@dataclass(frozen=True, slots=True)
 class MotionConfig:
     """The planar motion that is assumed when there is no IMU: nearly constant velocity."""
 
@@ -230,6 +267,7 @@ class SlamConfig:
     map: MapConfig = field(default_factory=MapConfig)
     matcher: MatcherConfig = field(default_factory=MatcherConfig)
     navigation: NavigationConfig = field(default_factory=NavigationConfig)
+    aiding: AidingConfig = field(default_factory=AidingConfig)
     motion: MotionConfig = field(default_factory=MotionConfig)
     fusion: FusionConfig = field(default_factory=FusionConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)

@@ -90,6 +90,45 @@ class Height:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class GroundDistance:
+    """Distance to the ground along a beam fixed to the base: metres, origin (3,) and unit direction (3,)."""
+
+    stamp_ns: int
+    distance: float
+    origin: Float64s
+    direction: Float64s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MagneticField:
+    """The magnetic field in the axes of the base: (3,) tesla, with the base's own magnetism taken out."""
+
+    stamp_ns: int
+    field: Float64s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GpsPosition:
+    """A satellite fix in the tangent plane at the first one: (3,) metres east, north, up; (3, 3) covariance.
+
+    antenna: (3,) where it sits on the base. covariance: None where the receiver does not tell.
+    """
+
+    stamp_ns: int
+    position: Float64s
+    covariance: Float64s | None
+    antenna: Float64s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GpsVelocity:
+    """Velocity by satellites: (3,) m/s east, north, up; the antenna's, taken for the base's."""
+
+    stamp_ns: int
+    velocity: Float64s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class TruthPose:
     """Where the base really was, by a simulator or a motion capture; shown and scored, never used."""
 
@@ -97,4 +136,5 @@ class TruthPose:
     T_map_base: Transform
 
 
-Measurement = LaserScan | Imu | Attitude | Odometry | Height
+Aid = Attitude | Odometry | Height | GroundDistance | MagneticField | GpsPosition | GpsVelocity
+Measurement = LaserScan | Imu | Aid

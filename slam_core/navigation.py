@@ -123,9 +123,13 @@ class NavigationFilter:
         """Any other measurement, at its own time. Whether it came to its gate: what cannot be used is counted."""
         reason = self._refusal(time_ns, correction)
         if reason:
-            self.counts[reason] += 1
-            self._dropped.setdefault(correction.source, Counter())[reason] += 1
+            self.drop(correction.source, reason)
         return not reason
+
+    def drop(self, source: str, reason: str) -> None:
+        """Count a measurement of a source that is of no use."""
+        self.counts[reason] += 1
+        self._dropped.setdefault(source, Counter())[reason] += 1
 
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:

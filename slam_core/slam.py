@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from slam_core import geometry
+from slam_core.aids import Aids
 from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.matcher import coarse_to_fine
 from slam_core.measurements import (
@@ -47,6 +48,7 @@ class HectorSlam:
         self._planar = PlanarMotion()
         self._tracker = Tracker()
         self._filter = NavigationFilter(config.navigation)
+        self._aids = Aids()
         self._inertial = False
         self._index = 0
         self._pose = np.zeros(3)
@@ -77,12 +79,15 @@ class HectorSlam:
         if isinstance(measurement, Imu):
             self._inertial = True
             self._filter.predict(measurement)
+            self._aids.feel(measurement, self._filter, self.config.aiding)
         elif isinstance(measurement, Height):
             self._filter.update_height(measurement.stamp_ns, measurement.height)
-        elif isinstance(measurement, Attitude):
-            self._planar.add_attitude(measurement)
         elif isinstance(measurement, Odometry):
             self._wheels(measurement)
+        elif self._inertial:
+            self._aids.take(measurement, self._filter, self.config.aiding)
+        elif isinstance(measurement, Attitude):
+            self._planar.add_attitude(measurement)
         self._waiting_ns += self._clock() - begin
         return None
 
@@ -114,6 +119,8 @@ class HectorSlam:
         lap("update")
         matched = match.gaussian if match else ORIGIN
         fused, navigation = self._fuse(scan.mid_ns, matched if verdict.believed else None)
+        if verdict.believed:
+            self._aids.believe(scan.mid_ns)
         T_map_base = self._estimate(scan.mid_ns)
         lap("filter", self._waiting_ns)
         self._index, self._waiting_ns = self._index + 1, 0
@@ -134,6 +141,7 @@ class HectorSlam:
             tracking=verdict.state,
             reason=verdict.reason,
             aiding=self._filter.aiding,
+            world=self._aids.world,
         )
 
     def _motion_pose(self, time_ns: int) -> Transform:

@@ -137,6 +137,50 @@ class Messages:
             range=metres,
         )
 
+    def magnetic(self, time_ns: int | None, field: Sequence[float], frame: str = "imu") -> Any:
+        """A MagneticField, tesla."""
+        return self.make(
+            "sensor_msgs/msg/MagneticField",
+            header=self.header(time_ns, frame),
+            magnetic_field=self.vector("Vector3", *field),
+            magnetic_field_covariance=np.zeros(9),
+        )
+
+    def fix(
+        self,
+        time_ns: int | None,
+        latitude: float,
+        longitude: float,
+        altitude: float,
+        status: int = 0,
+        variance: float = 4.0,
+        known: int = 2,
+    ) -> Any:
+        """A NavSatFix; known: the type of its covariance, 0 for none."""
+        return self.make(
+            "sensor_msgs/msg/NavSatFix",
+            header=self.header(time_ns, "gps"),
+            status=self.make("sensor_msgs/msg/NavSatStatus", status=status, service=1),
+            latitude=latitude,
+            longitude=longitude,
+            altitude=altitude,
+            position_covariance=np.diag([variance, variance, 4.0 * variance]).ravel(),
+            position_covariance_type=known,
+        )
+
+    def gps_velocity(self, time_ns: int | None, velocity: Sequence[float], *, covariance: bool = False) -> Any:
+        """A TwistStamped, or one with covariance."""
+        twist = self.make(
+            "geometry_msgs/msg/Twist",
+            linear=self.vector("Vector3", *velocity),
+            angular=self.vector("Vector3", 0.0, 0.0, 0.0),
+        )
+        header = self.header(time_ns, "gps")
+        if not covariance:
+            return self.make("geometry_msgs/msg/TwistStamped", header=header, twist=twist)
+        covered = self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
+        return self.make("geometry_msgs/msg/TwistWithCovarianceStamped", header=header, twist=covered)
+
     def point(self, time_ns: int | None, z: float) -> Any:
         """A PointStamped."""
         return self.make(

@@ -8,17 +8,30 @@ from typing import Any
 
 import numpy as np
 
-from app.ros import messages
+from app.ros import aid_messages, messages
 from app.ros.messages import BadMessage
 from app.ros.mounts import Mounts
 from app.ros.repairs import Repairs
-from app.ros.roles import PRESSURE, RANGE, Roles, is_static_tf, tf_spec
+from app.ros.roles import PRESSURE, Roles, is_static_tf, tf_spec
 from app.ros.tf import TfTree
 from app.ros.tf_poses import TfPoses
 from app.snapshot import SourceReport
 from app.sources import Item, SourceOptions
 from slam_core import geometry
-from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry, Transform, TruthPose
+from slam_core.geodesy import TangentPlane
+from slam_core.measurements import (
+    Attitude,
+    GpsPosition,
+    GpsVelocity,
+    GroundDistance,
+    Height,
+    Imu,
+    LaserScan,
+    MagneticField,
+    Odometry,
+    Transform,
+    TruthPose,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +68,7 @@ class Converter:
         self._latest_ns: dict[str, int] = {}
         self._beams: dict[str, int] = {}
         self._height_origin: float | None = None
+        self._plane: TangentPlane | None = None
         self.assign(roles)
 
     def assign(self, roles: Roles) -> None:
@@ -67,6 +81,10 @@ class Converter:
             (roles.attitude, self._attitude),
             (roles.odometry, self._odometry),
             (roles.height, self._height),
+            (roles.ground, self._ground),
+            (roles.magnetic, self._magnetic),
+            (roles.gps, self._gps),
+            (roles.gps_velocity, self._gps_velocity),
             (roles.truth, self._truth),
         ]
         self._duties: dict[str, list[_Duty]] = {}
@@ -158,21 +176,42 @@ class Converter:
     def _truth(self, pending: _Pending, _waited_ns: float) -> TruthPose:
         return messages.truth_pose(pending.message, pending.stamp_ns)
 
-    def _height(self, pending: _Pending, waited_ns: float) -> Height | None:
+    def _height(self, pending: _Pending, _waited_ns: float) -> Height:
         """Heights count from the first one."""
-        message, kind = pending.message, messages.message_type(pending.message)
-        if kind == PRESSURE:
-            value = messages.pressure_altitude(message)
-        elif kind == RANGE:
-            mount = self._mount(pending, waited_ns)
-            if mount is None:
-                return None
-            value = messages.range_height(message, mount if self.roles.transforms else messages.LOOKING_DOWN)
-        else:
-            value = messages.point_height(message)
+        message = pending.message
+        pressure = messages.message_type(message) == PRESSURE
+        value = messages.pressure_altitude(message) if pressure else messages.point_height(message)
         if self._height_origin is None:
             self._height_origin = value
         return Height(pending.stamp_ns, value - self._height_origin)
+
+    def _ground(self, pending: _Pending, waited_ns: float) -> GroundDistance | None:
+        mount = self._mount(pending, waited_ns)
+        if mount is None:
+            return None
+        mount = mount if self.roles.transforms else messages.LOOKING_DOWN
+        return aid_messages.ground_distance(pending.message, pending.stamp_ns, mount)
+
+    def _magnetic(self, pending: _Pending, waited_ns: float) -> MagneticField | None:
+        mount = self._mount(pending, waited_ns)
+        if mount is None:
+            return None
+        stamp_ns = pending.stamp_ns - self._repairs.imu_delay_ns
+        return self._repairs.magnetic(aid_messages.magnetic_field(pending.message, stamp_ns, mount.rotation))
+
+    def _gps(self, pending: _Pending, waited_ns: float) -> GpsPosition | None:
+        """Positions count from the first one."""
+        mount = self._mount(pending, waited_ns)
+        if mount is None:
+            return None
+        if self._plane is None:
+            latitude, longitude, altitude = aid_messages.geodetic(pending.message)
+            self._plane = TangentPlane(latitude, longitude, altitude if math.isfinite(altitude) else 0.0)
+            self._notes["gps"] = f"{pending.topic}: east and north count from {latitude:.6f}°, {longitude:.6f}°"
+        return aid_messages.gps_position(pending.message, pending.stamp_ns, self._plane, mount.translation)
+
+    def _gps_velocity(self, pending: _Pending, _waited_ns: float) -> GpsVelocity:
+        return aid_messages.gps_velocity(pending.message, pending.stamp_ns)
 
     def _transforms(self, topic: str, message: Any, receive_ns: int) -> list[Item]:
         """Grow the tf tree; items for the chains that stand for attitude or truth."""

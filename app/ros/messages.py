@@ -17,9 +17,7 @@ MAX_SWEEP_RAD = 4.0 * math.pi
 MAX_SWEEP_S = 10.0
 # Zero stands for "no return" on many devices that announce range_min = 0.
 SHORTEST_RANGE = 1e-3
-# A range sensor at less than this sine under the horizon does not measure height.
-STEEP = 0.8
-# The mount of a height sensor whose recording has no tf.
+# The mount of a distance sensor whose recording has no tf.
 LOOKING_DOWN = Transform(rotation=geometry.from_euler(0.0, math.pi / 2, 0.0))
 
 
@@ -84,8 +82,8 @@ def imu(message: Any, time_ns: int, rotation: Float64s) -> Imu:
     if message.angular_velocity_covariance[0] == -1.0 or message.linear_acceleration_covariance[0] == -1.0:
         raise BadMessage("IMU message that declares its rates or accelerations absent")
     omega, acceleration = message.angular_velocity, message.linear_acceleration
-    rates = _finite_vector("IMU message", omega.x, omega.y, omega.z)
-    forces = _finite_vector("IMU message", acceleration.x, acceleration.y, acceleration.z)
+    rates = finite_vector("IMU message", omega.x, omega.y, omega.z)
+    forces = finite_vector("IMU message", acceleration.x, acceleration.y, acceleration.z)
     if rotation[0] != 1.0:
         rates, forces = geometry.rotate(rotation, np.stack([rates, forces]))
     return Imu(time_ns, rates, forces)
@@ -102,7 +100,7 @@ def imu_attitude(message: Any, time_ns: int, rotation: Float64s) -> Attitude:
 def odometry(message: Any, time_ns: int) -> Odometry:
     """The twist of a nav_msgs/Odometry, which is in the frame of the base."""
     twist = message.twist.twist
-    forward, left, turn = _finite_vector("odometry", twist.linear.x, twist.linear.y, twist.angular.z)
+    forward, left, turn = finite_vector("odometry", twist.linear.x, twist.linear.y, twist.angular.z)
     return Odometry(time_ns, np.array([forward, left]), float(turn))
 
 
@@ -116,18 +114,7 @@ def pressure_altitude(message: Any) -> float:
 
 def point_height(message: Any) -> float:
     """The z of a geometry_msgs/PointStamped."""
-    return float(_finite_vector("point", message.point.x, message.point.y, message.point.z)[2])
-
-
-def range_height(message: Any, T_base_sensor: Transform) -> float:
-    """Height of the base over the ground by a sensor_msgs/Range, which looks along its x axis."""
-    value = float(message.range)
-    if not message.min_range <= value <= message.max_range:
-        raise BadMessage("distance to the ground out of the sensor's range")
-    downward = -float(geometry.rotation_matrix(T_base_sensor.rotation)[2, 0])
-    if downward < STEEP:
-        raise BadMessage("distance by a sensor that does not look down")
-    return value * downward - float(T_base_sensor.translation[2])
+    return float(finite_vector("point", message.point.x, message.point.y, message.point.z)[2])
 
 
 def truth_pose(message: Any, time_ns: int) -> TruthPose:
@@ -137,14 +124,14 @@ def truth_pose(message: Any, time_ns: int) -> TruthPose:
     pose = message.pose
     pose = getattr(pose, "pose", pose)
     position = pose.position
-    translation = _finite_vector("pose", position.x, position.y, position.z)
+    translation = finite_vector("pose", position.x, position.y, position.z)
     return TruthPose(time_ns, Transform(translation, quaternion("pose", pose.orientation)))
 
 
 def transform(message: Any) -> Transform:
     """geometry_msgs/Transform."""
     p = message.translation
-    return Transform(_finite_vector("transform", p.x, p.y, p.z), quaternion("transform", message.rotation))
+    return Transform(finite_vector("transform", p.x, p.y, p.z), quaternion("transform", message.rotation))
 
 
 def quaternion(what: str, q: Any) -> Float64s:
@@ -155,7 +142,8 @@ def quaternion(what: str, q: Any) -> Float64s:
     return geometry.normalise(np.array([q.w, q.x, q.y, q.z]))
 
 
-def _finite_vector(what: str, x: float, y: float, z: float) -> Float64s:
+def finite_vector(what: str, x: float, y: float, z: float) -> Float64s:
+    """(3,) of three components; `what` is named if one is not finite."""
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
         raise BadMessage(f"{what} with NaN or infinite values")
     return np.array([x, y, z])

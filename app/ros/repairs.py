@@ -7,7 +7,7 @@ import numpy as np
 
 from app.sources import SourceError, SourceOptions
 from slam_core import geometry
-from slam_core.measurements import Attitude, Imu, LaserScan
+from slam_core.measurements import Attitude, Imu, LaserScan, MagneticField
 
 STANDARD_GRAVITY = 9.80665
 ACCEL_UNITS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY}
@@ -41,6 +41,10 @@ class Repairs:
         """The orientation of the base by an IMU that sits on it turned."""
         rotation = geometry.multiply(attitude.rotation, geometry.conjugate(self._turned))
         return Attitude(attitude.stamp_ns, rotation)
+
+    def magnetic(self, magnetic: MagneticField) -> MagneticField:
+        """The field by the magnetometer of an IMU that sits turned."""
+        return replace(magnetic, field=geometry.rotate(self._turned, magnetic.field))
 
     def scan(self, scan: LaserScan) -> LaserScan:
         """A scan with its beams the right way round."""

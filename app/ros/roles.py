@@ -10,6 +10,10 @@ IMU = "sensor_msgs/msg/Imu"
 ODOMETRY = "nav_msgs/msg/Odometry"
 PRESSURE = "sensor_msgs/msg/FluidPressure"
 RANGE = "sensor_msgs/msg/Range"
+MAGNETIC = "sensor_msgs/msg/MagneticField"
+FIX = "sensor_msgs/msg/NavSatFix"
+TWIST = "geometry_msgs/msg/TwistStamped"
+TWIST_COVARIANCE = "geometry_msgs/msg/TwistWithCovarianceStamped"
 POINT = "geometry_msgs/msg/PointStamped"
 POSE = "geometry_msgs/msg/PoseStamped"
 POSE_COVARIANCE = "geometry_msgs/msg/PoseWithCovarianceStamped"
@@ -21,13 +25,21 @@ ROLE_TYPES: dict[str, tuple[str, ...]] = {
     "imu": (IMU,),
     "attitude": (IMU,),
     "odometry": (ODOMETRY,),
-    "height": (PRESSURE, RANGE, POINT),
+    "height": (PRESSURE, POINT),
+    "ground": (RANGE,),
+    "magnetic": (MAGNETIC,),
+    "gps": (FIX,),
+    "gps_velocity": (TWIST, TWIST_COVARIANCE),
     "truth": (POSE, POSE_COVARIANCE, ODOMETRY, TRANSFORM),
 }
 # Asked for as a topic, it leaves a part out.
 NOTHING = "none"
 TRUTH_WORDS = ("truth", "vicon", "vrpn", "mocap", "ground")
 HEIGHT_WORDS = ("height", "altitude", "altimeter", "baro")
+GROUND_WORDS = (*HEIGHT_WORDS, "down")
+GPS_WORDS = ("gps", "gnss", "fix", "navsat")
+# Types that serve many purposes: only a topic with such a name is taken without being asked for.
+_NAMED = {"ground": GROUND_WORDS, "gps_velocity": GPS_WORDS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +72,17 @@ class Roles:
     attitude: str | None = None
     odometry: str | None = None
     height: str | None = None
+    ground: str | None = None
+    magnetic: str | None = None
+    gps: str | None = None
+    gps_velocity: str | None = None
     truth: str | None = None
     transforms: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def topics(self) -> frozenset[str]:
         """Every topic that has to be read."""
-        parts = (self.scan, self.imu, self.attitude, self.odometry, self.height, self.truth, *self.transforms)
+        parts = (*(getattr(self, role) for role in ROLE_TYPES), *self.transforms)
         return frozenset(topic for topic in parts if topic and tf_spec(topic) is None)
 
 
@@ -106,7 +122,8 @@ def check_overrides(topics: Iterable[Topic], options: SourceOptions) -> None:
         other = next((topic for topic in offer if _same_name(topic.name, wanted)), None)
         fact = f"topic {wanted!r} is a {other.msgtype}" if other else f"there is no topic {wanted!r}"
         names = ", ".join(topic.name for topic in fitting) or "none here"
-        raise SourceError(f"{fact}: --{role}-topic takes one of {_short(types)} ({names})")
+        flag = f"--{role.replace('_', '-')}-topic"
+        raise SourceError(f"{fact}: {flag} takes one of {_short(types)} ({names})")
 
 
 def _choose(role: str, offer: list[Topic], options: SourceOptions) -> str | None:
@@ -134,6 +151,8 @@ def _is_clear(role: str, topic: Topic) -> bool:
         return is_truth
     if role == "height":
         return topic.msgtype == PRESSURE or any(word in name for word in HEIGHT_WORDS)
+    if role in _NAMED:
+        return not is_truth and any(word in name for word in _NAMED[role])
     return role != "attitude" and not is_truth
 
 

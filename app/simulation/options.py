@@ -7,6 +7,7 @@ from typing import Literal
 
 from slam_core.errors import SlamError
 
+Extra = Literal["gps", "compass", "rangefinder"]
 ScenarioName = Literal["arena", "littoral", "handheld", "rooms", "corridor"]
 
 
@@ -22,6 +23,7 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     "sway": (0.0, 45.0, " deg"),
     "sway_frequency": (0.05, 5.0, " Hz"),
     "noise": (0.0, 100.0, ""),
+    "gps_outage": (0.0, 3600.0, " s"),
     "seed": (0, 2**32 - 1, ""),
 }
 
@@ -48,6 +50,10 @@ class SceneOptions:
     """Factor on all noise, biases and drop-outs; 0 measures exactly."""
     imu: bool = True
     """Whether there is an inertial unit."""
+    extras: tuple[Extra, ...] | None = None
+    """What is carried besides laser, inertial unit and barometer."""
+    gps_outage: float | None = None
+    """Seconds without satellites in the middle of the drive."""
     seed: int = 1
     """Seed of the noise: the same seed gives the same bytes."""
 

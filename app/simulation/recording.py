@@ -5,10 +5,23 @@ from collections.abc import Callable
 import numpy as np
 
 from app.ros.recorder import Recorder
-from app.simulation.options import SimulateOptions
+from app.simulation.aids import MAGNETOMETER, ORIGIN, RANGEFINDER, RECEIVER
+from app.simulation.options import Extra, SimulateOptions
 from app.simulation.sensors import BAROMETER, MEMS, START_NS
 from app.simulation.simulation import Simulation
-from slam_core.measurements import Float64s, Height, Imu, LaserScan, Transform, TruthPose
+from slam_core.geometry import from_euler
+from slam_core.measurements import (
+    Float64s,
+    GpsPosition,
+    GpsVelocity,
+    GroundDistance,
+    Height,
+    Imu,
+    LaserScan,
+    MagneticField,
+    Transform,
+    TruthPose,
+)
 
 Progress = Callable[[float], None]
 """Called with the share that is done, from 0 to 1."""
@@ -20,7 +33,7 @@ def simulate(options: SimulateOptions, progress: Progress = lambda share: None) 
     """Drive the scene and write the bag `options.out`; RecorderError or SimulationError for a bad choice."""
     simulation = Simulation(options.scenario, options)
     with Recorder(options.out) as bag:
-        _write_mounts(bag, simulation.scene.T_base_laser)
+        _write_mounts(bag, {"laser": simulation.scene.T_base_laser, **_mounts(simulation.extras)})
         for arrival_ns, item in simulation.arrivals():
             match item:
                 case LaserScan():
@@ -30,6 +43,14 @@ def simulate(options: SimulateOptions, progress: Progress = lambda share: None) 
                     bag.write("/imu/data_raw", _imu(bag, item), arrival_ns)
                 case Height():
                     bag.write("/pressure", _pressure(bag, item), arrival_ns)
+                case MagneticField():
+                    bag.write("/imu/mag", _magnetic(bag, item), arrival_ns)
+                case GpsPosition():
+                    bag.write("/fix", _fix(bag, item), arrival_ns)
+                case GpsVelocity():
+                    bag.write("/fix_velocity", _velocity(bag, item), arrival_ns)
+                case GroundDistance():
+                    bag.write("/range_down", _range(bag, item), arrival_ns)
                 case TruthPose():
                     bag.write("/ground_truth", _pose(bag, item), arrival_ns)
     progress(1.0)
@@ -42,7 +63,17 @@ def pressure_at(height: float) -> float:
     return float(SEA_LEVEL * (1.0 - 2.25577e-5 * height) ** 5.25588)
 
 
-def _write_mounts(bag: Recorder, T_base_laser: Transform) -> None:
+def _mounts(extras: tuple[Extra, ...]) -> dict[str, Transform]:
+    """Where everything but the laser sits on the base."""
+    mounts = {"imu_link": Transform()}
+    if "gps" in extras:
+        mounts["gps"] = Transform(np.array(RECEIVER.antenna))
+    if "rangefinder" in extras:
+        mounts["rangefinder"] = Transform(np.array(RANGEFINDER.origin), from_euler(0.0, np.pi / 2, 0.0))
+    return mounts
+
+
+def _write_mounts(bag: Recorder, mounts: dict[str, Transform]) -> None:
     frames = [
         bag.make(
             "geometry_msgs/msg/TransformStamped",
@@ -54,7 +85,7 @@ def _write_mounts(bag: Recorder, T_base_laser: Transform) -> None:
                 rotation=_quaternion(bag, mount.rotation),
             ),
         )
-        for child, mount in (("laser", T_base_laser), ("imu_link", Transform()))
+        for child, mount in mounts.items()
     ]
     bag.write("/tf_static", bag.make("tf2_msgs/msg/TFMessage", transforms=frames), START_NS)
 
@@ -97,6 +128,56 @@ def _pressure(bag: Recorder, height: Height) -> object:
         header=bag.header(height.stamp_ns, "base_link"),
         fluid_pressure=pressure_at(height.height),
         variance=(per_metre * BAROMETER.noise) ** 2,
+    )
+
+
+def _magnetic(bag: Recorder, magnetic: MagneticField) -> object:
+    return bag.make(
+        "sensor_msgs/msg/MagneticField",
+        header=bag.header(magnetic.stamp_ns, "imu_link"),
+        magnetic_field=_vector(bag, magnetic.field),
+        magnetic_field_covariance=(np.eye(3) * MAGNETOMETER.noise**2).ravel(),
+    )
+
+
+def _fix(bag: Recorder, fix: GpsPosition) -> object:
+    latitude, longitude, altitude = ORIGIN.geodetic(fix.position)
+    assert fix.covariance is not None
+    return bag.make(
+        "sensor_msgs/msg/NavSatFix",
+        header=bag.header(fix.stamp_ns, "gps"),
+        status=bag.make("sensor_msgs/msg/NavSatStatus", status=0, service=1),
+        latitude=latitude,
+        longitude=longitude,
+        altitude=altitude,
+        position_covariance=fix.covariance.ravel(),
+        position_covariance_type=2,
+    )
+
+
+def _velocity(bag: Recorder, velocity: GpsVelocity) -> object:
+    covariance = np.zeros((6, 6))
+    covariance[:3, :3] = np.eye(3) * RECEIVER.velocity_noise**2
+    twist = bag.make(
+        "geometry_msgs/msg/Twist", linear=_vector(bag, velocity.velocity), angular=_vector(bag, np.zeros(3))
+    )
+    return bag.make(
+        "geometry_msgs/msg/TwistWithCovarianceStamped",
+        header=bag.header(velocity.stamp_ns, "gps"),
+        twist=bag.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=covariance.ravel()),
+    )
+
+
+def _range(bag: Recorder, ground: GroundDistance) -> object:
+    return bag.make(
+        "sensor_msgs/msg/Range",
+        header=bag.header(ground.stamp_ns, "rangefinder"),
+        radiation_type=1,
+        field_of_view=0.05,
+        min_range=0.0,
+        max_range=RANGEFINDER.reach,
+        range=ground.distance,
+        **({} if bag.format == "bag" else {"variance": RANGEFINDER.noise**2}),
     )
 
 

@@ -7,18 +7,23 @@ import numpy as np
 
 from app.simulation.course import STILL
 from app.simulation.motion import Channels, Motion
-from app.simulation.options import SceneOptions
+from app.simulation.options import Extra, SceneOptions
 from app.simulation.worlds import World
 from slam_core.measurements import Float64s, Transform
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """One scenario. The map frame is the base at time 0, so truth starts at the origin, facing +x."""
+    """One scenario. The map frame is the base at time 0, so truth starts at the origin, facing +x.
+
+    extras, gps_outage [s]: what is carried and missed if nobody asks for anything else.
+    """
 
     world: World
     motion: Motion
     T_base_laser: Transform
+    extras: tuple[Extra, ...] = ()
+    gps_outage: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ DURATION = 58.0
 SPEED = 1.4  # m/s
 LASER = (0.4, 0.0, 0.7)  # m over the waterline amidships
 SWAY, SWELL = 8.0, 0.45  # degrees, Hz
+GPS_OUTAGE = 30.0  # s, behind the island
 HEAVE = 0.2  # m at a sway of SWAY
 
 _LAP = np.array([(0, 0), (22, 0), (22, 14), (-4, 14), (-4, 0)], dtype=np.float64)
@@ -37,7 +38,8 @@ def build(options: SceneOptions) -> Scene:
     pace = Pace(speed=SPEED * options.speed, turn_rate=np.radians(25), acceleration=0.3, radius=5.0)
     waves = _waves(Sway.chosen(options, SWAY, SWELL))
     motion = Motion.through(overlay(follow(_LAP, pace, duration), waves), duration)
-    return Scene(_world(np.random.default_rng(7)), motion, Transform(np.array(LASER)))
+    world, mount = _world(np.random.default_rng(7)), Transform(np.array(LASER))
+    return Scene(world, motion, mount, extras=("gps", "compass"), gps_outage=GPS_OUTAGE)
 
 
 def _waves(sway: Sway) -> Channels:

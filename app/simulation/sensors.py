@@ -9,12 +9,12 @@ from app.simulation.motion import Motion
 from app.simulation.options import SceneOptions
 from app.simulation.scene import Scene
 from slam_core.geometry import rotation_matrix
-from slam_core.measurements import Float64s, Height, Imu, LaserScan, TruthPose
+from slam_core.measurements import Aid, Float64s, Height, Imu, LaserScan, TruthPose
 
 START_NS = 1_700_000_000 * 10**9  # the time on the clock when a motion begins
 IMU_RATE, HEIGHT_RATE, TRUTH_RATE = 100.0, 10.0, 100.0  # Hz
 
-Arrival = tuple[int, LaserScan | Imu | Height | TruthPose]
+Arrival = tuple[int, LaserScan | Imu | Aid | TruthPose]
 """When a measurement reached the recorder [ns], and the measurement."""
 
 
@@ -113,7 +113,7 @@ def _measured(true: Float64s, depths: Float64s, noise: float, rng: np.random.Gen
 def inertial(motion: Motion, options: SceneOptions) -> Iterator[Arrival]:
     """Body rates and specific force, each with a constant bias, a wandering bias and white noise."""
     rng = np.random.default_rng([options.seed, 1])
-    t = _ticks(motion, IMU_RATE)
+    t = ticks(motion, IMU_RATE)
     rates = motion.body_rates(t) + options.noise * _drifting(
         rng, len(t), MEMS.gyro_bias, MEMS.gyro_walk, MEMS.gyro_noise
     )
@@ -134,7 +134,7 @@ def _drifting(rng: np.random.Generator, count: int, bias: float, walk: float, no
 def heights(motion: Motion, options: SceneOptions) -> Iterator[Arrival]:
     """Height over the start, with white noise and the slow drift of the weather."""
     rng = np.random.default_rng([options.seed, 2])
-    t = _ticks(motion, HEIGHT_RATE)
+    t = ticks(motion, HEIGHT_RATE)
     drift = np.cumsum(rng.normal(scale=BAROMETER.walk / np.sqrt(HEIGHT_RATE), size=len(t)))
     errors = options.noise * (drift + rng.normal(scale=BAROMETER.noise, size=len(t)))
     for time, height in zip(t, motion.at(t)[:, 2] + errors, strict=True):
@@ -143,9 +143,10 @@ def heights(motion: Motion, options: SceneOptions) -> Iterator[Arrival]:
 
 def truth(motion: Motion) -> Iterator[Arrival]:
     """The true pose, without delay."""
-    for t in _ticks(motion, TRUTH_RATE):
+    for t in ticks(motion, TRUTH_RATE):
         yield nanoseconds(t), TruthPose(nanoseconds(t), motion.transform(t))
 
 
-def _ticks(motion: Motion, rate: float) -> Float64s:
+def ticks(motion: Motion, rate: float) -> Float64s:
+    """Seconds at which a sensor measures, through the whole motion."""
     return np.arange(int(motion.duration * rate) + 1) / rate

@@ -3,11 +3,11 @@
 import heapq
 from collections.abc import Callable, Iterator
 
-from app.simulation import scene_arena, scene_corridor, scene_handheld, scene_littoral, scene_rooms, sensors
-from app.simulation.options import ScenarioName, SceneOptions
+from app.simulation import aids, scene_arena, scene_corridor, scene_handheld, scene_littoral, scene_rooms, sensors
+from app.simulation.options import Extra, ScenarioName, SceneOptions
 from app.simulation.scene import Scene
 from app.simulation.sensors import Arrival
-from slam_core.measurements import Height, Imu, LaserScan, Transform, TruthPose
+from slam_core.measurements import Aid, Imu, LaserScan, Transform, TruthPose
 
 SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {
     "arena": scene_arena.build,
@@ -30,6 +30,11 @@ class Simulation:
         """Seconds from the first measurement to the last."""
         return self.scene.motion.duration
 
+    @property
+    def extras(self) -> tuple[Extra, ...]:
+        """What is carried besides laser, inertial unit and barometer."""
+        return self.scene.extras if self.options.extras is None else self.options.extras
+
     def arrivals(self) -> Iterator[Arrival]:
         """(time of arrival [ns], measurement), by time of arrival."""
         motion = self.scene.motion
@@ -40,9 +45,16 @@ class Simulation:
         ]
         if self.options.imu:
             streams.append(sensors.inertial(motion, self.options))
+        if "compass" in self.extras:
+            streams.append(aids.compass(motion, self.options))
+        if "gps" in self.extras:
+            outage = self.options.gps_outage
+            streams.append(aids.fixes(motion, self.options, self.scene.gps_outage if outage is None else outage))
+        if "rangefinder" in self.extras:
+            streams.append(aids.ground_distances(self.scene, self.options))
         return heapq.merge(*streams, key=lambda arrival: arrival[0])
 
-    def items(self) -> Iterator[LaserScan | Imu | Height | TruthPose]:
+    def items(self) -> Iterator[LaserScan | Imu | Aid | TruthPose]:
         """Every measurement in order of arrival."""
         return (item for _, item in self.arrivals())
 

@@ -29,6 +29,10 @@ class SourceOptions:
     attitude_topic: str | None = None
     odometry_topic: str | None = None
     height_topic: str | None = None
+    ground_topic: str | None = None
+    magnetic_topic: str | None = None
+    gps_topic: str | None = None
+    gps_velocity_topic: str | None = None
     truth_topic: str | None = None
     base_frame: str | None = None
     laser_pose: tuple[float, float, float, float, float, float] | None = None  # x y z [m] roll pitch yaw [rad]

@@ -46,7 +46,7 @@ def test_parts_say_what_would_be_used(bag: Path) -> None:
     assert "tf places laser on base_link" in report.source.notes
     assert report.source.skipped == {"/scan: scan without beams": 1}
     assert {part.role: part.topic for part in report.parts[1:]} == dict.fromkeys(
-        ("imu", "attitude", "odometry", "height", "truth")
+        ("imu", "attitude", "odometry", "height", "ground", "magnetic", "gps", "gps_velocity", "truth")
     )
 
 

@@ -6,6 +6,7 @@ from app.metrics import PARTS
 from app.simulation import SceneOptions
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
+from benchmarks.outage import Outage
 from benchmarks.performance import MARKS, Accuracy, document, processor
 from tests.conftest import ROOT
 
@@ -29,6 +30,7 @@ def accuracy() -> Accuracy:
             ]
         },
         [dict.fromkeys(METHODS, end)],
+        {"satellites": [Outage(0.03, 0.04, 0.01)]},
         {Recording("jackal", Path("a"), 0.0143): dict.fromkeys(METHODS, Replay(414, near, 1.0, ()))},
     )
 
@@ -41,6 +43,7 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
         "| arena | 100 |",
         "| 40 Hz | yes | 1.00",
         "| full | 1.000",
+        "| satellites | 0.030",
         "| jackal | 414 |",
     ):
         assert row in text

@@ -11,7 +11,17 @@ from app.ros.converter import Converter
 from app.ros.roles import Roles
 from app.sources import Item, SourceError, SourceOptions
 from slam_core import geometry
-from slam_core.measurements import Attitude, Height, Imu, LaserScan, TruthPose
+from slam_core.measurements import (
+    Attitude,
+    GpsPosition,
+    GpsVelocity,
+    GroundDistance,
+    Height,
+    Imu,
+    LaserScan,
+    MagneticField,
+    TruthPose,
+)
 from tests.ros_messages import SECOND, START, Messages
 
 ROS = Messages("ros2")
@@ -199,11 +209,31 @@ def test_heights_count_from_the_first() -> None:
     assert [item.height for item in items if isinstance(item, Height)] == [0.0, 1.0]
 
 
-def test_a_height_sensor_without_tf_is_taken_to_look_down() -> None:
-    """A person who names a distance sensor as height means it so."""
-    converter = Converter(Roles(height="/sonar"), SourceOptions())
-    items = feed(converter, [("/sonar", ROS.range(i, 1.0 + i), i) for i in range(2)])
-    assert [item.height for item in items if isinstance(item, Height)] == pytest.approx([0.0, 1.0])
+def test_a_distance_sensor_without_tf_is_taken_to_look_down() -> None:
+    """A person who names a distance sensor as that to the ground means it so."""
+    converter = Converter(Roles(ground="/sonar"), SourceOptions())
+    (item,) = feed(converter, [("/sonar", ROS.range(0, 1.5), 0)])
+    assert isinstance(item, GroundDistance)
+    np.testing.assert_allclose(item.distance * item.direction, [0.0, 0.0, -1.5], atol=1e-9)
+
+
+def test_fixes_count_from_the_first_that_is_one() -> None:
+    """The first position is the origin, which is noted; one without satellites before it is counted."""
+    converter = Converter(Roles(gps="/fix", gps_velocity="/vel", magnetic="/mag"), SourceOptions())
+    entries = [
+        ("/fix", ROS.fix(0, 0.0, 0.0, 0.0, status=-1), 0),
+        ("/fix", ROS.fix(1, 47.0, 8.0, 400.0), 1),
+        ("/fix", ROS.fix(2, 47.0001, 8.0, 401.0), 2),
+        ("/vel", ROS.gps_velocity(2, (1.0, 0.0, 0.0)), 2),
+        ("/mag", ROS.magnetic(2, (2e-5, 0.0, 4e-5)), 2),
+    ]
+    first, second, velocity, field = feed(converter, entries)
+    assert isinstance(first, GpsPosition) and isinstance(second, GpsPosition)
+    np.testing.assert_allclose(first.position, 0.0, atol=1e-6)
+    np.testing.assert_allclose(second.position, [0.0, 11.1, 1.0], atol=0.1)
+    assert isinstance(velocity, GpsVelocity) and isinstance(field, MagneticField)
+    assert "/fix: east and north count from 47.000000°, 8.000000°" in converter.report.notes
+    assert converter.report.skipped == {"/fix: satellite fix without a position": 1}
 
 
 def lean(ns: int, roll: float) -> tuple[str, Any, int]:

@@ -133,16 +133,6 @@ def test_pressure_falls_by_12_pascal_a_metre_at_sea_level(ros: Messages) -> None
         messages.pressure_altitude(ros.pressure(0, 0.0))
 
 
-def test_a_downward_range_is_a_height(ros: Messages) -> None:
-    """A sensor 0.2 m over the base that looks straight down at 1.2 m puts the base at 1 m."""
-    mount = Transform(np.array([0.0, 0.0, 0.2]), geometry.from_euler(0.0, math.pi / 2, 0.0))
-    assert messages.range_height(ros.range(0, 1.2), mount) == pytest.approx(1.0)
-    with pytest.raises(BadMessage, match="look down"):
-        messages.range_height(ros.range(0, 1.2), Transform())
-    with pytest.raises(BadMessage, match="out of the sensor's range"):
-        messages.range_height(ros.range(0, math.inf), mount)
-
-
 def test_truth_comes_in_four_types(ros: Messages) -> None:
     """PoseStamped, PoseWithCovarianceStamped, Odometry and TransformStamped tell the same pose."""
     pose = ros.pose()

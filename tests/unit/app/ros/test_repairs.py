@@ -10,7 +10,7 @@ from app.ros.converter import Converter
 from app.ros.roles import Roles, Topic, choose_roles
 from app.sources import Item, SourceError, SourceOptions
 from slam_core import geometry
-from slam_core.measurements import Attitude, Imu, LaserScan
+from slam_core.measurements import Attitude, Imu, LaserScan, MagneticField
 from tests.ros_messages import SECOND, START, Messages
 
 ROS = Messages("ros2")
@@ -47,6 +47,14 @@ def test_an_imu_upside_down_is_turned() -> None:
     np.testing.assert_allclose(imu.angular_velocity, [0.1, -0.2, -0.3])
     np.testing.assert_allclose(imu.linear_acceleration, [0.0, -1.0, 9.8], atol=1e-12)
     assert abs(geometry.to_euler(attitude.rotation)[0]) == pytest.approx(math.pi)
+
+
+def test_the_magnetometer_of_an_imu_upside_down_is_turned_with_it() -> None:
+    """Its y and z point the other way."""
+    converter = Converter(Roles(magnetic="/mag"), SourceOptions(imu_rotation=(math.pi, 0.0, 0.0)))
+    (item,) = converter.convert("/mag", ROS.magnetic(SECOND, (2e-5, 1e-5, 4e-5)), START + SECOND)
+    assert isinstance(item, MagneticField)
+    np.testing.assert_allclose(item.field, [2e-5, -1e-5, -4e-5], atol=1e-12)
 
 
 @pytest.mark.parametrize(("which", "signs"), [("accel", (1.0, -1.0)), ("gyro", (-1.0, 1.0))])

@@ -2,7 +2,22 @@
 
 import pytest
 
-from app.ros.roles import IMU, ODOMETRY, POINT, POSE, PRESSURE, RANGE, SCAN, Topic, check_overrides, choose_roles
+from app.ros.roles import (
+    FIX,
+    IMU,
+    MAGNETIC,
+    ODOMETRY,
+    POINT,
+    POSE,
+    PRESSURE,
+    RANGE,
+    SCAN,
+    TWIST,
+    TWIST_COVARIANCE,
+    Topic,
+    check_overrides,
+    choose_roles,
+)
 from app.ros.roles import tf_spec as parse
 from app.sources import SourceError, SourceOptions
 
@@ -54,14 +69,41 @@ def test_a_missing_slash_is_no_difference() -> None:
     [
         (Topic("/pressure", PRESSURE), "/pressure"),
         (Topic("/altitude", POINT), "/altitude"),
-        (Topic("/height", RANGE), "/height"),
         (Topic("/clicked_point", POINT), None),
-        (Topic("/sonar_left", RANGE), None),
     ],
 )
 def test_height_is_taken_when_it_is_clearly_height(topic: Topic, height: str | None) -> None:
-    """A barometer always is; points and distances only by their name."""
+    """A barometer always is; points only by their name."""
     assert choose_roles([topic], SourceOptions()).height == height
+
+
+@pytest.mark.parametrize(
+    ("role", "topic", "taken"),
+    [
+        ("magnetic", Topic("/imu/mag", MAGNETIC), True),
+        ("gps", Topic("/navsat", FIX), True),
+        ("gps", Topic("/truth/fix", FIX), False),
+        ("gps_velocity", Topic("/fix_velocity", TWIST_COVARIANCE), True),
+        ("gps_velocity", Topic("/gps/vel", TWIST), True),
+        ("gps_velocity", Topic("/cmd_vel", TWIST), False),
+        ("ground", Topic("/height", RANGE), True),
+        ("ground", Topic("/range_down", RANGE), True),
+        ("ground", Topic("/sonar_left", RANGE), False),
+    ],
+)
+def test_aids_are_taken_when_they_are_clearly_that(role: str, topic: Topic, taken: bool) -> None:
+    """Types that serve many purposes only by their name; each can be asked for by its flag."""
+    assert (getattr(choose_roles([topic], SourceOptions()), role) == topic.name) == taken
+    options = SourceOptions(**{f"{role}_topic": topic.name})
+    check_overrides([topic], options)
+    assert getattr(choose_roles([topic], options), role) == topic.name
+    assert topic.name in choose_roles([topic], options).topics()
+
+
+def test_the_flag_of_a_role_of_two_words_is_named_rightly() -> None:
+    """With dashes, as it is typed."""
+    with pytest.raises(SourceError, match="--gps-velocity-topic takes one of"):
+        check_overrides(OFFER, SourceOptions(gps_velocity_topic="/odom"))
 
 
 @pytest.mark.parametrize("name", ["/pose_ground_truth", "/vrpn_client_node/jackal/pose", "/Vicon/robot", "/mocap"])

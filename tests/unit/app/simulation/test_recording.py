@@ -1,5 +1,6 @@
 """Simulations written as bags, read back by another library's reader."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -8,12 +9,24 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
+from app.ros import aid_messages
 from app.ros.messages import pressure_altitude
 from app.simulation import SceneOptions, SimulateOptions, Simulation, simulate
+from app.simulation.aids import ORIGIN
 from app.simulation.recording import pressure_at
 from slam_core.errors import SlamError
-from slam_core.measurements import Imu, LaserScan, TruthPose
+from slam_core.measurements import (
+    GpsPosition,
+    GpsVelocity,
+    GroundDistance,
+    Imu,
+    LaserScan,
+    MagneticField,
+    Transform,
+    TruthPose,
+)
 
+EVERYTHING: dict[str, Any] = {"extras": ("gps", "compass", "rangefinder"), "gps_outage": 0.0}
 NAMES = ("run.bag", "run.mcap", "run")
 
 
@@ -40,15 +53,19 @@ def stamp(message: Any) -> int:
 @pytest.mark.parametrize("name", NAMES)
 def test_a_bag_holds_what_was_measured(tmp_path: Path, name: str) -> None:
     """Every topic with its type, the numbers of the simulation, and times of receipt that never run backwards."""
-    bag = contents(written(tmp_path, name))
+    bag = contents(written(tmp_path, name, **EVERYTHING))
     assert {topic: (messages[0][1].__msgtype__, len(messages)) for topic, messages in bag.items()} == {
         "/tf_static": ("tf2_msgs/msg/TFMessage", 1),
         "/scan": ("sensor_msgs/msg/LaserScan", 120),
         "/imu/data_raw": ("sensor_msgs/msg/Imu", 301),
         "/pressure": ("sensor_msgs/msg/FluidPressure", 31),
+        "/imu/mag": ("sensor_msgs/msg/MagneticField", 61),
+        "/fix": ("sensor_msgs/msg/NavSatFix", 16),
+        "/fix_velocity": ("geometry_msgs/msg/TwistWithCovarianceStamped", 16),
+        "/range_down": ("sensor_msgs/msg/Range", 61),
         "/ground_truth": ("geometry_msgs/msg/PoseStamped", 301),
     }
-    items = list(Simulation("littoral", SceneOptions(duration=3.0)).items())
+    items = list(Simulation("littoral", SceneOptions(duration=3.0, **EVERYTHING)).items())
     scans = [item for item in items if isinstance(item, LaserScan)]
     for scan, (time_ns, message) in zip(scans, bag["/scan"], strict=True):
         assert stamp(message) == scan.stamp_ns < scan.end_ns < time_ns
@@ -65,14 +82,37 @@ def test_a_bag_holds_what_was_measured(tmp_path: Path, name: str) -> None:
     for pose, (_, message) in zip(poses, bag["/ground_truth"], strict=True):
         q = message.pose.orientation
         assert (q.w, q.x, q.y, q.z) == tuple(pose.T_map_base.rotation)
+    _compare_aids(items, bag)
     times = [time_ns for messages in bag.values() for time_ns, _ in messages]
     assert min(times) == bag["/tf_static"][0][0]
 
 
+def _compare_aids(items: list[Any], bag: dict[str, list[tuple[int, Any]]]) -> None:
+    """What comes out of the messages by the reader's own functions is what was measured."""
+    fixes = [item for item in items if isinstance(item, GpsPosition)]
+    for fix, (_, message) in zip(fixes, bag["/fix"], strict=True):
+        read = aid_messages.gps_position(message, fix.stamp_ns, ORIGIN, fix.antenna)
+        np.testing.assert_allclose(read.position, fix.position, atol=1e-4)
+        np.testing.assert_allclose(read.covariance, fix.covariance)
+    fields = [item.field for item in items if isinstance(item, MagneticField)]
+    read_fields = [
+        aid_messages.magnetic_field(message, 0, Transform().rotation).field for _, message in bag["/imu/mag"]
+    ]
+    np.testing.assert_array_equal(read_fields, fields)
+    speeds = [item.velocity for item in items if isinstance(item, GpsVelocity)]
+    read_speeds = [aid_messages.gps_velocity(message, 0).velocity for _, message in bag["/fix_velocity"]]
+    np.testing.assert_array_equal(read_speeds, speeds)
+    distances = [item.distance for item in items if isinstance(item, GroundDistance)]
+    np.testing.assert_allclose([message.range for _, message in bag["/range_down"]], distances, rtol=1e-6)
+
+
 def test_mounts(tmp_path: Path) -> None:
-    """tf_static says where laser and inertial unit sit on the base."""
-    ((_, message),) = contents(written(tmp_path, "run.bag"))["/tf_static"]
-    laser, imu = message.transforms
+    """tf_static says where laser, inertial unit, antenna and rangefinder sit on the base."""
+    ((_, message),) = contents(written(tmp_path, "run.bag", **EVERYTHING))["/tf_static"]
+    laser, imu, gps, rangefinder = message.transforms
+    assert (gps.child_frame_id, gps.transform.translation.z) == ("gps", 0.9)
+    assert rangefinder.child_frame_id == "rangefinder"
+    assert rangefinder.transform.rotation.y == pytest.approx(math.sqrt(0.5))
     assert (laser.header.frame_id, laser.child_frame_id) == ("base_link", "laser")
     assert (laser.transform.translation.x, laser.transform.translation.z) == (0.4, 0.7)
     assert (imu.child_frame_id, imu.transform.translation.x, imu.transform.rotation.w) == ("imu_link", 0.0, 1.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.simulation import ScenarioName, SceneOptions, Simulation, SimulationError, sensors
-from slam_core.measurements import Height, Imu, LaserScan, TruthPose
+from slam_core.measurements import GpsPosition, GpsVelocity, Height, Imu, LaserScan, MagneticField, TruthPose
 
 DEMOS: tuple[ScenarioName, ...] = ("arena", "littoral", "handheld")
 SHORT = SceneOptions(duration=4.0, beams=181)
@@ -23,6 +23,12 @@ def fingerprint(simulation: Simulation) -> bytes:
             values += [item.angular_velocity.tobytes(), item.linear_acceleration.tobytes()]
         elif isinstance(item, Height):
             values.append(item.height)
+        elif isinstance(item, MagneticField):
+            values.append(item.field.tobytes())
+        elif isinstance(item, GpsPosition):
+            values.append(item.position.tobytes())
+        elif isinstance(item, GpsVelocity):
+            values.append(item.velocity.tobytes())
         else:
             values += [item.T_map_base.translation.tobytes(), item.T_map_base.rotation.tobytes()]
         parts.append(repr(values))
