@@ -19,7 +19,7 @@ FORCE = 0.3  # m/s²: closer than this to gravity it does not accelerate
 
 
 class Ride:
-    """Up in the axes of the device, sample by sample: by the filter, by the accelerometer, by the device itself."""
+    """Up in the axes of the device, sample by sample: by the filter, the accelerometer, the device itself."""
 
     def __init__(self, path: Path, options: SourceOptions) -> None:
         self.filter = NavigationFilter(SlamConfig().navigation)
@@ -50,7 +50,7 @@ def degrees(a: Float64s, b: Float64s) -> Float64s:
 
 
 def test_the_device_upside_down_stands_level_once_it_is_turned(recordings: Path) -> None:
-    """A minute on a turntable: up stays where gravity is, within two degrees, and the base is level within three."""
+    """A minute on a turntable: up stays within two degrees of gravity, and the base is level within three."""
     path = recordings / "imu_only" / "phidgets_imu_upside_down.bag"
     ride = Ride(path, SourceOptions(imu_rotation=(3.14159, 0.0, 0.0)))
     assert np.median(degrees(ride.ours, ride.felt)) < 2.0
@@ -58,7 +58,7 @@ def test_the_device_upside_down_stands_level_once_it_is_turned(recordings: Path)
 
 
 def test_attitude_beside_that_of_the_device_itself(recordings: Path) -> None:
-    """A minute and a half in somebody's hands: at rest the filter is on gravity where the device's own attitude is not.
+    """In somebody's hands: at rest the filter is on gravity where the device's own attitude is not.
 
     The two differ by some 12 degrees rms; at rest before the first move, the device's own is that far off gravity.
     """
