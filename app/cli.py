@@ -16,7 +16,9 @@ from slam_core.errors import SlamError
 # What takes long to import (viser, numba, rosbags) is imported by the command that needs it: help comes at once.
 
 Scene = Literal["arena", "littoral", "handheld"]
-Bag = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(help="A .bag, .mcap, .db3 or a rosbag2 folder.")]
+Bag = Annotated[
+    Path, tyro.conf.Positional, tyro.conf.arg(help="A .bag, .mcap, .db3, a rosbag2 folder or a CARMEN log.")
+]
 
 MISTAKE = 2
 INTERRUPTED = 130

@@ -6,12 +6,15 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 from app.devices import Finding, findings, remedy
 from app.evidence import Evidence, Measures
+from app.ros.roles import Roles, Topic
 from app.snapshot import SourceReport
-from app.sources import Item, SourceOptions
-from app.sources.bag import BagSource, open_bag
+from app.sources import Item, Source, SourceError, SourceOptions, open_source
+from app.sources.bag import SOURCE as BAG
+from app.sources.bag import open_bag
 from slam_core.geometry import to_euler
 from slam_core.measurements import (
     Attitude,
@@ -39,6 +42,18 @@ _MEASURES: Mapping[str, type[Item]] = {
     "gps_velocity": GpsVelocity,
     "truth": TruthPose,
 }
+
+
+@runtime_checkable
+class Recorded(Source, Protocol):
+    """A source that was recorded, and knows what it holds."""
+
+    container: str
+    topics: list[Topic]
+    roles: Roles
+
+    def log_times_ns(self) -> dict[str, list[int]]:
+        """When the messages of each topic of use were recorded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +96,10 @@ class BagReport:
 
 
 def inspect_bag(path: Path, options: SourceOptions) -> BagReport:
-    """Read a recording without mapping; SourceError if it cannot be read. One without a laser is welcome."""
-    source = open_bag(path, options)
+    """Read a recording without mapping; SourceError if it cannot be read. A bag without a laser is welcome."""
+    source = open_bag(path, options) if BAG.accepts(str(path)) else open_source(str(path), options)
+    if not isinstance(source, Recorded) or source.span_ns is None:
+        raise SourceError(f"{path} is no recording: give one")
     evidence = Evidence()
     counts = dict.fromkeys(_MEASURES.values(), 0)
     first_scan: LaserScan | None = None
@@ -95,7 +112,7 @@ def inspect_bag(path: Path, options: SourceOptions) -> BagReport:
     measures = evidence.measures()
     return BagReport(
         source.name,
-        source.recording.container,
+        source.container,
         begin_ns,
         (end_ns - begin_ns) * 1e-9,
         tuple(_topic_lines(source)),
@@ -106,9 +123,9 @@ def inspect_bag(path: Path, options: SourceOptions) -> BagReport:
     )
 
 
-def _topic_lines(source: BagSource) -> Iterator[TopicLine]:
+def _topic_lines(source: Recorded) -> Iterator[TopicLine]:
     times = source.log_times_ns()
-    begin_ns, end_ns = source.span_ns
+    begin_ns, end_ns = source.span_ns or (0, 0)
     for topic in sorted(source.topics, key=lambda topic: topic.name):
         mean_hz = (topic.messages - 1) / max((end_ns - begin_ns) * 1e-9, 1e-9)
         rate_hz, gap_s = _rhythm(times[topic.name]) if topic.name in times else (mean_hz, math.nan)
@@ -123,7 +140,7 @@ def _rhythm(times_ns: list[int]) -> tuple[float, float]:
     return rate_hz, max(b - a for a, b in pairwise(times_ns)) * 1e-9
 
 
-def _part(role: str, source: BagSource, measurements: int, first_scan: LaserScan | None) -> Part:
+def _part(role: str, source: Recorded, measurements: int, first_scan: LaserScan | None) -> Part:
     topic: str | None = getattr(source.roles, role)
     if role == "attitude" and topic is None and measurements:
         topic = "/tf"
@@ -178,7 +195,7 @@ def _devices(measures: Measures) -> Iterator[str]:
         ("odometry against the scans", measures.wheels),
     ):
         if turn is not None:
-            late = f", the scans {turn.lag:.2f} s late" if turn is not measures.tilt else ""
+            late = f", the scans {turn.lag:.2f} s late" if turn is measures.turn else ""
             yield f"{name}: turns {turn.ratio:.2f} times as far, correlation {turn.correlation:.2f}{late}"
 
 

@@ -118,18 +118,18 @@ class Pipeline:
 
     @property
     def truth_in_map(self) -> Rows:
-        """(4,) x, y, z, yaw that carry the truth into the map: at the first scan, both are in one place."""
+        """(4,) x, y, z, yaw that carry the truth into the map: at the first scan it covers, both are one."""
         if self._truth_in_map is None and len(self._trajectory):
-            self._truth_in_map = _onto(self.truth, self.trajectory[:1])
+            self._truth_in_map = _onto(self.truth, self.trajectory)
         return np.zeros(4) if self._truth_in_map is None else self._truth_in_map
 
 
-def _onto(truth: Rows, first: Rows) -> Rows | None:
-    """The motion that puts `truth` (n, 8) on the pose `first` (1, 8); None while the truth does not reach it."""
-    there, covered = interpolate(Trajectory.from_rows(truth), first[:, 0])
+def _onto(truth: Rows, trajectory: Rows) -> Rows | None:
+    """The motion that puts `truth` (n, 8) on the first pose (m, 8) that it covers; None if it covers none."""
+    there, covered = interpolate(Trajectory.from_rows(truth), trajectory[:, 0])
     if not covered.any():
         return None
-    here = Trajectory.from_rows(first)
+    here = Trajectory.from_rows(trajectory[covered])
     x, y, yaw = first_on_first(there.planar, here.planar)
     return np.array([x, y, here.positions[0, 2] - there.positions[0, 2], yaw])
 

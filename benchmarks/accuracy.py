@@ -7,11 +7,11 @@ import numpy as np
 
 from app.metrics import truth_errors
 from app.pipeline import Pipeline
-from app.runner import run_headless
 from app.settings import Settings
 from app.simulation import SceneOptions, Simulation
 from app.snapshot import SERIES_DTYPE
 from app.sources import Item, open_source
+from benchmarks import returning
 from benchmarks.cases import LOST_M, METHODS, Recording
 from slam_core.config import SlamConfig
 from slam_core.evaluation import Trajectory, interpolate, rms
@@ -51,12 +51,16 @@ class CorridorOutcome:
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """A recording by one method: errors where there is a truth, metres from the first pose to the last."""
+    """A recording by one method: errors where there is a truth, metres from the first pose to the last.
+
+    returned: share of the last scans' endpoints on the first map (`benchmarks.returning`); None without a return.
+    """
 
     scans: int
     truth: Outcome | None
     start_to_end: float
     left_out: tuple[str, ...]
+    returned: float | None = None
 
 
 def process(items: Iterable[Item], config: SlamConfig) -> Pipeline:
@@ -115,11 +119,12 @@ def along_and_across(pipeline: Pipeline) -> CorridorOutcome:
 
 def _replay(recording: Recording, config: SlamConfig) -> Replay:
     source = open_source(str(recording.path), recording.options)
-    pipeline, _ = run_headless(source, Settings(config))
+    pipeline, returned = returning.process(source.items(), config)
     first, last = pipeline.trajectory[[0, -1], 1:3]
     return Replay(
         scans=pipeline.scans,
         truth=outcome(pipeline) if len(pipeline.truth) else None,
         start_to_end=float(np.hypot(*(last - first))),
         left_out=tuple(f"{count} x {reason}" for reason, count in source.report.skipped.items()),
+        returned=returned,
     )

@@ -22,6 +22,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "scan.deskew": False,
     "tracking.check": False,
     "aiding.standstill": False,
+    "motion.odometry_slip": 0.0,
     "navigation.height_gate": 0.0,
     "motion.odometry_gate": 0.0,
 }
@@ -69,6 +70,7 @@ class Recording:
     options: SourceOptions = field(default_factory=SourceOptions)
 
 
+MIT = BESIDE / "mit_csail"
 DEMOS = tuple(Recording(f"{scene} (simulated)", demo_bag(scene)) for scene in get_args(Scene))
 REAL = (
     Recording("jackal_vicon 15-54-31", BESIDE / "jackal_vicon/test_2026-02-17-15-54-31.bag", 0.0143),
@@ -77,6 +79,11 @@ REAL = (
         "stage_sim_gt",
         BESIDE / "stage_sim_gt/run1_fixed.bag",
         options=SourceOptions(truth_topic="tf:map>base_link"),
+    ),
+    Recording(
+        "mit_csail",
+        MIT / "mit-csail.clf",
+        options=SourceOptions(truth_topic=str(MIT / "csail-corrected.log.gz")),
     ),
     Recording("hallway eng403_good", BESIDE / "hallway_rplidar/eng403_good.bag"),
     Recording("ccny_handheld", BESIDE / "ccny_handheld/demo_initial_commit.bag"),

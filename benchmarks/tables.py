@@ -110,9 +110,13 @@ def _replay_row(recording: Recording, methods: Mapping[str, Replay]) -> Iterator
 
 
 def returns(results: Mapping[Recording, Mapping[str, Replay]]) -> str:
-    """Metres from the first pose to the last, where nobody knows the truth."""
-    head = ("recording", "scans", *METHODS, "left out")
-    rows = ((recording, methods) for recording, methods in results.items() if not methods["full"].truth)
+    """Metres from the first pose to the last, and whether a run that came back met the map that it had begun."""
+    head = ("recording", "scans", *_both("start to end", "last scans on the first map"), "left out")
+    rows = (
+        (recording, methods)
+        for recording, methods in results.items()
+        if methods["full"].truth is None or methods["full"].returned is not None
+    )
     return table(head, (_return_row(recording, methods) for recording, methods in rows))
 
 
@@ -121,6 +125,8 @@ def _return_row(recording: Recording, methods: Mapping[str, Replay]) -> Iterator
     yield str(methods["full"].scans)
     for method in METHODS:
         yield f"{methods[method].start_to_end:.2f} m"
+        returned = methods[method].returned
+        yield "-" if returned is None else f"{100 * returned:.0f} %"
     yield "; ".join(methods["full"].left_out) or "-"
 
 

@@ -214,6 +214,9 @@ class MotionConfig:
         float, Param("White noise on the yaw rate.", "rad/s²/√Hz", 0.01, 50.0, log=True)
     ] = 3.0
     odometry_sigma: Annotated[float, Param("Noise of a wheel velocity.", "m/s", 0.001, 2.0, log=True)] = 0.05
+    odometry_slip: Annotated[
+        float, Param("Noise of a wheel velocity as a share of it: wheels slip, most in turns.", "", 0.0, 2.0)
+    ] = 0.2
     odometry_gate: Annotated[
         float,
         Param(

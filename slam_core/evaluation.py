@@ -85,7 +85,7 @@ def evaluate(estimate: Trajectory, truth: Trajectory) -> TrajectoryError | None:
 def interpolate(
     truth: Trajectory, times: Float64s, max_gap: float = MAX_GAP_S
 ) -> tuple[Trajectory, NDArray[np.bool_]]:
-    """Truth at those of `times` (n,) that lie within it and in no gap longer than `max_gap` seconds.
+    """Truth at those of `times` (n,) that lie within it and not inside a gap longer than `max_gap` seconds.
 
     Positions by straight lines, rotations along the great arc. Returns the poses and the mask (n,) of times used.
     """
@@ -93,7 +93,8 @@ def interpolate(
         return truth.select(np.zeros(len(truth), bool)), np.zeros(len(times), bool)
     after = np.clip(np.searchsorted(truth.times, times), 1, len(truth) - 1)
     start, gap = truth.times[after - 1], truth.times[after] - truth.times[after - 1]
-    covered = (times >= truth.times[0]) & (times <= truth.times[-1]) & (gap <= max_gap)
+    known = (gap <= max_gap) | (times == truth.times[after]) | (times == start)
+    covered = (times >= truth.times[0]) & (times <= truth.times[-1]) & known
     after = after[covered]
     share = ((times - start) / gap)[covered, None]
     positions = (1 - share) * truth.positions[after - 1] + share * truth.positions[after]

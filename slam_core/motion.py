@@ -39,7 +39,7 @@ class PlanarMotion:
         """Let wheels correct the velocity."""
         self._advance(odometry.stamp_ns, config)
         wanted = np.array([*odometry.velocity, odometry.yaw_rate])
-        noise = np.eye(3) * config.odometry_sigma**2
+        noise = np.diag(odometry_sigmas(odometry, config) ** 2)
         innovation = wanted - self._mean[3:]
         gain = self._covariance @ OBSERVE_TWIST.T @ np.linalg.inv(self._covariance[3:, 3:] + noise)
         self._mean = self._mean + gain @ innovation
@@ -118,6 +118,14 @@ class PlanarMotion:
         before, after = islice(self._attitudes, i - 1, i + 1)
         fraction = (time_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
         return geometry.slerp(before.rotation, after.rotation, fraction)
+
+
+def odometry_sigmas(odometry: Odometry, config: MotionConfig) -> Float64s:
+    """(3,) standard deviations of a wheel velocity forward, left and about z: slip grows with the motion."""
+    speed = float(np.hypot(*odometry.velocity))
+    moving = np.array([speed, speed, odometry.yaw_rate])
+    sigmas: Float64s = np.hypot(config.odometry_sigma, config.odometry_slip * moving)
+    return sigmas
 
 
 def _noise(dt: float, psi: float, config: MotionConfig) -> Float64s:

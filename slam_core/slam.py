@@ -21,7 +21,7 @@ from slam_core.measurements import (
     Odometry,
     Transform,
 )
-from slam_core.motion import PlanarMotion
+from slam_core.motion import PlanarMotion, odometry_sigmas
 from slam_core.navigation import NavigationFilter
 from slam_core.pyramid import Pyramid
 from slam_core.results import Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
@@ -95,9 +95,8 @@ class HectorSlam:
         """A velocity by the wheels, to whichever motion is believed."""
         if self._inertial:
             motion = self.config.motion
-            self._filter.update_velocity_body(
-                odometry.stamp_ns, odometry.velocity, motion.odometry_sigma, motion.odometry_gate
-            )
+            sigma = float(odometry_sigmas(odometry, motion)[0])
+            self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma, motion.odometry_gate)
         else:
             self._planar.add_odometry(odometry, self.config.motion)
 

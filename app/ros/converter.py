@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from app.ros import aid_messages, messages
 from app.ros.messages import BadMessage
 from app.ros.mounts import Mounts
@@ -17,7 +15,6 @@ from app.ros.tf import TfTree
 from app.ros.tf_poses import TfPoses
 from app.snapshot import SourceReport
 from app.sources import Item, SourceOptions
-from slam_core import geometry
 from slam_core.geodesy import TangentPlane
 from slam_core.measurements import (
     Attitude,
@@ -58,7 +55,6 @@ class Converter:
     def __init__(self, roles: Roles, options: SourceOptions) -> None:
         self.tree = TfTree()
         self.mounts = Mounts(self.tree, options.base_frame)
-        self._laser_pose = _laser_pose(options)
         self._repairs = Repairs(options)
         self._tf_poses = TfPoses(self.tree, self.mounts)
         self._read: Counter[str] = Counter()
@@ -148,7 +144,7 @@ class Converter:
         message = pending.message
         stamp_ns = pending.stamp_ns - self._repairs.scan_delay_ns
         middle_ns = stamp_ns + messages.sweep_ns(message) // 2
-        mount = self._laser_pose or self._mount(pending, waited_ns, middle_ns)
+        mount = self._repairs.laser_pose or self._mount(pending, waited_ns, middle_ns)
         if mount is None:
             return None
         beams = len(message.ranges)
@@ -227,10 +223,3 @@ class Converter:
             self.tree.add(messages.frame_id(stamped), child, stamp_ns, T, static=static)
             updated[child] = stamp_ns
         return self._tf_poses.after(updated)
-
-
-def _laser_pose(options: SourceOptions) -> Transform | None:
-    if options.laser_pose is None:
-        return None
-    x, y, z, roll, pitch, yaw = options.laser_pose
-    return Transform(np.array([x, y, z]), geometry.from_euler(roll, pitch, yaw))

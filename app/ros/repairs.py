@@ -7,7 +7,7 @@ import numpy as np
 
 from app.sources import SourceError, SourceOptions
 from slam_core import geometry
-from slam_core.measurements import Attitude, Imu, LaserScan, MagneticField
+from slam_core.measurements import Attitude, Imu, LaserScan, MagneticField, Transform
 
 STANDARD_GRAVITY = 9.80665
 ACCEL_UNITS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY}
@@ -22,6 +22,7 @@ class Repairs:
     def __init__(self, options: SourceOptions) -> None:
         self.imu_delay_ns = _delay_ns("imu", options.imu_delay)
         self.scan_delay_ns = _delay_ns("scan", options.scan_delay)
+        self.laser_pose = _placed(*options.laser_pose) if options.laser_pose else None
         self._mirrored = options.scan_mirrored is True
         sign = {vector: -1.0 if options.imu_inverted == vector else 1.0 for vector in ("accel", "gyro")}
         self._accel = sign["accel"] * ACCEL_UNITS[options.imu_accel_unit or "m/s2"]
@@ -51,6 +52,10 @@ class Repairs:
         if not self._mirrored:
             return scan
         return replace(scan, angle_min=-scan.angle_min, angle_increment=-scan.angle_increment)
+
+
+def _placed(x: float, y: float, z: float, roll: float, pitch: float, yaw: float) -> Transform:
+    return Transform(np.array([x, y, z]), geometry.from_euler(roll, pitch, yaw))
 
 
 def _delay_ns(device: str, seconds: float | None) -> int:

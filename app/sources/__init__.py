@@ -80,4 +80,4 @@ def open_source(uri: str, options: SourceOptions) -> Source:
     for kind in kinds:
         if kind.accepts(uri):
             return kind.open(uri, options)
-    raise SourceError(f"{uri} is neither a recording nor an address: give a bag's path or ws://HOST:PORT")
+    raise SourceError(f"{uri} is neither a recording nor an address: give a bag, a CARMEN log or ws://HOST:PORT")

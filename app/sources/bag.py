@@ -33,6 +33,7 @@ class BagSource:
     def __init__(self, recording: Recording, options: SourceOptions) -> None:
         self.name = recording.path.name
         self.recording = recording
+        self.container = recording.container
         self._options = options
         self._closed = False
         self._failure = ""

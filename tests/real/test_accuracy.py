@@ -58,6 +58,24 @@ def test_kitchen_comes_back_near_its_start_with_its_imu_repaired(recordings: Pat
     assert figures["tracking"].get("lost", 0) == 0
 
 
+def test_mit_csail_is_one_map_with_its_odometry(recordings: Path):
+    """Seven minutes at 4.7 Hz: never lost, and within 0.25 m of the poses that somebody's graph corrected."""
+    folder = recordings / "mit_csail"
+    _, figures = run(folder / "mit-csail.clf", truth_topic=str(folder / "csail-corrected.log.gz"))
+    assert figures["scans"]["used"] == 1988
+    assert "lost" not in figures["tracking"]
+    assert figures["truth"]["poses"] > 900
+    assert figures["truth"]["aligned_rmse_m"] <= 0.25
+
+
+def test_a_small_laser_with_wheels_is_followed(recordings: Path):
+    """The tinySLAM recording: every scan is used and tracked, and 48 m of path are as long as the wheels say."""
+    pipeline, figures = run(recordings / "coreslam_urg" / "exp1.dat")
+    assert figures["tracking"] == {"tracking": 756}
+    path = float(np.hypot(*np.diff(pipeline.trajectory[:, 1:3], axis=0).T).sum())
+    assert path == pytest.approx(46.0, rel=0.1)
+
+
 def test_stabilisation_cleans_the_map_of_a_tilted_laser(recordings: Path):
     """With roll and pitch from tf the map has at least 15 % fewer occupied cells than without stabilisation."""
     bag = recordings / "ccny_tilted_handheld/demo_v2.bag"

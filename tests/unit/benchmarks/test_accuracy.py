@@ -1,13 +1,17 @@
 """Short drives through everything that the tables are made by."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from app.simulation import SceneOptions, Simulation
+from app.snapshot import MapImage
 from benchmarks.accuracy import along_and_across, corridor, drive, process, replay
 from benchmarks.cases import METHODS, Recording
+from benchmarks.returning import agreement
 from slam_core.measurements import LaserScan, Transform, TruthPose
 
 SHORT = SceneOptions(duration=5.0, scan_rate=10.0, beams=271)
@@ -57,6 +61,24 @@ def test_a_recording_without_truth_is_measured_from_start_to_end(recordings) -> 
         assert outcome.truth is None
         assert outcome.scans == 487
         assert 0.0 < outcome.start_to_end < 1.0
+        assert outcome.returned is not None
+        assert outcome.returned > 0.95
+
+
+def test_doubled_walls_show_where_a_run_comes_back() -> None:
+    """Points on the walls agree, points a quarter of a metre beside them do not, points elsewhere do not count."""
+    cells = np.ones((40, 40), np.uint8)
+    cells[:, 20] = 2
+    image = MapImage(0, 0.05, 0.0, 0.0, cells, 0)
+
+    def scan(x: float) -> Any:
+        points = np.column_stack([np.full(30, x), np.linspace(0.1, 1.9, 30)]).astype(np.float32)
+        return SimpleNamespace(planar=np.zeros(3), points=points)
+
+    assert agreement(image, [scan(1.02)]) == 1.0
+    assert agreement(image, [scan(1.27)]) == 0.0
+    assert agreement(image, [scan(1.02), scan(9.0)]) == 1.0
+    assert agreement(image, [scan(9.0)]) is None
 
 
 def test_items_are_scans_of_the_drive() -> None:

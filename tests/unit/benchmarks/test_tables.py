@@ -68,11 +68,13 @@ def test_the_corridor_shows_the_seed_that_held_least() -> None:
 def test_recordings_with_and_without_truth_are_apart() -> None:
     """Errors and goal for the one, the way from start to end and what was refused for the other."""
     scored = Replay(9, Outcome(0.02, 0.0144), 0.1, ())
-    free = Replay(7, None, 1.25, ("12 x /imu: not in SI units",))
+    free = Replay(7, None, 1.25, ("12 x /imu: not in SI units",), returned=0.913)
     results = {
         Recording("with", Path("a"), 0.0143): {"plain": scored, "full": scored},
         Recording("without", Path("b")): {"plain": free, "full": free},
     }
     expected = ["with", "9", "0.0200", "0.0144", "0.0200", "0.0144", "0.0143", "no"]
     assert cells(tables.replays(results)) == [expected]
-    assert cells(tables.returns(results)) == [["without", "7", "1.25 m", "1.25 m", "12 x /imu: not in SI units"]]
+    assert cells(tables.returns(results)) == [
+        ["without", "7", *["1.25 m", "91 %"] * 2, "12 x /imu: not in SI units"]
+    ]

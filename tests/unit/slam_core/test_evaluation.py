@@ -69,6 +69,15 @@ def test_times_outside_the_truth_or_in_its_gaps_are_left_out():
     assert covered.tolist() == [False, True, False, True, False]
 
 
+def test_a_pose_beside_a_gap_counts_at_its_own_time():
+    """Keyframes seconds apart are scored at their own instants, all of them but none between."""
+    times = np.array([0.0, 5.0, 9.0])
+    truth = ev.Trajectory(times, np.diag(times), np.tile(quaternion(0, 0, 0), (3, 1)))
+    got, covered = ev.interpolate(truth, np.array([0.0, 2.0, 5.0, 9.0]))
+    assert covered.tolist() == [True, False, True, True]
+    np.testing.assert_array_equal(got.positions, truth.positions)
+
+
 def test_a_displaced_copy_has_no_aligned_error_but_a_raw_height_error():
     """Alignment takes out a rigid motion of the plane; so does the first pose when all else is equal."""
     truth = walk()

@@ -36,6 +36,20 @@ def test_a_steady_arc_is_predicted():
     np.testing.assert_allclose(predicted, arc(2.1), atol=0.005)
 
 
+def test_wheels_are_believed_less_the_faster_they_turn():
+    """They slip: a sharp turn by the wheels alone is taken over less than a slow one; without slip, as much."""
+
+    def heard(rate, config):
+        motion = PlanarMotion()
+        motion.prior(0, config)
+        motion.add_odometry(Odometry(0, np.zeros(2), rate), config)
+        return (motion.prior(100_000_000, config).mean[2]) / (0.1 * rate)
+
+    stiff = MotionConfig(odometry_slip=0.0)
+    assert heard(0.2, CONFIG) > 0.98 > heard(4.0, CONFIG) + 0.2
+    assert heard(4.0, stiff) == pytest.approx(heard(0.2, stiff))
+
+
 def test_pose_within_a_sweep_follows_the_arc():
     """Between scans, forwards and a little backwards, the pose keeps to the motion: what deskewing needs."""
     motion = driven()

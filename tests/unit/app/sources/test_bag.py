@@ -277,7 +277,7 @@ def test_a_file_that_is_not_a_bag(tmp_path: Path, name: str) -> None:
 def test_a_file_of_another_kind(tmp_path: Path) -> None:
     """A suffix that no source knows is told with what is accepted."""
     (tmp_path / "notes.txt").write_text("hello")
-    assert refusal(tmp_path / "notes.txt").endswith("give a bag's path or ws://HOST:PORT")
+    assert refusal(tmp_path / "notes.txt").endswith("give a bag, a CARMEN log or ws://HOST:PORT")
     (tmp_path / "notes").write_text("hello")
     assert "is no recording: give one that ends in .bag" in refusal(tmp_path / "notes")
 
