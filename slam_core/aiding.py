@@ -12,7 +12,11 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.chi_square import bound
-from slam_core.kernels import navigation as kernels
+from slam_core.config import FusionMethod
+from slam_core.intersection import RULES
+from slam_core.kernels import fusion
+from slam_core.kernels.linear import is_measurement
+from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import Float64s
 
 # Nothing that a robot reports about its place or its speed is further out than this, in metres or m/s.
@@ -51,6 +55,11 @@ class Correction(ABC):
     gate: float
 
     @property
+    def reading(self) -> tuple[float, ...]:
+        """What the sensor said, if it never says the same twice on the way unless it is frozen; else empty."""
+        return ()
+
+    @property
     @abstractmethod
     def usable(self) -> bool:
         """Whether the values are finite and the noise is a covariance."""
@@ -63,17 +72,18 @@ class Correction(ABC):
         """The belief after the measurement."""
         innovation, C, R = self.observe(x)
         limit = bound(self.gate, len(innovation))
-        better, reduced, S, nis = kernels.correct(x, P, innovation, C, R, limit)
+        better, reduced, S, nis = fusion.correct(x, P, innovation, C, R, fusion.KALMAN, 0.0, limit)
         return Update(better, reduced, innovation, S, nis, limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanarPose(Correction):
-    """Section V-B: a match xi (3,) with covariance R (3, 3), fused by intersection with weight omega."""
+    """Section V-B: a match xi (3,) with covariance R (3, 3), fused by a method, if fixed with weight omega."""
 
     xi: Float64s
     R: Float64s
     omega: float
+    method: FusionMethod = "fixed"
     gate: float = 0.0
     source: ClassVar[str] = "scan"
     measures: ClassVar[tuple[int, ...]] = (2, 3, 4)
@@ -81,18 +91,18 @@ class PlanarPose(Correction):
     @property
     def usable(self) -> bool:
         """Finite, with a sensible noise."""
-        return _plausible(self.xi) and bool(kernels.is_covariance(self.R))
+        return bool(is_measurement(self.xi, self.R, PLAUSIBLE))
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = (p_x, p_y, psi)."""
         innovation = self.xi - project(x)
         innovation[2] = geometry.wrap(innovation[2])
-        return innovation, observer(x), self.R
+        return innovation, fusion.planar_observer(x), self.R
 
     def update(self, x: Float64s, P: Float64s) -> Update:
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
-        return Update(*kernels.intersect_planar(x, P, self.xi, self.R, self.omega, limit), limit)
+        return Update(*fusion.correct_planar(x, P, self.xi, self.R, RULES[self.method], self.omega, limit), limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,9 +120,14 @@ class HeightAid(Correction):
         """Finite, with a sensible noise."""
         return abs(self.height) < PLAUSIBLE and 0.0 < self.sigma < math.inf
 
+    @property
+    def reading(self) -> tuple[float, ...]:
+        """Weather and noise move a barometer all the time."""
+        return (self.height,)
+
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = p_z."""
-        C = np.zeros((1, kernels.ERRORS))
+        C = np.zeros((1, ERRORS))
         C[0, 5] = 1.0
         return np.array([self.height - x[6]]), C, np.array([[self.sigma**2]])
 
@@ -136,8 +151,9 @@ class BodyVelocity(Correction):
         """C x = R^T v."""
         n = len(self.velocity)
         to_body = geometry.rotation_matrix(x[:4]).T[:n]
-        C = np.zeros((n, kernels.ERRORS))
-        C[:, :3] = np.cross(to_body, x[7:10])
+        C = np.zeros((n, ERRORS))
+        vx, vy, vz = x[7:10]
+        C[:, :3] = to_body @ np.array([[0.0, -vz, vy], [vz, 0.0, -vx], [-vy, vx, 0.0]])
         C[:, 6:9] = to_body
         return self.velocity - to_body @ x[7:10], C, self.sigma**2 * np.eye(n)
 
@@ -145,14 +161,6 @@ class BodyVelocity(Correction):
 def project(x: Float64s) -> Float64s:
     """C x of eq. (19): position in the plane and heading (3,) of a state."""
     return np.array([x[4], x[5], geometry.heading(x[:4])])
-
-
-def observer(x: Float64s) -> Float64s:
-    """The observer matrix C (3, 15) of eqs. (16)-(20): how the planar pose follows the errors of the state."""
-    C = np.zeros((3, kernels.ERRORS))
-    C[0, 3] = C[1, 4] = 1.0
-    C[2, :3] = geometry.heading_gradient(x[:4])
-    return C
 
 
 def _plausible(values: Float64s) -> bool:

@@ -13,7 +13,9 @@ import numpy as np
 from slam_core import geometry
 from slam_core.aiding import Correction, Update
 from slam_core.chi_square import bound
-from slam_core.kernels import navigation as kernels
+from slam_core.kernels.fusion import KALMAN, correct
+from slam_core.kernels.linear import sandwich
+from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import Float64s
 
 
@@ -32,11 +34,11 @@ class Lasting(Correction):
         """The gate with R, the update with R / share."""
         innovation, C, R = self.observe(x)
         limit = bound(self.gate, len(innovation))
-        S = R + kernels.sandwich(C, P)
+        S = R + sandwich(C, P)
         nis = float(innovation @ np.linalg.solve(S, innovation))
         if not nis <= limit:
             return Update(x, P, innovation, S, nis, limit)
-        better, reduced, _, weighed = kernels.correct(x, P, innovation, C, R / self.share, math.inf)
+        better, reduced, _, weighed = correct(x, P, innovation, C, R / self.share, KALMAN, 0.0, math.inf)
         return Update(better, reduced, innovation, S, nis if math.isfinite(weighed) else math.nan, limit)
 
 
@@ -55,7 +57,7 @@ class Place(Lasting):
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = p + R a."""
         arm = geometry.rotate(x[:4], self.antenna)
-        C = np.zeros((3, kernels.ERRORS))
+        C = np.zeros((3, ERRORS))
         C[:, :3] = -_cross(arm)
         C[:, 3:6] = np.eye(3)
         return self.place - x[4:7] - arm, C, self.R
@@ -74,7 +76,7 @@ class Velocity(Lasting):
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = v."""
-        C = np.zeros((3, kernels.ERRORS))
+        C = np.zeros((3, ERRORS))
         C[:, 6:9] = np.eye(3)
         return self.velocity - x[7:10], C, self.R
 
@@ -95,7 +97,7 @@ class MagneticHeading(Lasting):
         """The direction of the field in the plane; a tilt that is wrong turns it too, by the field's dip."""
         bx, by, bz = geometry.rotate(x[:4], self.field).tolist()
         across = bx**2 + by**2
-        C = np.zeros((1, kernels.ERRORS))
+        C = np.zeros((1, ERRORS))
         C[0, :3] = -bz * bx / across, -bz * by / across, 1.0
         innovation = geometry.wrap(self.north - math.atan2(by, bx))
         return np.array([innovation]), C, np.array([[self.variance]])
@@ -115,7 +117,7 @@ class Tilt(Lasting):
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """What turns the measured up onto the map's z axis."""
         ux, uy, _ = geometry.rotate(x[:4], self.up).tolist()
-        return np.array([uy, -ux]), np.eye(2, kernels.ERRORS), self.sigma**2 * np.eye(2)
+        return np.array([uy, -ux]), np.eye(2, ERRORS), self.sigma**2 * np.eye(2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,7 +137,7 @@ class GroundBeam(Lasting):
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """The height that puts the end of the beam on the ground; linear in the errors of tilt and height."""
         arm = geometry.rotate(x[:4], self.origin + self.distance * self.direction)
-        C = np.zeros((1, kernels.ERRORS))
+        C = np.zeros((1, ERRORS))
         C[0, 0], C[0, 1], C[0, 5] = arm[1], -arm[0], 1.0
         return np.array([self.level - x[6] - arm[2]]), C, np.array([[self.sigma**2]])
 
@@ -158,7 +160,7 @@ class Standstill(Correction):
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = (v, gyro bias)."""
-        C = np.zeros((6, kernels.ERRORS))
+        C = np.zeros((6, ERRORS))
         C[:, 6:12] = np.eye(6)
         variances = np.repeat([self.velocity_variance, self.rate_variance], 3)
         return np.concatenate([-x[7:10], self.rate - x[10:13]]), C, np.diag(variances)
@@ -183,7 +185,7 @@ class Gravity(Correction):
         """What is left of the force in the plane, which tilt and the accelerometers' biases explain."""
         R = geometry.rotation_matrix(x[:4])
         force = R @ (self.force - x[13:16])
-        C = np.zeros((2, kernels.ERRORS))
+        C = np.zeros((2, ERRORS))
         C[0, 1], C[1, 0] = force[2], -force[2]
         C[:, 12:15] = -R[:2]
         return -force[:2], C, self.variance * np.eye(2)

@@ -30,6 +30,7 @@ class Param:
 
 StartEstimate = Literal["filter", "velocity", "last_pose"]
 CovarianceMethod = Literal["hessian", "sampled"]
+FusionMethod = Literal["fixed", "trace", "determinant", "kalman"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +132,9 @@ class NavigationConfig:
     accel_bias_sigma: Annotated[
         float, Param("How large an accelerometer bias can be.", "m/s²", 1e-3, 2.0, log=True)
     ] = 0.1
+    gyro_range: Annotated[
+        float, Param("Rate at which the gyros are clipped (0: found from repeated extremes).", "rad/s", 0.0, 100.0)
+    ] = 0.0
     height_sigma: Annotated[float, Param("Noise of one height measurement.", "m", 0.001, 20.0, log=True)] = 0.2
     height_gate: Annotated[
         float, Param("A height further from the prediction than this is rejected (0: none).", "σ", 0.0, 100.0)
@@ -161,6 +165,7 @@ class NavigationConfig:
     height_threshold: Annotated[
         float, Param("A height less certain than this is pulled to that of the start.", "m", 0.1, 100.0, log=True)
     ] = 1.0
+    history: Annotated[float, Param("A measurement may come late by this much at least.", "s", 0.1, 10.0)] = 1.5
     level_time: Annotated[
         float, Param("The attitude at the start is the mean over this.", "s", 0.1, 5.0, restart=True)
     ] = 0.5
@@ -204,6 +209,16 @@ class AidingConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class PlatformConfig:
+    """Section III: what the platform cannot do is taken out of the state."""
+
+    planar: Annotated[
+        bool, Param("It stays in a plane: no roll, pitch, height or vertical velocity (with an IMU).")
+    ] = False
+    no_slip: Annotated[bool, Param("It never moves sideways, as on wheels that do not slip.")] = False
+
+
+@dataclass(frozen=True, slots=True)
 class MotionConfig:
     """The planar motion that is assumed when there is no IMU: nearly constant velocity."""
 
@@ -232,8 +247,15 @@ class MotionConfig:
 class FusionConfig:
     """Section V-B: covariance intersection of the filter with the match."""
 
+    method: Annotated[
+        FusionMethod,
+        Param(
+            "Intersection with the fixed omega, with that of the least trace or determinant, or a Kalman update,"
+            " which takes the errors for independent."
+        ),
+    ] = "fixed"
     omega: Annotated[
-        float, Param("Weight of the match in the intersection, eqs. (16)-(20).", "", 0.001, 0.999)
+        float, Param("Fixed weight of the match in the intersection, eqs. (16)-(20).", "", 0.001, 0.999)
     ] = 0.02
     gate: Annotated[
         float,
@@ -271,6 +293,7 @@ class SlamConfig:
     matcher: MatcherConfig = field(default_factory=MatcherConfig)
     navigation: NavigationConfig = field(default_factory=NavigationConfig)
     aiding: AidingConfig = field(default_factory=AidingConfig)
+    platform: PlatformConfig = field(default_factory=PlatformConfig)
     motion: MotionConfig = field(default_factory=MotionConfig)
     fusion: FusionConfig = field(default_factory=FusionConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)

@@ -7,6 +7,7 @@ and that no other has measured meanwhile. What others vouch for stays: a satelli
 matches moves nothing, one that contradicts dead reckoning does.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
@@ -20,59 +21,69 @@ Statuses = Mapping[str, AidingStatus]
 """By source; replaced, never changed."""
 
 LEAST_STREAK = 3  # rejections in a row: fewer may be outliers
+# A sensor that repeats a value for so long, and over so much way, is frozen.
+FROZEN_NS = 5_000_000_000
+FROZEN_DISTANCE = 2.0  # m
 
 
 def fuse(
     x: Float64s, P: Float64s, statuses: Statuses, stamp_ns: int, correction: Correction, patience_ns: int
 ) -> tuple[Float64s, Float64s, Statuses]:
     """The belief after a correction, or as it was if that is rejected, and what is known of every source then."""
-    update = correction.update(x, P)
     old = statuses.get(correction.source) or AidingStatus(correction.source, correction.measures)
-    if update.accepted:
-        status = _used(old, stamp_ns, update)
-    else:
-        status = _rejected(old, stamp_ns, update)
-        if status.streak >= LEAST_STREAK and stamp_ns - status.streak_ns >= patience_ns:
-            doubted = _unvouched(status, statuses.values(), stamp_ns - patience_ns)
+    old = _read(old, stamp_ns, correction.reading, x)
+    if old.frozen:
+        return x, P, {**statuses, correction.source: old}
+    update = correction.update(x, P)
+    streak, streak_ns, returned = 0, 0, False
+    if not update.accepted:
+        streak, streak_ns = (old.streak + 1, old.streak_ns) if _agree(old, update) else (1, stamp_ns)
+        if streak >= LEAST_STREAK and stamp_ns - streak_ns >= patience_ns:
+            doubted = _unvouched(old, statuses.values(), stamp_ns - patience_ns)
             update = correction.update(x, _doubting(P, *correction.observe(x)[:2], doubted))
-            if update.accepted:
-                status = replace(_used(old, stamp_ns, update), returns=old.returns + 1)
-    if update.accepted:
+            returned = update.accepted
+    used = update.accepted
+    status = AidingStatus(
+        source=old.source,
+        measures=old.measures,
+        used=old.used + used,
+        rejected=old.rejected + (not used),
+        returns=old.returns + returned,
+        stamp_ns=stamp_ns,
+        innovation=update.innovation,
+        S=update.S,
+        nis=update.nis,
+        bound=update.bound,
+        used_ns=stamp_ns if used else old.used_ns,
+        streak=0 if used else streak,
+        streak_ns=0 if used else streak_ns,
+        reading=old.reading,
+        reading_ns=old.reading_ns,
+        reading_at=old.reading_at,
+    )
+    if used:
         x, P = update.x, update.P
     return x, P, {**statuses, correction.source: status}
 
 
-def _used(old: AidingStatus, stamp_ns: int, update: Update) -> AidingStatus:
-    return replace(_last(old, stamp_ns, update), used=old.used + 1, used_ns=stamp_ns, streak=0)
+def _read(old: AidingStatus, stamp_ns: int, reading: tuple[float, ...], x: Float64s) -> AidingStatus:
+    """Whether a reading is frozen: to the last bit the same while the base went on, and for a while."""
+    if not reading:
+        return old
+    here = x[4:7]
+    if reading != old.reading:
+        return replace(old, reading=reading, reading_ns=stamp_ns, reading_at=tuple(here.tolist()), frozen=False)
+    lasting = stamp_ns - old.reading_ns >= FROZEN_NS
+    if lasting and math.dist(here, old.reading_at) >= FROZEN_DISTANCE:
+        return replace(old, stamp_ns=stamp_ns, rejected=old.rejected + 1, frozen=True)
+    return old
 
 
-def _rejected(old: AidingStatus, stamp_ns: int, update: Update) -> AidingStatus:
-    """One more rejection; the streak goes on if it says what the last one said."""
-    agrees = old.streak > 0 and _agree(np.array(old.innovation), update)
-    return replace(
-        _last(old, stamp_ns, update),
-        rejected=old.rejected + 1,
-        streak=old.streak + 1 if agrees else 1,
-        streak_ns=old.streak_ns if agrees else stamp_ns,
-    )
-
-
-def _last(old: AidingStatus, stamp_ns: int, update: Update) -> AidingStatus:
-    return replace(
-        old,
-        stamp_ns=stamp_ns,
-        innovation=tuple(update.innovation.tolist()),
-        sigma=tuple(np.sqrt(np.diag(update.S)).tolist()),
-        nis=update.nis,
-        bound=update.bound,
-    )
-
-
-def _agree(before: Float64s, update: Update) -> bool:
-    """Whether two innovations differ no more than one may differ from zero."""
-    if len(before) != len(update.innovation):
+def _agree(old: AidingStatus, update: Update) -> bool:
+    """Whether two innovations in a row were rejected and differ no more than one may differ from zero."""
+    if not old.streak or len(old.innovation) != len(update.innovation):
         return False
-    apart = update.innovation - before
+    apart = update.innovation - old.innovation
     return float(apart @ np.linalg.solve(update.S, apart)) <= update.bound
 
 

@@ -1,150 +1,187 @@
 """The last seconds of the filter: a late measurement is applied at its own time, and all after it again.
 
-The belief is a function of what was measured, whatever order it came in.
+The belief is a function of what was measured, whatever order it came in. It is worked out when somebody asks: a
+correction that is always late costs no more than one in time, and samples are run through in one piece.
 """
 
-from bisect import bisect_left
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from slam_core.aiding import Correction
-from slam_core.gates import Statuses, fuse
+from slam_core.config import NavigationConfig, PlatformConfig
+from slam_core.gates import fuse
+from slam_core.leveling import turned_to
 from slam_core.measurements import Float64s
+from slam_core.results import AidingStatus, PlanarGaussian
+from slam_core.samples import Samples
 from slam_core.strapdown import Strapdown
 
-KEPT_NS = 1_500_000_000
-# Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
-MAX_GAP_NS = 200_000_000
+MOST_CORRECTIONS = 2048
+UNKNOWN_SPAN = 1.0  # s: after a clock was set, the base may have moved for about this long
 
 
-class Entry(NamedTuple):
-    """The belief at one instant, the input since the entry before, and the correction applied at the end."""
+class Belief(NamedTuple):
+    """State, covariance, and what became of every source's measurements, at one instant."""
 
     stamp_ns: int
-    u: Float64s | None
-    correction: Correction | None
     x: Float64s
     P: Float64s
-    statuses: Statuses
-
-
-def _stamp(entry: Entry) -> int:
-    return entry.stamp_ns
+    statuses: Mapping[str, AidingStatus]
 
 
 class History:
-    """Entries in order of time; the first is where everything starts, the last is the newest belief."""
+    """Samples and corrections in order of time, and beliefs: the oldest, and after each correction worked out.
+
+    Since one of them is carried on again and again, its beliefs at the samples after it are kept as `stages`.
+    """
 
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
-        self.sample_ns = stamp_ns
-        self._sample = sample
-        self._entries = [Entry(stamp_ns, None, None, x, P, {})]
-        self._asked: tuple[int, Entry, Float64s | None, Strapdown] | None = None
-        self._answer = x, P
+        self._samples = Samples()
+        self._samples.append(stamp_ns, sample)
+        self._corrections: list[tuple[int, Correction]] = []
+        self._beliefs = [Belief(stamp_ns, x, P, {})]
+        self._staged = self._beliefs[0]
+        self._stages: list[Belief] = []
+        self._asked = self._staged, self._staged
+
+    def configure(self, config: NavigationConfig, platform: PlatformConfig) -> None:
+        """The settings that hold from now on; needed before anything else."""
+        self._model = Strapdown(config, platform)
+        self._patience_ns = round(config.gate_patience * 1e9)
+        self._kept_ns = round(config.history * 1e9)
 
     def copy(self) -> "History":
-        """An independent copy; entries are never changed, so they are shared."""
+        """An independent copy; beliefs are never changed, so they are shared."""
         other = History.__new__(History)
-        other.sample_ns, other._sample = self.sample_ns, self._sample
-        other._entries = self._entries.copy()
-        other._asked, other._answer = self._asked, self._answer
+        other.__dict__.update(self.__dict__)
+        other._samples = self._samples.copy()
+        other._corrections, other._beliefs = self._corrections.copy(), self._beliefs.copy()
+        other._stages = self._stages.copy()
         return other
 
     @property
-    def newest(self) -> Entry:
-        """The latest belief."""
-        return self._entries[-1]
+    def sample_ns(self) -> int:
+        """Time of the latest sample."""
+        return self._samples.last_ns
 
-    def at(self, time_ns: int, model: Strapdown) -> tuple[int, Float64s, Float64s]:
-        """(stamp, x, P) predicted to an instant; the oldest belief for an instant before it."""
-        entry, u = self._around(time_ns)
-        if time_ns <= entry.stamp_ns:
-            return entry.stamp_ns, entry.x, entry.P
-        return time_ns, *self._predict(time_ns, entry, u, model)
+    @property
+    def newest_ns(self) -> int:
+        """Time of the latest measurement of any kind."""
+        return max(self.sample_ns, self._corrections[-1][0]) if self._corrections else self.sample_ns
 
-    def state_at(self, time_ns: int, model: Strapdown) -> Float64s:
-        """As `at`, but x alone."""
-        entry, u = self._around(time_ns)
-        dt = (time_ns - entry.stamp_ns) * 1e-9
-        return entry.x if dt <= 0.0 else model.move(entry.x, u, dt)
+    def at(self, time_ns: int) -> Belief:
+        """The belief at an instant; the oldest one for an instant before it."""
+        return self._predicted(self._after(self._corrections_until(time_ns)), time_ns)
 
-    def add_sample(self, stamp_ns: int, sample: Float64s, model: Strapdown) -> None:
-        """Predict on to an inertial sample later than the last one: its interval holds the mean of both."""
-        known = stamp_ns - self.sample_ns <= MAX_GAP_NS
-        u = 0.5 * (self._sample + sample) if known else None
-        ahead = self._take_ahead()
-        self.sample_ns, self._sample = stamp_ns, sample
-        for entry in ahead:
-            if entry.stamp_ns <= stamp_ns:
-                self._push(entry.stamp_ns, u, entry.correction, model)
-        self._push(stamp_ns, u, None, model)
-        for entry in ahead:
-            if entry.stamp_ns > stamp_ns:
-                self._push(entry.stamp_ns, self._held(entry.stamp_ns), entry.correction, model)
-        self._forget()
+    def states_at(self, times_ns: Sequence[int]) -> Float64s:
+        """The x alone at several instants, (k, 19): a correction between the first and the last is left out."""
+        base = self._after(self._corrections_until(min(times_ns)))
+        self._stage(base, max(times_ns))
+        known = [base, *(stage for stage in self._stages if stage.stamp_ns <= max(times_ns))]
+        xs, stamps = np.array([belief.x for belief in known]), np.array([belief.stamp_ns for belief in known])
+        return self._model.predict_states(xs, stamps, np.array(times_ns), self._samples)
 
-    def add_correction(self, stamp_ns: int, correction: Correction, model: Strapdown) -> bool:
-        """Apply a correction at its time and predict on through what came after; False if it is too old."""
-        i = self._later_than(stamp_ns)
-        if i == 0:
+    def statuses(self) -> Mapping[str, AidingStatus]:
+        """What became of every source's measurements."""
+        return self._after(len(self._corrections)).statuses
+
+    def add_sample(self, stamp_ns: int, sample: Float64s) -> None:
+        """Go on with an inertial sample (7,) later than the last one."""
+        before_ns = self.sample_ns
+        self._samples.append(stamp_ns, sample)
+        # What was believed beyond the sample before had to guess the input.
+        while len(self._beliefs) > 1 and self._beliefs[-1].stamp_ns > before_ns:
+            self._beliefs.pop()
+        if self._asked[1].stamp_ns > before_ns:
+            self._asked = self._staged, self._staged
+        if stamp_ns - self._beliefs[0].stamp_ns > 2 * self._kept_ns:
+            self._forget(stamp_ns - self._kept_ns)
+
+    def add_correction(self, stamp_ns: int, correction: Correction) -> bool:
+        """Apply a correction at its time; False if it is too old."""
+        if stamp_ns < self._beliefs[0].stamp_ns:
             return False
-        later = self._take(i)
-        self._push(stamp_ns, later[0].u if later else self._held(stamp_ns), correction, model)
-        for entry in later:
-            self._push(entry.stamp_ns, entry.u, entry.correction, model)
+        i = self._corrections_until(stamp_ns)
+        self._corrections.insert(i, (stamp_ns, correction))
+        del self._beliefs[i + 1 :]
+        if len(self._corrections) > MOST_CORRECTIONS:
+            self._forget(self._corrections[MOST_CORRECTIONS // 2][0])
         return True
 
-    def _around(self, time_ns: int) -> tuple[Entry, Float64s | None]:
-        """The entry at or before an instant, and the input that holds from there."""
-        i = self._later_than(time_ns)
-        u = self._entries[i].u if i < len(self._entries) else self._held(time_ns)
-        return self._entries[max(i - 1, 0)], u
+    def placed(self, pose: PlanarGaussian) -> "History":
+        """A history that begins with the newest sample and its belief, but at this pose in the plane."""
+        last = self.at(self.sample_ns)
+        return self._begun(last.stamp_ns, self._samples.last, *turned_to(last.x, last.P, pose))
 
-    def _later_than(self, time_ns: int) -> int:
-        """Index of the first entry later than an instant, from the newest on: nearly always one of the last."""
-        i = len(self._entries)
-        while i and self._entries[i - 1].stamp_ns > time_ns:
+    def begin_again(self, stamp_ns: int, sample: Float64s | None = None) -> "History":
+        """A history on a clock that was set: it begins with the newest belief, but is less sure of it."""
+        last = self.at(self.newest_ns)
+        sample = self._samples.last if sample is None else sample
+        other = self._begun(stamp_ns, sample, last.x, self._model.coast(last.x, last.P, UNKNOWN_SPAN))
+        statuses = {k: replace(s, stamp_ns=stamp_ns, used_ns=stamp_ns, streak=0) for k, s in last.statuses.items()}
+        other._beliefs = [other._beliefs[0]._replace(statuses=statuses)]
+        return other
+
+    def _begun(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> "History":
+        other = History(stamp_ns, sample, x, P)
+        other._model, other._patience_ns, other._kept_ns = self._model, self._patience_ns, self._kept_ns
+        return other
+
+    def _corrections_until(self, time_ns: int) -> int:
+        """How many are not later than an instant: from the newest on, as it is nearly always one of the last."""
+        i = len(self._corrections)
+        while i and self._corrections[i - 1][0] > time_ns:
             i -= 1
         return i
 
-    def _held(self, time_ns: int) -> Float64s | None:
-        """The input after the last sample: that sample, for a while."""
-        return self._sample if time_ns - self.sample_ns <= MAX_GAP_NS else None
+    def _after(self, count: int) -> Belief:
+        """The belief after so many corrections."""
+        while len(self._beliefs) <= count:
+            stamp_ns, correction = self._corrections[len(self._beliefs) - 1]
+            _, x, P, statuses = self._predicted(self._beliefs[-1], stamp_ns)
+            fused = fuse(x, P, statuses, stamp_ns, correction, self._patience_ns)
+            self._beliefs.append(Belief(stamp_ns, *fused))
+        return self._beliefs[count]
 
-    def _take_ahead(self) -> list[Entry]:
-        """Take the corrections later than the last sample; mostly there are none."""
-        first = len(self._entries)
-        while self._entries[first - 1].stamp_ns > self.sample_ns:
-            first -= 1
-        return self._take(first)
+    def _predicted(self, base: Belief, time_ns: int) -> Belief:
+        """A belief carried on through the samples; the last answer is kept, as a scan asks for its own thrice."""
+        start = self._start(base, time_ns)
+        if time_ns <= start.stamp_ns:
+            return start
+        if self._asked[0] is not start or self._asked[1].stamp_ns != time_ns:
+            x, P = self._model.predict(start.x, start.P, start.stamp_ns, time_ns, self._samples)
+            self._asked = start, Belief(time_ns, x, P, start.statuses)
+        return self._asked[1]
 
-    def _take(self, first: int) -> list[Entry]:
-        taken = self._entries[first:]
-        del self._entries[first:]
-        return taken
+    def _start(self, base: Belief, time_ns: int) -> Belief:
+        """The belief from which to go on to an instant: a base, or at the last sample between."""
+        self._stage(base, time_ns)
+        for stage in reversed(self._stages):
+            if stage.stamp_ns <= time_ns:
+                return stage
+        return base
 
-    def _push(self, stamp_ns: int, u: Float64s | None, correction: Correction | None, model: Strapdown) -> None:
-        last = self._entries[-1]
-        x, P = self._predict(stamp_ns, last, u, model)
-        statuses = last.statuses
-        if correction is not None:
-            x, P, statuses = fuse(x, P, statuses, stamp_ns, correction, model.patience_ns)
-        self._entries.append(Entry(stamp_ns, u, correction, x, P, statuses))
+    def _stage(self, base: Belief, time_ns: int) -> None:
+        """Work out the beliefs at the samples after a base, up to an instant."""
+        if self._staged is not base:
+            self._staged, self._stages = base, []
+        last = self._stages[-1] if self._stages else base
+        if time_ns > last.stamp_ns:
+            xs, Ps, stamps = self._model.predict_each(last.x, last.P, last.stamp_ns, time_ns, self._samples)
+            self._stages += [Belief(*row, base.statuses) for row in zip(stamps, xs, Ps, strict=True)]
 
-    def _predict(
-        self, stamp_ns: int, entry: Entry, u: Float64s | None, model: Strapdown
-    ) -> tuple[Float64s, Float64s]:
-        """The belief at an instant after an entry; the last one is kept, as a scan asks for its own thrice."""
-        asked, now = self._asked, (stamp_ns, entry, u, model)
-        if (
-            asked is None
-            or asked[0] != stamp_ns
-            or any(a is not b for a, b in zip(asked[1:], now[1:], strict=True))
-        ):
-            self._asked = now
-            self._answer = model.advance(entry.x, entry.P, u, (stamp_ns - entry.stamp_ns) * 1e-9)
-        return self._answer
-
-    def _forget(self) -> None:
-        """Drop what is too old, in large pieces since each costs a copy of the list."""
-        if self.sample_ns - self._entries[0].stamp_ns > 2 * KEPT_NS:
-            del self._entries[: bisect_left(self._entries, self.sample_ns - KEPT_NS, key=_stamp) - 1]
+    def _forget(self, before_ns: int) -> None:
+        """Begin with the belief at the last sample or correction before an instant."""
+        count = self._corrections_until(before_ns)
+        oldest = self._after(count)
+        sample_ns = self._samples.until(before_ns)
+        if sample_ns > oldest.stamp_ns:
+            oldest = self._predicted(oldest, sample_ns)
+        if self._staged is self._beliefs[count]:
+            self._staged, self._stages = oldest, [s for s in self._stages if s.stamp_ns > oldest.stamp_ns]
+        self._beliefs[: count + 1] = [oldest]
+        del self._corrections[:count]
+        self._samples.drop_before(self._samples.until(oldest.stamp_ns))

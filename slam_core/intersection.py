@@ -7,20 +7,30 @@ has no inverse after its bracket, (18) scales all of P, and (20) holds C P C^T.
 
 import numpy as np
 
-from slam_core.kernels.navigation import gain_update
+from slam_core.config import FusionMethod
+from slam_core.kernels import fusion
 from slam_core.measurements import Float64s
+
+RULES: dict[FusionMethod, int] = {
+    "fixed": fusion.FIXED,
+    "trace": fusion.MIN_TRACE,
+    "determinant": fusion.MIN_DETERMINANT,
+    "kalman": fusion.KALMAN,
+}
 
 
 def intersect(
-    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, omega: float
+    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, omega: float, method: FusionMethod = "fixed"
 ) -> tuple[Float64s, Float64s]:
     """Eqs. (18)-(20): the correction K (xi - C x) to add to x, and P+.
 
     P: (n, n), C: (m, n), R: (m, m), innovation: (m,) xi - C x with angles wrapped, omega in (0, 1).
-    K = P C^T ((1 - omega) / omega R + C P C^T)^-1 and P+ = (P - K C P) / (1 - omega).
+    K = P C^T ((1 - omega) / omega R + C P C^T)^-1 and P+ = (P - K C P) / (1 - omega). Other methods than "fixed"
+    do not ask for omega: they choose it anew, so that P+ has the least trace (relative to P, as the units differ)
+    or determinant, or they trust that the errors are independent, which is the Kalman update.
     """
-    correction, reduced = gain_update(P, C, (1.0 - omega) / omega * R, innovation)
-    return correction, reduced / (1.0 - omega)
+    fused: tuple[Float64s, Float64s] = fusion.fuse(P, C, R, innovation, RULES[method], omega)
+    return fused
 
 
 def intersect_information(

@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 
-from slam_core.config import NavigationConfig
+from slam_core import geometry
+from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.kernels import navigation as kernels
 from slam_core.measurements import Float64s
+from slam_core.results import PlanarGaussian
 
 # Below these standard deviations of single samples the base is taken to stand still.
 STILL_GYRO = 0.03  # rad/s
@@ -15,7 +17,9 @@ STILL_ACCEL = 0.25  # m/s²
 UNKNOWN_TILT = 1.0  # rad
 
 
-def start_belief(samples: Float64s, config: NavigationConfig) -> tuple[Float64s, Float64s] | None:
+def start_belief(
+    samples: Float64s, config: NavigationConfig, platform: PlatformConfig
+) -> tuple[Float64s, Float64s] | None:
     """(x, P) at the last of the samples (n, 6), at the origin with heading 0; None if there is no gravity in them.
 
     A base that stands still shows its gyro biases; one that moves begins with biases and a velocity unknown.
@@ -38,8 +42,25 @@ def start_belief(samples: Float64s, config: NavigationConfig) -> tuple[Float64s,
     sigma[2] = 0.001  # the first heading is 0 by definition
     # Gravity through the filter's own measurement, so that tilt and accelerometer bias start correlated.
     noise = 0.02**2 + float(np.max(spread[3:]) / 3.0) ** 2
-    leveled: tuple[Float64s, Float64s] = kernels.level(x, np.diag(sigma**2), float(np.linalg.norm(force)), noise)
-    return leveled
+    x, P = kernels.level(x, np.diag(sigma**2), float(np.linalg.norm(force)), noise)
+    if platform.planar:
+        kernels.flatten(x, P)
+    return x, P
+
+
+def turned_to(x: Float64s, P: Float64s, pose: PlanarGaussian) -> tuple[Float64s, Float64s]:
+    """A belief moved and turned about the vertical so that it stands at a planar pose, as sure as that one is."""
+    turn = geometry.yaw_quaternion(pose.mean[2] - geometry.heading(x[:4]))
+    x, T = x.copy(), np.eye(kernels.ERRORS)
+    R = geometry.rotation_matrix(turn)
+    x[:4] = geometry.multiply(turn, x[:4])
+    x[4:6], x[7:10] = pose.mean[:2], R @ x[7:10]
+    for i in (0, 3, 6):
+        T[i : i + 3, i : i + 3] = R
+    P = T @ P @ T.T
+    of_pose = np.ix_([3, 4, 2], [3, 4, 2])
+    P[of_pose] += pose.covariance
+    return x, 0.5 * (P + P.T)
 
 
 def upright(force: Float64s) -> Float64s:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 Float32s = NDArray[np.float32]
 Float64s = NDArray[np.float64]
+Int64s = NDArray[np.int64]
 
 
 def _identity_quaternion() -> Float64s:

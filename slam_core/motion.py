@@ -7,19 +7,27 @@ what a match changes. Roll and pitch come from somebody else's attitude if there
 import math
 from bisect import bisect_left
 from collections import deque
+from collections.abc import Sequence
 from itertools import islice
 
 import numpy as np
 
 from slam_core import geometry
-from slam_core.config import MotionConfig
+from slam_core.config import FusionConfig, MotionConfig
 from slam_core.intersection import intersect
+from slam_core.kernels.fusion import KALMAN, fuse
+from slam_core.kernels.inertial import FASTEST
+from slam_core.kernels.navigation import SLIP_SIGMA
 from slam_core.measurements import Attitude, Float64s, Odometry, Transform
 from slam_core.results import PlanarGaussian
 
 MEMORY = 256  # attitudes kept: some seconds
+YAW_RATE_SIGMA = 0.05  # rad/s, of a gyro with its bias
 OBSERVE_POSE = np.eye(3, 6)
 OBSERVE_TWIST = np.eye(3, 6, 3)
+# Nobody knows where a robot is that was last seen longer ago, nor how long a clock took to be set back.
+LONGEST_NS = 2_000_000_000
+SET_BACK_NS = 1_000_000_000
 
 
 class PlanarMotion:
@@ -35,15 +43,22 @@ class PlanarMotion:
         """Remember roll and pitch."""
         self._attitudes.append(attitude)
 
+    def add_yaw_rate(self, time_ns: int, rate: float, config: MotionConfig) -> None:
+        """Let a gyro correct the yaw rate, rad/s."""
+        if not abs(rate) < FASTEST:
+            return
+        self._advance(time_ns, config)
+        self._observe(OBSERVE_TWIST[2:], np.array([rate]), np.array([[YAW_RATE_SIGMA**2]]))
+
+    def grip(self) -> None:
+        """Section III: wheels that do not slip give no velocity to the left."""
+        self._observe(OBSERVE_TWIST[1:2], np.zeros(1), np.array([[SLIP_SIGMA**2]]))
+
     def add_odometry(self, odometry: Odometry, config: MotionConfig) -> None:
         """Let wheels correct the velocity."""
         self._advance(odometry.stamp_ns, config)
         wanted = np.array([*odometry.velocity, odometry.yaw_rate])
-        noise = np.diag(odometry_sigmas(odometry, config) ** 2)
-        innovation = wanted - self._mean[3:]
-        gain = self._covariance @ OBSERVE_TWIST.T @ np.linalg.inv(self._covariance[3:, 3:] + noise)
-        self._mean = self._mean + gain @ innovation
-        self._set_covariance(self._covariance - gain @ OBSERVE_TWIST @ self._covariance)
+        self._observe(OBSERVE_TWIST, wanted, np.diag(odometry_sigmas(odometry, config) ** 2))
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant near the last one known."""
@@ -52,16 +67,23 @@ class PlanarMotion:
         rotation = geometry.multiply(geometry.yaw_quaternion(psi), stabilised)
         return Transform(np.array([x, y, 0.0]), rotation)
 
+    def poses(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
+        """`pose` at several instants: positions (k, 3) and attitudes (k, 4)."""
+        poses = [self.pose(time_ns) for time_ns in times_ns]
+        return np.array([pose.translation for pose in poses]), np.array([pose.rotation for pose in poses])
+
     def prior(self, time_ns: int, config: MotionConfig) -> PlanarGaussian:
         """The predicted pose and its uncertainty; moves the filter on to that instant."""
         self._advance(time_ns, config)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
-    def fuse(self, match: PlanarGaussian, omega: float) -> PlanarGaussian:
-        """Covariance intersection with a match at the instant of the last `prior`; the fused pose."""
+    def fuse(self, match: PlanarGaussian, config: FusionConfig) -> PlanarGaussian:
+        """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose."""
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
-        step, covariance = intersect(self._covariance, OBSERVE_POSE, match.covariance, innovation, omega)
+        step, covariance = intersect(
+            self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method
+        )
         self._mean = self._mean + step
         self._mean[2] = geometry.wrap(self._mean[2])
         self._set_covariance(covariance)
@@ -77,7 +99,10 @@ class PlanarMotion:
     def _advance(self, time_ns: int, config: MotionConfig) -> None:
         if self.stamp_ns is None:
             self.stamp_ns = time_ns
-        dt = (time_ns - self.stamp_ns) * 1e-9
+        if time_ns < self.stamp_ns - SET_BACK_NS:
+            self.stamp_ns = time_ns
+            self._set_covariance(self._covariance + _noise(SET_BACK_NS * 1e-9, self._mean[2], config))
+        dt = self._lapse(time_ns)
         if dt <= 0.0:
             return
         transition = self._transition(dt)
@@ -85,8 +110,20 @@ class PlanarMotion:
         self._set_covariance(transition @ self._covariance @ transition.T + _noise(dt, self._mean[2], config))
         self.stamp_ns = time_ns
 
+    def _lapse(self, time_ns: int) -> float:
+        """Seconds since the belief, within reason."""
+        if self.stamp_ns is None or time_ns < self.stamp_ns - SET_BACK_NS:
+            return 0.0
+        return min(time_ns - self.stamp_ns, LONGEST_NS) * 1e-9
+
+    def _observe(self, C: Float64s, values: Float64s, R: Float64s) -> None:
+        """A Kalman update."""
+        step, covariance = fuse(self._covariance, C, R, values - C @ self._mean, KALMAN, 0.0)
+        self._mean = self._mean + step
+        self._set_covariance(covariance)
+
     def _extrapolated(self, time_ns: int) -> Float64s:
-        dt = (time_ns - self.stamp_ns) * 1e-9 if self.stamp_ns is not None else 0.0
+        dt = self._lapse(time_ns)
         x, y, psi, forward, left, rate = self._mean
         middle = psi + 0.5 * rate * dt
         c, s = math.cos(middle), math.sin(middle)

@@ -4,23 +4,27 @@ The attitude is a quaternion and its error a small rotation about the map's axes
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from slam_core.aiding import BodyVelocity, Correction, HeightAid, PlanarPose, observer, project
-from slam_core.config import NavigationConfig
-from slam_core.history import MAX_GAP_NS, History
-from slam_core.kernels.navigation import sandwich, within
+from slam_core.aiding import BodyVelocity, Correction, HeightAid, PlanarPose, project
+from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
+from slam_core.history import Belief, History
+from slam_core.inertial import Intake
+from slam_core.kernels.fusion import planar_observer
+from slam_core.kernels.linear import sandwich
+from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
 from slam_core.measurements import Float64s, Imu, Transform
 from slam_core.results import AidingStatus, NavigationState, PlanarGaussian
-from slam_core.strapdown import Strapdown
 
-# No robot turns (rad/s) or accelerates (m/s²) like this: such a sample is broken.
-SAMPLE_LIMITS = np.array([200.0] * 3 + [2000.0] * 3)
 # A stamp this far ahead is believed only when the next one confirms it.
 LEAP_NS = 10_000_000_000
+WEIGHTLESS = "start without gravity in the accelerometers"
+SET_BACK = "clock set back"
+LEAPT = "clock leapt ahead"
 
 
 class NavigationFilter:
@@ -30,25 +34,27 @@ class NavigationFilter:
     counts: what was not used as it came, by reason.
     """
 
-    def __init__(self, config: NavigationConfig) -> None:
+    def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
         self.counts: Counter[str] = Counter()
         self._dropped: dict[str, Counter[str]] = {}
-        self._config = config
-        self._model = Strapdown(config)
+        self._config, self._platform = config, platform or PlatformConfig()
+        self._intake = Intake()
         self._first: list[tuple[int, Float64s]] = []
         self._history: History | None = None
         self._doubted_ns = 0
 
-    def configure(self, config: NavigationConfig) -> None:
+    def configure(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
         """Change settings from the next measurement on."""
-        self._config = config
-        self._model = Strapdown(config)
+        self._config, self._platform = config, platform or PlatformConfig()
+        if self._history is not None:
+            self._history.configure(self._config, self._platform)
 
     def copy(self) -> "NavigationFilter":
         """An independent copy."""
-        other = NavigationFilter(self._config)
+        other = NavigationFilter(self._config, self._platform)
         other.counts = self.counts.copy()
         other._dropped = {source: reasons.copy() for source, reasons in self._dropped.items()}
+        other._intake = self._intake.copy()
         other._first = self._first.copy()
         other._history = self._history.copy() if self._history else None
         other._doubted_ns = self._doubted_ns
@@ -60,9 +66,19 @@ class NavigationFilter:
         return self._history is not None
 
     @property
+    def weightless(self) -> bool:
+        """Whether it cannot begin, as the accelerometers say nothing."""
+        return self._history is None and self.counts[WEIGHTLESS] > 0
+
+    @property
     def stamp_ns(self) -> int:
         """Time of the newest belief; it must be `ready`."""
-        return self._belief.newest.stamp_ns
+        return self._belief.newest_ns
+
+    @property
+    def sample_ns(self) -> int:
+        """Time of the newest inertial sample; it must be `ready`."""
+        return self._belief.sample_ns
 
     @property
     def state(self) -> NavigationState:
@@ -71,43 +87,69 @@ class NavigationFilter:
 
     def at(self, time_ns: int) -> NavigationState:
         """The belief at exactly that instant, or the oldest that is kept if that is later (see its stamp)."""
-        return _as_state(*self._belief.at(time_ns, self._model))
+        return _as_state(self._belief.at(time_ns))
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant, without the cost of its covariance."""
-        x = self._belief.state_at(time_ns, self._model)
+        (x,) = self._belief.states_at([time_ns])
         return Transform(x[4:7], x[:4])
+
+    def poses(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
+        """`pose` at several instants: positions (k, 3) and attitudes (k, 4)."""
+        xs = self._belief.states_at(times_ns)
+        return xs[:, 4:7], xs[:, :4]
 
     def planar(self, time_ns: int) -> PlanarGaussian:
         """The belief at an instant projected on the plane: C x and C P C^T."""
-        _, x, P = self._belief.at(time_ns, self._model)
-        return PlanarGaussian(project(x), sandwich(observer(x), P))
+        _, x, P, _ = self._belief.at(time_ns)
+        return PlanarGaussian(project(x), sandwich(planar_observer(x), P))
 
     def predict(self, imu: Imu) -> None:
         """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
-        sample = np.concatenate([imu.angular_velocity, imu.linear_acceleration])
-        if not within(sample, SAMPLE_LIMITS):
-            self.counts["inertial sample without a plausible value"] += 1
-        elif self._history is None:
+        sample, fault = self._intake.check(imu, self._config)
+        if fault:
+            self.counts[fault] += 1
+        if sample is None:
+            return
+        if self._history is None:
             self._level(imu.stamp_ns, sample)
-        elif imu.stamp_ns <= self._history.sample_ns:
-            self.counts["inertial sample not later than the one before"] += 1
-        elif self._believes(imu.stamp_ns):
-            if imu.stamp_ns - self._history.sample_ns > MAX_GAP_NS:
-                self.counts["gap in the inertial data"] += 1
-            self._history.add_sample(imu.stamp_ns, sample, self._model)
         else:
+            self._feel(imu.stamp_ns, sample)
+
+    def _feel(self, stamp_ns: int, sample: Float64s) -> None:
+        """A good sample once there is a belief: its stamp says whether it goes on from the last."""
+        sample_ns = self.sample_ns
+        if self._intake.set_back(stamp_ns, sample_ns):
+            self.counts[SET_BACK] += 1
+            self._history = self._belief.begin_again(stamp_ns, sample)
+        elif stamp_ns <= sample_ns:
+            self.counts["inertial sample not later than the one before"] += 1
+        elif not self._believes(stamp_ns):
             self.counts["stamp far ahead"] += 1
+        else:
+            if stamp_ns - self.sample_ns > MAX_GAP_NS:
+                self.counts["gap in the inertial data"] += 1
+            self._belief.add_sample(stamp_ns, sample)
+
+    def place(self, pose: PlanarGaussian) -> None:
+        """Put the newest belief at a planar pose that somebody else has kept so far; it must be `ready`."""
+        self._history = self._belief.placed(pose)
 
     def fuse_planar(
-        self, time_ns: int, xi: Float64s, R: Float64s, omega: float, gate: float = 0.0
+        self,
+        time_ns: int,
+        xi: Float64s,
+        R: Float64s,
+        omega: float,
+        method: FusionMethod = "fixed",
+        gate: float = 0.0,
     ) -> tuple[NavigationState, NavigationState]:
         """Eqs. (18)-(20) with a match at an instant: the belief there before and after; it must be `ready`.
 
         xi: (3,) x, y, psi in metres and radians. R: (3, 3). The same belief twice if the match is of no use.
         """
         before = self.at(time_ns)
-        taken = self.correct(time_ns, PlanarPose(np.array(xi), np.array(R), omega, gate))
+        taken = self.correct(time_ns, PlanarPose(np.array(xi), np.array(R), omega, method, gate))
         return before, self.at(time_ns) if taken else before
 
     def update_height(self, time_ns: int, height: float, sigma: float | None = None) -> bool:
@@ -134,10 +176,9 @@ class NavigationFilter:
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source that was heard, up to the newest belief."""
-        statuses = dict(self._history.newest.statuses) if self._history else {}
+        statuses = dict(self._history.statuses()) if self._history else {}
         for source, reasons in self._dropped.items():
-            known = statuses.get(source) or AidingStatus(source)
-            statuses[source] = replace(known, dropped=dict(reasons))
+            statuses[source] = replace(statuses.get(source) or AidingStatus(source), dropped=dict(reasons))
         return tuple(statuses.values())
 
     @property
@@ -148,17 +189,22 @@ class NavigationFilter:
 
     def _level(self, stamp_ns: int, sample: Float64s) -> None:
         """Collect the first samples until they span the levelling time, then begin."""
-        if self._first and not 0 < stamp_ns - self._first[-1][0] <= MAX_GAP_NS:
+        since_ns = stamp_ns - self._first[-1][0] if self._first else MAX_GAP_NS
+        if abs(since_ns) > MAX_GAP_NS:
             self._first.clear()
+        elif since_ns <= 0:
+            self.counts["inertial sample not later than the one before"] += 1
+            return
         self._first.append((stamp_ns, sample))
         if stamp_ns - self._first[0][0] < self._config.level_time * 1e9:
             return
-        belief = start_belief(np.array([s for _, s in self._first]), self._config)
+        belief = start_belief(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
         self._first.clear()
         if belief is None:
-            self.counts["start without gravity in the accelerometers"] += 1
+            self.counts[WEIGHTLESS] += 1
         else:
             self._history = History(stamp_ns, sample, *belief)
+            self._history.configure(self._config, self._platform)
 
     def _refusal(self, time_ns: int, correction: Correction) -> str:
         """Why a correction cannot be applied; empty once it is."""
@@ -168,17 +214,22 @@ class NavigationFilter:
             return "correction without a usable value"
         if not self._believes(time_ns):
             return "stamp far ahead"
-        if not self._history.add_correction(time_ns, correction, self._model):
+        if not self._belief.add_correction(time_ns, correction):
             return "correction older than the history"
         return ""
 
     def _believes(self, stamp_ns: int) -> bool:
-        """Whether a stamp may be true: a single one far ahead would carry the filter off for good."""
-        if stamp_ns - self.stamp_ns <= LEAP_NS or 0 <= stamp_ns - self._doubted_ns <= LEAP_NS:
+        """Whether a stamp may be true: one far ahead could carry the filter off for good, a second confirms it."""
+        if stamp_ns - self.stamp_ns <= LEAP_NS:
             return True
+        confirmed = 0 <= stamp_ns - self._doubted_ns <= LEAP_NS
         self._doubted_ns = stamp_ns
-        return False
+        if confirmed:
+            self.counts[LEAPT] += 1
+            self._history = self._belief.begin_again(stamp_ns - 1)
+        return confirmed
 
 
-def _as_state(stamp_ns: int, x: Float64s, P: Float64s) -> NavigationState:
+def _as_state(belief: Belief) -> NavigationState:
+    stamp_ns, x, P, _ = belief
     return NavigationState(stamp_ns, Transform(x[4:7], x[:4]), x[7:10], x[10:13], x[13:16], P)

@@ -72,15 +72,16 @@ class NavigationState:
     covariance: Float64s
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class AidingStatus:
     """What became of the measurements of one source, up to some instant.
 
     measures: the error states (0-2 attitude, 3-5 position, 6-8 velocity) that it is about. used, rejected: how
     many passed the gate, and how many not. dropped: others, by reason. returns: how often it came back after a
-    rejection that lasted. Of the last one: stamp_ns, innovation and its sigma, normalised innovation squared (nis)
-    and the bound on that (inf: no gate). used_ns: time of the last that was used. streak, streak_ns: rejections in
-    a row that agree with each other, and since when.
+    rejection that lasted. Of the last one: stamp_ns, innovation (m,) with covariance S (m, m), the normalised
+    innovation squared (nis) and the bound on that (inf: no gate). used_ns: time of the last that was used. streak,
+    streak_ns: rejections in a row that agree with each other, and since when. reading, reading_ns, reading_at: a
+    value that repeats itself, since when, and where the base was; frozen: the base moved on and it still does.
     """
 
     source: str
@@ -90,18 +91,27 @@ class AidingStatus:
     dropped: Mapping[str, int] = field(default_factory=dict)
     returns: int = 0
     stamp_ns: int = 0
-    innovation: tuple[float, ...] = ()
-    sigma: tuple[float, ...] = ()
+    innovation: Float64s = field(default_factory=lambda: np.zeros(0))
+    S: Float64s = field(default_factory=lambda: np.zeros((0, 0)))
     nis: float = 0.0
     bound: float = math.inf
     used_ns: int = 0
     streak: int = 0
     streak_ns: int = 0
+    reading: tuple[float, ...] = ()
+    reading_ns: int = 0
+    reading_at: tuple[float, ...] = ()
+    frozen: bool = False
+
+    @property
+    def sigma(self) -> Float64s:
+        """Of the last innovation (m,)."""
+        return np.sqrt(np.diag(self.S))
 
     @property
     def accepted(self) -> bool:
         """Whether the last measurement was used."""
-        return self.used > 0 and self.streak == 0
+        return self.used > 0 and self.streak == 0 and not self.frozen
 
 
 @dataclass(frozen=True, slots=True)

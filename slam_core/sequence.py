@@ -22,7 +22,8 @@ class Sequencer:
         """The measurements that may be processed now that `measurement` has arrived, in order."""
         if isinstance(measurement, LaserScan):
             self._waiting.append(measurement)
-            self._newest_ns = max(self._newest_ns, measurement.stamp_ns)
+            set_back = measurement.stamp_ns < self._newest_ns - PATIENCE_NS
+            self._newest_ns = measurement.stamp_ns if set_back else max(self._newest_ns, measurement.stamp_ns)
             return self._ready()
         if isinstance(measurement, Imu | Attitude):
             self._covered_ns = measurement.stamp_ns
@@ -43,6 +44,8 @@ class Sequencer:
     def _may_go(self, scan: LaserScan) -> bool:
         if self._covered_ns is not None and self._covered_ns >= scan.end_ns:
             return True
+        if scan.stamp_ns - self._newest_ns > PATIENCE_NS:
+            return True  # by a clock that was set back since
         if self._hopeful and self._newest_ns - scan.end_ns > PATIENCE_NS:
             self._hopeful = False
         return not self._hopeful

@@ -2,13 +2,14 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from slam_core import geometry
 from slam_core.aids import Aids
 from slam_core.config import ConfigError, SlamConfig, needs_restart
+from slam_core.faults import faults
 from slam_core.matcher import coarse_to_fine
 from slam_core.measurements import (
     Attitude,
@@ -47,9 +48,10 @@ class HectorSlam:
         self._clock = clock
         self._planar = PlanarMotion()
         self._tracker = Tracker()
-        self._filter = NavigationFilter(config.navigation)
+        self._filter = NavigationFilter(config.navigation, config.platform)
         self._aids = Aids()
-        self._inertial = False
+        self._felt = self._inertial = False
+        self._scan_ns = 0
         self._index = 0
         self._pose = np.zeros(3)
         self._fused = np.zeros(3)
@@ -61,15 +63,19 @@ class HectorSlam:
         if needs_restart(self.config, config):
             raise ConfigError("this change needs a new map: restart the run with it")
         self.config = config
-        self._filter.configure(config.navigation)
+        self._filter.configure(config.navigation, config.platform)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What holds the pipeline back at this moment, a sentence each with its remedy."""
-        limit = self.pyramid.stopped_at
-        if not limit:
-            return ()
-        return (f"the map stopped growing at its limit of {limit:g} MB: raise map.limit or map.resolution",)
+        limit, patience = self.pyramid.stopped_at, self.config.navigation.gate_patience
+        full = f"the map stopped growing at its limit of {limit:g} MB: raise map.limit or map.resolution"
+        return (*([full] if limit else []), *faults(self._filter, self._scan_ns, patience))
+
+    @property
+    def unused(self) -> Counter[str]:
+        """Inertial data, and what aids it, that was not used as it came, by reason."""
+        return self._filter.counts
 
     def step(self, measurement: Measurement) -> StepResult | None:
         """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
@@ -77,23 +83,29 @@ class HectorSlam:
             return self._scan(measurement)
         begin = self._clock()
         if isinstance(measurement, Imu):
-            self._inertial = True
-            self._filter.predict(measurement)
-            self._aids.feel(measurement, self._filter, self.config.aiding)
+            self._feel(measurement)
         elif isinstance(measurement, Height):
             self._filter.update_height(measurement.stamp_ns, measurement.height)
         elif isinstance(measurement, Odometry):
             self._wheels(measurement)
-        elif self._inertial:
+        elif self._filter.ready:
             self._aids.take(measurement, self._filter, self.config.aiding)
         elif isinstance(measurement, Attitude):
             self._planar.add_attitude(measurement)
         self._waiting_ns += self._clock() - begin
         return None
 
+    def _feel(self, imu: Imu) -> None:
+        """Inertial data: to the filter; while that cannot begin, its yaw rate is better than nothing."""
+        self._felt = True
+        self._filter.predict(imu)
+        self._aids.feel(imu, self._filter, self.config.aiding)
+        if self._filter.weightless:
+            self._planar.add_yaw_rate(imu.stamp_ns, float(imu.angular_velocity[2]), self.config.motion)
+
     def _wheels(self, odometry: Odometry) -> None:
         """A velocity by the wheels, to whichever motion is believed."""
-        if self._inertial:
+        if self._filter.ready:
             motion = self.config.motion
             sigma = float(odometry_sigmas(odometry, motion)[0])
             self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma, motion.odometry_gate)
@@ -101,11 +113,12 @@ class HectorSlam:
             self._planar.add_odometry(odometry, self.config.motion)
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
-        if self._inertial and not self._filter.ready:
+        self._scan_ns = scan.end_ns
+        if self._awaits_filter():
             self.skipped["scan before the attitude was known"] += 1
             return None
         lap = _Laps(self._clock)
-        leveled = stabilise(scan, self._motion_pose, self.config.scan)
+        leveled = stabilise(scan, self._motion, self.config.scan)
         lap("stabilise")
         if not len(leveled.points):
             self.skipped["scan without a beam in range"] += 1
@@ -143,8 +156,16 @@ class HectorSlam:
             world=self._aids.world,
         )
 
-    def _motion_pose(self, time_ns: int) -> Transform:
-        return self._filter.pose(time_ns) if self._inertial else self._planar.pose(time_ns)
+    def _awaits_filter(self) -> bool:
+        """Change over to the filter once it is ready; whether a scan has to be skipped until then."""
+        if self._filter.ready and not self._inertial:
+            if self._index:
+                self._filter.place(self._planar.prior(self._filter.sample_ns, self.config.motion))
+            self._inertial = True
+        return self._felt and not (self._inertial or self._index or self._filter.weightless)
+
+    def _motion(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
+        return self._filter.poses(times_ns) if self._inertial else self._planar.poses(times_ns)
 
     def _estimate(self, time_ns: int) -> Transform:
         """T_map_base: the filter; without inertial data the match, which nothing independent improves."""
@@ -157,6 +178,8 @@ class HectorSlam:
     def _prior(self, time_ns: int) -> PlanarGaussian:
         if self._inertial:
             return self._filter.planar(time_ns)
+        if self.config.platform.no_slip:
+            self._planar.grip()
         return self._planar.prior(time_ns, self.config.motion)
 
     def _match(self, leveled: StabilisedScan, prior: PlanarGaussian) -> tuple[MatchResult | None, Verdict]:
@@ -210,13 +233,15 @@ class HectorSlam:
 
     def _fuse(self, time_ns: int, match: PlanarGaussian | None) -> tuple[PlanarGaussian, NavigationState | None]:
         """Covariance intersection of the motion with the match, eqs. (18)-(20); without one, the motion alone."""
-        omega, gate = self.config.fusion.omega, self.config.fusion.gate
+        config = self.config.fusion
         if match is None:
             fused, navigation = self._prior(time_ns), self._filter.at(time_ns) if self._inertial else None
         elif not self._inertial:
-            fused, navigation = self._planar.fuse(match, omega), None
+            fused, navigation = self._planar.fuse(match, config), None
         else:
-            navigation = self._filter.fuse_planar(time_ns, match.mean, match.covariance, omega, gate)[1]
+            _, navigation = self._filter.fuse_planar(
+                time_ns, match.mean, match.covariance, config.omega, config.method, config.gate
+            )
             fused = self._filter.planar(time_ns)
         self._fused = fused.mean
         return fused, navigation

@@ -1,6 +1,6 @@
 """Section IV: from a sweep to endpoints in the stabilised frame, through mount, attitude and motion."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,6 +12,8 @@ from slam_core.kernels.planar import knots
 from slam_core.kernels.sweeping import place_beams
 from slam_core.measurements import Float32s, Float64s, LaserScan, Transform
 
+# Positions (k, 3) and attitudes (k, 4) of the base in the map at so many instants in nanoseconds.
+Motion = Callable[[Sequence[int]], tuple[Float64s, Float64s]]
 # The motion is taken as linear between instants this far apart.
 KNOT_NS = 10_000_000
 
@@ -29,8 +31,8 @@ class StabilisedScan:
     laser: Float64s
 
 
-def stabilise(scan: LaserScan, motion: Callable[[int], Transform], config: ScanConfig) -> StabilisedScan:
-    """Endpoints of `scan` in the stabilised frame at scan.mid_ns; motion(t) is T_map_base within the sweep.
+def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> StabilisedScan:
+    """Endpoints of `scan` in the stabilised frame at scan.mid_ns; the motion is asked for instants of the sweep.
 
     Beams out of range, without a value (REP-117) or out of the z band are left out. With config.stabilise off the
     attitude is ignored, with config.deskew off the motion during the sweep is.
@@ -59,21 +61,19 @@ def _directions(angle_min: float, angle_increment: float, n: int) -> tuple[Float
     return np.cos(angles), np.sin(angles)
 
 
-def _knots(scan: LaserScan, motion: Callable[[int], Transform], config: ScanConfig) -> Float64s:
+def _knots(scan: LaserScan, motion: Motion, config: ScanConfig) -> Float64s:
     """(k, 3, 4) transforms from the laser to the stabilised frame at mid-sweep, in k - 1 equal steps of time."""
     sweep_ns = scan.end_ns - scan.stamp_ns
-    reference = motion(scan.mid_ns)
+    times = [scan.mid_ns]
     if config.deskew and sweep_ns > 0:
         k = 2 + sweep_ns // KNOT_NS
-        times = [scan.stamp_ns + sweep_ns * i // (k - 1) for i in range(k)]
-        poses = [reference if time_ns == scan.mid_ns else motion(time_ns) for time_ns in times]
+        times += [scan.stamp_ns + sweep_ns * i // (k - 1) for i in range(k)]
     else:
-        poses = [reference, reference]
-    turn = geometry.yaw_quaternion(-geometry.heading(reference.rotation))
-    positions = np.array([pose.translation for pose in poses])
-    rotations = np.array([pose.rotation for pose in poses])
+        times *= 3
+    positions, rotations = motion(times)
+    turn = geometry.yaw_quaternion(-geometry.heading(rotations[0]))
     placed: Float64s = knots(
-        positions, rotations, reference.translation, turn, _mount(scan.T_base_laser), config.stabilise
+        positions[1:], rotations[1:], positions[0], turn, _mount(scan.T_base_laser), config.stabilise
     )
     return placed
 

@@ -1,5 +1,7 @@
 """Small made worlds for tests of the core: smooth maps and rooms with exact ranges."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,11 @@ def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> Gr
     field = sum(np.sin(a * u + b * v + p) for (a, b), p in zip(waves, phases, strict=True))
     level.cells[:] = in_parts(0.5 + 0.1 * field)
     return level
+
+
+def standing(times: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The motion of a base that stands level at the origin."""
+    return np.zeros((len(times), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 1))
 
 
 def room_ranges(

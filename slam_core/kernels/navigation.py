@@ -3,9 +3,8 @@
 x: (19,) quaternion 0:4, position 4:7, velocity 7:10, gyro bias 10:13, accelerometer bias 13:16, and the specific
 force in body axes, smoothed, 16:19. P: (15, 15) of the errors of attitude (small rotation about the map's axes),
 position, velocity, gyro bias, accelerometer bias. u: (6,) angular rate and specific force in body axes.
-
-All in one file, since numba renews cached code only when the file that holds it changes; and in closed form, since
-its own `@` and np.linalg would need scipy.
+model: (8,) gravity, smoothing time of the specific force, squared noise densities of gyro, accelerometer and of
+the walks of their biases, and whether (1 or 0) the base stays in the plane, and whether it does not slip sideways.
 """
 
 import math
@@ -14,17 +13,19 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
+from slam_core.kernels.linear import gain, multiply, sandwich
 from slam_core.measurements import Float64s
 
 STATES = 19
 ERRORS = 15
 # The smoothed specific force shows where down is while its size is within this share of gravity.
 NEAR_GRAVITY = 0.1
+CONSTRAINED = 1e-12  # variance of what the platform cannot do
+SLIP_SIGMA = 0.005  # m/s, of wheels that do not slip sideways
 
 _product = njit(error_model="numpy")(geometry.multiply)
 _exponential = njit(error_model="numpy")(geometry.from_rotation_vector)
 _matrix = njit(error_model="numpy")(geometry.rotation_matrix)
-_heading_gradient = njit(error_model="numpy")(geometry.heading_gradient)
 
 
 @njit(cache=True, error_model="numpy")
@@ -33,13 +34,17 @@ def advance(
 ) -> tuple[Float64s, Float64s]:
     """The belief `dt` seconds later: eqs. (1)-(3), Phi P Phi^T + Q, and the pseudo measurements that bound P.
 
-    model: (7,) gravity, smoothing time of the specific force, squared noise densities of gyro, accelerometer and
-    of the walks of their biases. bounds: (15, 2), see `bound`.
+    bounds: (15, 2), see `bound`.
     """
     moved = move(x, u, dt, model[0], model[1])
     spread = sandwich(transition(x, moved, u, dt), P)
     _add_noise(spread, dt, model[2:])
-    return bound(moved, spread, model[0], bounds)
+    moved, spread = bound(moved, spread, model[0], bounds)
+    if model[6] > 0.0:
+        flatten(moved, spread)
+    if model[7] > 0.0:
+        moved, spread = _grip(moved, spread)
+    return moved, spread
 
 
 @njit(cache=True, error_model="numpy")
@@ -67,7 +72,7 @@ def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float) -> Float64s
     """Phi (15, 15): how the errors of x become the errors of `moved`, exact to second order in dt."""
     before, after = _matrix(x[:4]), _matrix(moved[:4])
     middle = 0.5 * (before + after)
-    f = u[3:] - x[13:16]
+    f = u[3:6] - x[13:16]
     Phi = np.eye(ERRORS)
     force, force_after = np.zeros(3), np.zeros(3)
     for i in range(3):
@@ -128,6 +133,35 @@ def bound(x: Float64s, P: Float64s, gravity: float, bounds: Float64s) -> tuple[F
 
 
 @njit(cache=True, error_model="numpy")
+def flatten(x: Float64s, P: Float64s) -> None:
+    """Section III, in place: a base that stays in the plane has no roll, pitch, height and vertical velocity."""
+    heading = 2.0 * math.atan2(x[3], x[0])
+    x[0], x[1], x[2], x[3] = math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading)
+    x[6] = x[9] = 0.0
+    for i in (0, 1, 5, 8):
+        for j in range(ERRORS):
+            P[i, j] = P[j, i] = 0.0
+        P[i, i] = CONSTRAINED
+
+
+@njit(cache=True, error_model="numpy")
+def _grip(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
+    """Section III: a base on wheels has no velocity to its left."""
+    R = _matrix(x[:4])
+    v, left = x[7:10], R[:, 1]
+    C = np.zeros((1, ERRORS))
+    C[0, 0], C[0, 1] = left[1] * v[2] - left[2] * v[1], left[2] * v[0] - left[0] * v[2]
+    C[0, 2] = left[0] * v[1] - left[1] * v[0]
+    slip = 0.0
+    for i in range(3):
+        C[0, 6 + i] = left[i]
+        slip += left[i] * v[i]
+    CP = multiply(C, P)
+    error, P = gain(P, CP, multiply(C, CP.T.copy()) + SLIP_SIGMA**2, np.array([-slip]))
+    return inject(x, error), P
+
+
+@njit(cache=True, error_model="numpy")
 def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Float64s, Float64s]:
     """Tilt from the direction of the smoothed specific force, if its size says that it is mostly gravity."""
     R = _matrix(x[:4])
@@ -142,7 +176,8 @@ def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Fl
     C[0, 1], C[1, 0] = force[2], -force[2]
     for j in range(3):
         C[0, 12 + j], C[1, 12 + j] = -R[0, j], -R[1, j]
-    error, P = gain_update(P, C, variance * np.eye(2), -force[:2])
+    CP = multiply(C, P)
+    error, P = gain(P, CP, multiply(C, CP.T.copy()) + variance * np.eye(2), -force[:2])
     return inject(x, error), P
 
 
@@ -154,151 +189,3 @@ def inject(x: Float64s, error: Float64s) -> Float64s:
     for i in range(3, ERRORS):
         out[1 + i] += error[i]
     return out
-
-
-@njit(cache=True, error_model="numpy")
-def correct(
-    x: Float64s, P: Float64s, innovation: Float64s, C: Float64s, R: Float64s, bound: float
-) -> tuple[Float64s, Float64s, Float64s, float]:
-    """A Kalman update behind a gate: x, P, S = C P C^T + R, and nu^T S^-1 nu.
-
-    Where that passes `bound`, or the numbers do not bear the update (it is NaN then), x and P stay as they were.
-    """
-    return _gated(x, P, innovation, C, R, R, 1.0, bound)
-
-
-@njit(cache=True, error_model="numpy")
-def intersect_planar(
-    x: Float64s, P: Float64s, xi: Float64s, R: Float64s, omega: float, bound: float
-) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
-    """Eqs. (18)-(20) with C x = (p_x, p_y, psi), behind a gate as in `correct`: also the innovation."""
-    C = np.zeros((3, ERRORS))
-    C[0, 3] = C[1, 4] = 1.0
-    C[2, :3] = _heading_gradient(x[:4])
-    innovation = np.array([xi[0] - x[4], xi[1] - x[5], xi[2] - 2.0 * math.atan2(x[3], x[0])])
-    innovation[2] -= 2.0 * math.pi * round(innovation[2] / (2.0 * math.pi))
-    better, reduced, S, nis = _gated(x, P, innovation, C, R, (1.0 - omega) / omega * R, 1.0 - omega, bound)
-    return better, reduced, innovation, S, nis
-
-
-@njit(cache=True, error_model="numpy")
-def _gated(
-    x: Float64s,
-    P: Float64s,
-    innovation: Float64s,
-    C: Float64s,
-    R: Float64s,
-    weighed: Float64s,
-    share: float,
-    bound: float,
-) -> tuple[Float64s, Float64s, Float64s, float]:
-    """The update with the noise `weighed`, P divided by `share`, if the innovation passes the gate with R."""
-    S = R + sandwich(C, P)
-    whitened = solve_lower(cholesky(S), innovation.reshape(-1, 1))
-    nis = float(np.sum(whitened * whitened))
-    if not nis <= bound:
-        return x, P, S, nis
-    error, reduced = gain_update(P, C, weighed, innovation)
-    better = inject(x, error)
-    reduced /= share
-    if not is_sound(better, reduced):
-        return x, P, S, math.nan
-    return better, reduced, S, nis
-
-
-@njit(cache=True, error_model="numpy")
-def multiply(A: Float64s, B: Float64s) -> Float64s:
-    """A B, skipping the zeros of A: transition and observer matrices are mostly empty."""
-    out = np.zeros((A.shape[0], B.shape[1]))
-    for i in range(A.shape[0]):
-        for k in range(A.shape[1]):
-            a = A[i, k]
-            if a != 0.0:
-                for j in range(B.shape[1]):
-                    out[i, j] += a * B[k, j]
-    return out
-
-
-@njit(cache=True, error_model="numpy")
-def sandwich(A: Float64s, P: Float64s) -> Float64s:
-    """A P A^T of a symmetric P, symmetric to the last bit."""
-    AP = multiply(A, P)
-    out = multiply(A, AP.T.copy())
-    for i in range(len(out)):
-        for j in range(i):
-            out[i, j] = out[j, i] = 0.5 * (out[i, j] + out[j, i])
-    return out
-
-
-@njit(cache=True, error_model="numpy")
-def cholesky(A: Float64s) -> Float64s:
-    """Lower L with L L^T = A; the diagonal of L holds NaN or 0 where A is not positive definite."""
-    n = len(A)
-    L = np.zeros((n, n))
-    for i in range(n):
-        for j in range(i + 1):
-            rest = A[i, j]
-            for k in range(j):
-                rest -= L[i, k] * L[j, k]
-            L[i, j] = math.sqrt(rest) if i == j else rest / L[j, j]
-    return L
-
-
-@njit(cache=True, error_model="numpy")
-def is_covariance(A: Float64s) -> bool:
-    """Whether A is finite, symmetric (to 1e-6 of its size) and positive definite."""
-    for i in range(len(A)):
-        for j in range(i):
-            if not abs(A[i, j] - A[j, i]) <= 1e-6 * math.sqrt(abs(A[i, i] * A[j, j])):
-                return False
-    roots = np.diag(cholesky(A))
-    return bool(np.all((roots > 0.0) & (roots < np.inf)))
-
-
-@njit(cache=True, error_model="numpy")
-def within(values: Float64s, limits: Float64s) -> bool:
-    """Whether every |value| is below its limit; NaN is not."""
-    inside = True
-    for i in range(len(values)):
-        inside &= abs(values[i]) < limits[i]
-    return inside
-
-
-@njit(cache=True, error_model="numpy")
-def is_sound(x: Float64s, P: Float64s) -> bool:
-    """Whether x and P are finite and no variance is zero or negative."""
-    return bool(np.isfinite(x).all() and np.isfinite(P).all() and (np.diag(P) > 0.0).all())
-
-
-@njit(cache=True, error_model="numpy")
-def solve_lower(L: Float64s, B: Float64s) -> Float64s:
-    """L^-1 B for a lower triangle L."""
-    out = B.copy()
-    for i in range(len(L)):
-        for k in range(i):
-            for j in range(B.shape[1]):
-                out[i, j] -= L[i, k] * out[k, j]
-        for j in range(B.shape[1]):
-            out[i, j] /= L[i, i]
-    return out
-
-
-@njit(cache=True, error_model="numpy")
-def gain_update(P: Float64s, C: Float64s, R: Float64s, innovation: Float64s) -> tuple[Float64s, Float64s]:
-    """K innovation and P - K C P with K = P C^T (R + C P C^T)^-1.
-
-    Through W = L^-1 C P with L L^T = R + C P C^T, since K C P = W^T W: symmetric by its making.
-    """
-    CP = multiply(C, P)
-    L = cholesky(R + multiply(C, CP.T.copy()))
-    W = solve_lower(L, CP)
-    whitened = solve_lower(L, innovation.reshape(-1, 1))
-    correction = np.zeros(len(P))
-    reduced = P.copy()
-    for k in range(len(C)):
-        for i in range(len(P)):
-            w = W[k, i]
-            correction[i] += w * whitened[k, 0]
-            for j in range(len(P)):
-                reduced[i, j] -= w * W[k, j]
-    return correction, reduced

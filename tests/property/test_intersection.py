@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slam_core.intersection import intersect, intersect_information
-from slam_core.kernels.navigation import gain_update, is_covariance, sandwich
+from slam_core.kernels.fusion import KALMAN, fuse
+from slam_core.kernels.linear import is_covariance, sandwich
 
 omegas = st.floats(0.01, 0.99)
 seeds = st.integers(0, 10**6)
@@ -66,7 +67,7 @@ def test_fused_covariance_covers_the_error_however_the_sources_correlate(
 def test_a_plain_kalman_update_would_not_cover_it() -> None:
     """With a match whose error is the state's own, the Kalman update claims half the variance that is left."""
     P = R = C = np.eye(1)
-    gain, claimed = gain_update(P, C, R, np.ones(1))
+    gain, claimed = fuse(P, C, R, np.ones(1), KALMAN, 0.0)
     true = (1 - gain[0]) ** 2 + gain[0] ** 2 + 2 * gain[0] * (1 - gain[0])
     assert np.isclose(true, 1.0) and np.isclose(claimed[0, 0], 0.5)
 
@@ -100,3 +101,37 @@ def test_is_covariance_tells_covariances_from_other_matrices(seed: int) -> None:
         broken[seed % 3, (seed // 3) % 3] = value
         assert not is_covariance(broken)
     assert not is_covariance(R + np.triu(np.full((3, 3), R.max()), 1))
+
+
+@given(st.floats(0.01, 100.0), seeds)
+@settings(max_examples=20)
+def test_a_chosen_omega_is_the_best_there_is(share: float, seed: int) -> None:
+    """No fixed weight gives a smaller determinant, or trace relative to P, than the one that is chosen."""
+    rng = np.random.default_rng(seed)
+    P, R = covariance(rng, 6), share * covariance(rng, 3)
+    C = rng.normal(size=(3, 6))
+    measures = {
+        "trace": lambda A: np.sum(np.diag(A) / np.diag(P)),
+        "determinant": lambda A: np.linalg.slogdet(A)[1],
+    }
+    for method, measure in measures.items():
+        chosen = measure(intersect(P, C, R, np.zeros(3), 0.5, method)[1])
+        fixed = [measure(intersect(P, C, R, np.zeros(3), w, "fixed")[1]) for w in np.linspace(0.001, 0.998, 200)]
+        assert chosen <= min(fixed) + 1e-6 * abs(min(fixed))
+        assert chosen <= measure(P) + 1e-4
+
+
+def test_a_match_of_no_use_is_left_alone() -> None:
+    """A noise far above the belief: the chosen omega is nearly zero and leaves the belief as it was."""
+    for method in ("trace", "determinant"):
+        step, P = intersect(np.eye(6), np.eye(3, 6), 1e6 * np.eye(3), np.ones(3), 0.5, method)
+        assert np.abs(step).max() < 1e-9 and np.allclose(P, np.eye(6), atol=1e-4)
+
+
+def test_the_third_choice_is_the_kalman_update() -> None:
+    """Its covariance is that of independent errors, whatever omega says."""
+    rng = np.random.default_rng(1)
+    P, R, C = covariance(rng, 6), covariance(rng, 3), rng.normal(size=(3, 6))
+    gain = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
+    step, fused = intersect(P, C, R, np.ones(3), 0.1, "kalman")
+    assert np.allclose(step, gain @ np.ones(3)) and np.allclose(fused, P - gain @ C @ P)

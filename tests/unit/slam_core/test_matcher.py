@@ -8,12 +8,11 @@ import pytest
 from slam_core import matcher
 from slam_core.config import MapConfig, MatcherConfig
 from slam_core.matcher import coarse_to_fine, hessian_covariance, normal_equations, sampled_covariance
-from slam_core.measurements import Transform
 from slam_core.pyramid import Pyramid
 from slam_core.results import PlanarGaussian
 from slam_core.stabilise import ScanConfig, stabilise
 from slam_core.surfaces import Beams
-from tests.worlds import in_parts, room_scan, smooth_level
+from tests.worlds import in_parts, room_scan, smooth_level, standing
 
 POSE = np.array([1.6, 1.5, 0.3])
 ROOM = MapConfig(size=400, levels=3)
@@ -49,7 +48,7 @@ def jacobian(level, points, pose, h=1e-7):
 
 def room_points(pose, **kwargs):
     """The scan of the test room as endpoints."""
-    return stabilise(room_scan(pose, **kwargs), lambda _: Transform(), ScanConfig(range_min=0.1)).points
+    return stabilise(room_scan(pose, **kwargs), standing, ScanConfig(range_min=0.1)).points
 
 
 @pytest.fixture(scope="module")

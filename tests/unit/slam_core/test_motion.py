@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slam_core import geometry
-from slam_core.config import MotionConfig
+from slam_core.config import FusionConfig, MotionConfig
 from slam_core.measurements import Attitude, Odometry
 from slam_core.motion import PlanarMotion
 from slam_core.results import PlanarGaussian
@@ -26,7 +26,7 @@ def driven(until=2.0, step=0.1):
     motion = PlanarMotion()
     for k in range(round(until / step) + 1):
         motion.prior(round(k * step * 1e9), CONFIG)
-        motion.fuse(PlanarGaussian(arc(k * step), TIGHT), 0.5)
+        motion.fuse(PlanarGaussian(arc(k * step), TIGHT), FusionConfig(omega=0.5))
     return motion
 
 
@@ -109,3 +109,36 @@ def test_a_copy_is_independent():
     motion = driven()
     motion.copy().prior(9_000_000_000, CONFIG)
     np.testing.assert_allclose(motion.prior(2_000_000_000, CONFIG).mean, arc(2.0), atol=1e-3)
+
+
+def test_a_clock_set_by_an_hour_moves_nothing():
+    """Forwards or backwards the robot is near where it was, unsure by metres, and is followed again."""
+    for hour in (3600, -3600):
+        motion = driven(1.0)
+        before = motion.prior(10**9, CONFIG)
+        after = motion.prior((1 + hour) * 10**9, CONFIG)
+        assert np.linalg.norm((after.mean - before.mean)[:2]) < 2.1
+        assert 0.1 < math.sqrt(after.covariance[0, 0]) < 10.0
+        later = motion.prior((1 + hour) * 10**9 + 10**8, CONFIG)
+        assert motion.stamp_ns == (1 + hour) * 10**9 + 10**8 and np.isfinite(later.mean).all()
+
+
+def test_a_gyro_corrects_the_yaw_rate():
+    """A robot at rest that begins to turn is turned; a rate that is none is not taken."""
+    motion = PlanarMotion()
+    motion.prior(0, CONFIG)
+    for k in range(1, 51):
+        motion.add_yaw_rate(k * 10**7, 0.5, CONFIG)
+        motion.add_yaw_rate(k * 10**7, math.nan, CONFIG)
+    assert motion.prior(5 * 10**8, CONFIG).mean[2] == pytest.approx(0.25, abs=0.02)
+
+
+def test_wheels_that_grip_give_no_velocity_to_the_left():
+    """A push sideways, as matches may feign it, is taken out of the velocity."""
+    motion = PlanarMotion()
+    for k in range(20):
+        motion.prior(k * 10**8, CONFIG)
+        motion.fuse(PlanarGaussian(np.array([0.0, 0.1 * k, 0.0]), TIGHT), FusionConfig(omega=0.5))
+    left = motion.prior(20 * 10**8, CONFIG).mean[1]
+    motion.grip()
+    assert left > 1.9 and motion.prior(25 * 10**8, CONFIG).mean[1] - left < 0.1

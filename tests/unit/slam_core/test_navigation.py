@@ -5,11 +5,11 @@ import pytest
 
 from slam_core import geometry
 from slam_core.aiding import BodyVelocity
-from slam_core.config import NavigationConfig
+from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
 from slam_core.kernels.navigation import ERRORS, inject
 from slam_core.measurements import Imu, Transform
 from slam_core.navigation import NavigationFilter
-from slam_core.results import NavigationState
+from slam_core.results import NavigationState, PlanarGaussian
 from tests.motions import GRAVITY, Ride, euler_matrix, gait, grown, stamp, still, tumble
 
 CONFIG = NavigationConfig()
@@ -435,3 +435,123 @@ def test_settings_change_from_the_next_measurement_on() -> None:
         each.update_height(stamp(1.0), 0.05)
     heights = [each.state.T_map_base.translation[2] for each in (estimator, other)]
     assert heights[1] > 2 * heights[0] > 0.0
+
+
+@pytest.mark.parametrize("method", ["fixed", "trace", "determinant", "kalman"])
+def test_every_method_of_fusion_follows_a_walk(method: FusionMethod) -> None:
+    """Matches fused by each of them keep the plane within 5 cm, and P is a covariance."""
+    ride, estimator, off = gait(), NavigationFilter(CONFIG), []
+    for k, sample in enumerate(ride.samples(6.0, noise=1.0)):
+        estimator.predict(sample)
+        if estimator.ready and k % 3 == 0:
+            _, state = estimator.fuse_planar(sample.stamp_ns, xi(ride, k / 100), R, OMEGA, method)
+            off.append(np.linalg.norm((state.T_map_base.translation - ride.position(k / 100))[:2]))
+            assert np.linalg.eigvalsh(state.covariance)[0] > 0.0
+    assert max(off) < 0.05
+
+
+# What the platform cannot do
+
+
+def test_a_planar_platform_has_no_roll_pitch_and_height() -> None:
+    """They are zero and certain, whatever the samples say, and the plane is followed as ever."""
+    ride = Ride(lambda t: np.array([0.5 * grown(t), 0.0, 0.0]), lambda t: euler_matrix(0.0, 0.0, grown(t)))
+    estimator = NavigationFilter(CONFIG, PlatformConfig(planar=True))
+    for k, sample in enumerate(ride.samples(5.0, noise=1.0, bias=np.repeat([0.005, 0.1], 3))):
+        estimator.predict(sample)
+        if estimator.ready and k % 3 == 0:
+            estimator.fuse_planar(sample.stamp_ns, xi(ride, k / 100), R, OMEGA)
+            estimator.update_height(sample.stamp_ns, 0.4)
+    state = estimator.state
+    assert np.abs(geometry.to_euler(state.T_map_base.rotation)[:2]).max() < 1e-9
+    assert state.T_map_base.translation[2] == pytest.approx(0.0, abs=1e-6)
+    assert (np.diag(state.covariance)[[0, 1, 5, 8]] < 1e-9).all()
+    assert np.allclose(geometry.planar(state.T_map_base), [0.5, 0.0, 1.0], atol=0.03)
+
+
+def test_wheels_that_do_not_slip_take_the_sideways_velocity_out() -> None:
+    """Of an acceleration that is felt to the left nothing comes, forward all of it."""
+    moved = {}
+    for no_slip in (False, True):
+        estimator = begun(1.0, config=replace(CONFIG, tilt_threshold=1.0))
+        estimator.configure(replace(CONFIG, tilt_threshold=1.0), PlatformConfig(no_slip=no_slip))
+        for k in range(101, 151):
+            estimator.predict(Imu(stamp(k / 100), np.zeros(3), np.array([1.0, 1.0, 0.0]) - GRAVITY))
+        moved[no_slip] = estimator.state.velocity
+    assert moved[False][0] > 0.3 and moved[False][1] > 0.3
+    assert moved[True][0] > 0.3 and abs(moved[True][1]) < 0.1
+
+
+# Settings of time, and clocks
+
+
+def test_the_history_is_as_long_as_is_asked_for() -> None:
+    """Four seconds late is too late by default, and in time for a history of five seconds."""
+    for seconds, taken in ((1.5, False), (5.0, True)):
+        estimator = begun(20.0, config=replace(CONFIG, history=seconds))
+        assert estimator.update_height(stamp(16.0), 0.1) is taken
+    assert not estimator.update_height(stamp(8.0), 0.1)
+
+
+def test_a_clock_set_back_goes_on_from_the_last_belief() -> None:
+    """Samples of an hour ago are dropped; after a fifth of a second of them the filter goes on, less sure."""
+    estimator = begun(2.0)
+    before = estimator.state
+    for k in range(40):
+        estimator.predict(Imu(stamp(-3600.0 + k / 100), np.zeros(3), -GRAVITY))
+    after = estimator.state
+    assert after.stamp_ns == stamp(-3600.0 + 0.39) and estimator.counts["clock set back"] == 1
+    assert np.allclose(after.T_map_base.translation, before.T_map_base.translation, atol=0.05)
+    assert after.covariance[3, 3] > 100 * before.covariance[3, 3]
+    assert estimator.update_height(stamp(-3600.0 + 0.3), 0.0)
+
+
+def test_a_second_unit_whose_clock_is_behind_changes_nothing() -> None:
+    """Its samples are dropped for ever: those of the first go on between them."""
+    estimator, alone = begun(2.0), begun(4.0)
+    for k in range(1, 201):
+        estimator.predict(Imu(stamp(1.0 + k / 100), np.ones(3), np.ones(3)))
+        estimator.predict(Imu(stamp(2.0 + k / 100), np.zeros(3), -GRAVITY))
+    assert same(estimator.state, alone.state) and estimator.counts["clock set back"] == 0
+
+
+def test_a_clipped_gyro_makes_the_attitude_unsure() -> None:
+    """One value again and again at the end of the range, known or found; a gyro at rest is not clipped."""
+    for limit in (0.0, 4.0):
+        config = replace(CONFIG, gyro_range=limit)
+        estimator = begun(1.0, config=config)
+        sure = estimator.state.covariance[2, 2]
+        for k in range(101, 131):
+            estimator.predict(Imu(stamp(k / 100), np.array([0.0, 0.0, 4.0]), -GRAVITY))
+        assert estimator.counts["gyro at the end of its range"] >= 28
+        assert np.sqrt(estimator.state.covariance[2, 2]) > max(0.3, 10 * np.sqrt(sure))
+    assert begun(3.0).counts["gyro at the end of its range"] == 0
+
+
+def test_it_takes_over_at_the_pose_of_somebody_else() -> None:
+    """Placed, it stands there, turned with its velocity, and is as unsure of the plane as that pose."""
+    ride = Ride(lambda t: np.array([grown(t), 0.0, 0.0]), lambda t: euler_matrix(0.1 * grown(t), 0.0, 0.0))
+    estimator = begun(2.0, ride)
+    before = estimator.state
+    estimator.place(PlanarGaussian(np.array([3.0, -2.0, np.pi / 2]), 0.04 * np.eye(3)))
+    after = estimator.state
+    assert np.allclose(geometry.planar(after.T_map_base), [3.0, -2.0, np.pi / 2])
+    assert np.allclose(after.velocity, [-before.velocity[1], before.velocity[0], before.velocity[2]])
+    assert after.T_map_base.translation[2] == before.T_map_base.translation[2]
+    assert 0.04 < after.covariance[3, 3] < 0.06
+
+
+@pytest.mark.parametrize("rate", [30.0, 200.0, 1000.0])
+def test_any_rate_of_samples_with_gaps_jitter_and_duplicates(rate: float) -> None:
+    """A tenth lost, a tenth doubled, each stamp off by a fifth of the interval: the walk is still followed."""
+    ride, rng, estimator, off, due = gait(), np.random.default_rng(7), NavigationFilter(CONFIG), [], 1.0
+    for k in range(round(6.0 * rate)):
+        t = (k + rng.uniform(-0.2, 0.2)) / rate
+        for _ in range(rng.choice([0, 1, 1, 1, 1, 1, 1, 1, 1, 2])):
+            estimator.predict(Imu(stamp(t), ride.rate(t), ride.force(t)))
+        if estimator.ready and t > due:
+            due += 0.05
+            at = t - 0.01
+            _, state = estimator.fuse_planar(stamp(at), xi(ride, at), R, OMEGA)
+            off.append(np.linalg.norm((state.T_map_base.translation - ride.position(at))[:2]))
+    assert len(off) > 90 and max(off) < 0.06

@@ -7,11 +7,10 @@ from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig
 from slam_core.grid import GridLevel
 from slam_core.matcher import coarse_to_fine
-from slam_core.measurements import Transform
 from slam_core.pyramid import Pyramid
 from slam_core.search import find_pose, pool
 from slam_core.stabilise import stabilise
-from tests.worlds import room_scan
+from tests.worlds import room_scan, standing
 
 CONFIG = SlamConfig(map=MapConfig(size=400))
 WINDOW = (1.5, 0.8)
@@ -19,7 +18,7 @@ WINDOW = (1.5, 0.8)
 
 def level_scan(pose):
     """Endpoints of the test room seen from `pose`."""
-    return stabilise(room_scan(pose), lambda _: Transform(), CONFIG.scan)
+    return stabilise(room_scan(pose), standing, CONFIG.scan)
 
 
 @pytest.fixture(scope="module")

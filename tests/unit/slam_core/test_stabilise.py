@@ -9,13 +9,19 @@ from slam_core import geometry
 from slam_core.config import ScanConfig
 from slam_core.measurements import LaserScan, Transform
 from slam_core.stabilise import stabilise
+from tests.worlds import standing
 
 OPEN = ScanConfig(range_min=0.0, range_max=100.0, z_min=-10.0, z_max=10.0)
 
 
-def still(_time_ns):
-    """No motion, level, at the origin."""
-    return Transform()
+def at_each(motion):
+    """A motion of one instant, asked for several."""
+
+    def poses(times):
+        transforms = [motion(time_ns) for time_ns in times]
+        return np.array([T.translation for T in transforms]), np.array([T.rotation for T in transforms])
+
+    return poses
 
 
 def scan(ranges, *, increment=math.pi / 2, start=0.0, **kwargs):
@@ -25,27 +31,27 @@ def scan(ranges, *, increment=math.pi / 2, start=0.0, **kwargs):
 
 def test_a_level_scan_keeps_its_shape():
     """Without motion, mount and tilt the endpoints are the polar ones."""
-    points = stabilise(scan([1.0, 2.0, 3.0, 4.0]), still, OPEN).points
+    points = stabilise(scan([1.0, 2.0, 3.0, 4.0]), standing, OPEN).points
     np.testing.assert_allclose(points, [[1, 0], [0, 2], [-3, 0], [0, -4]], atol=1e-5)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 0.0, 0.39, 50.0, 60.0, -1.0])
 def test_rep_117_values_and_ranges_out_of_bounds_are_left_out(bad):
     """NaN, both infinities, zero, too close and too far never become endpoints."""
-    got = stabilise(scan([1.0, bad, 3.0, 4.0]), still, ScanConfig(range_min=0.4, range_max=50.0))
+    got = stabilise(scan([1.0, bad, 3.0, 4.0]), standing, ScanConfig(range_min=0.4, range_max=50.0))
     assert len(got.points) == 3
     assert len(got.cleared) == 0
 
 
 def test_the_scan_s_own_limits_hold_too():
     """range_min of the message is respected when it is stricter than the setting."""
-    assert len(stabilise(scan([1.0, 2.0, 3.0, 4.0], range_min=2.5), still, OPEN).points) == 2
+    assert len(stabilise(scan([1.0, 2.0, 3.0, 4.0], range_min=2.5), standing, OPEN).points) == 2
 
 
 def test_beams_without_return_clear_when_asked():
     """+inf and readings at range_max clear up to clear_range; NaN and -inf never do."""
     config = ScanConfig(range_min=0.4, clear_range=5.0)
-    got = stabilise(scan([1.0, math.inf, math.nan, 50.0, -math.inf]), still, config)
+    got = stabilise(scan([1.0, math.inf, math.nan, 50.0, -math.inf]), standing, config)
     assert len(got.points) == 1
     np.testing.assert_allclose(got.cleared, [[0, 5], [0, -5]], atol=1e-5)
 
@@ -53,7 +59,7 @@ def test_beams_without_return_clear_when_asked():
 def test_mount_moves_the_laser():
     """A laser in front of the base, facing backwards: endpoints are in the base, the rays start at the laser."""
     mount = Transform(np.array([0.2, 0.0, 0.3]), geometry.from_euler(0.0, 0.0, math.pi))
-    got = stabilise(scan([1.0, 2.0], T_base_laser=mount), still, OPEN)
+    got = stabilise(scan([1.0, 2.0], T_base_laser=mount), standing, OPEN)
     np.testing.assert_allclose(got.points, [[-0.8, 0.0], [0.2, -2.0]], atol=1e-5)
     np.testing.assert_allclose(got.laser, [0.2, 0.0])
     np.testing.assert_allclose(got.heights, 0.0, atol=1e-6)
@@ -62,7 +68,7 @@ def test_mount_moves_the_laser():
 def test_an_upside_down_mount_mirrors_the_scan():
     """A laser rolled by 180 degrees sweeps clockwise seen from above."""
     mount = Transform(np.zeros(3), geometry.from_euler(math.pi, 0.0, 0.0))
-    points = stabilise(scan([1.0, 2.0, 3.0, 4.0], T_base_laser=mount), still, OPEN).points
+    points = stabilise(scan([1.0, 2.0, 3.0, 4.0], T_base_laser=mount), standing, OPEN).points
     np.testing.assert_allclose(points, [[1, 0], [0, -2], [-3, 0], [0, 4]], atol=1e-5)
 
 
@@ -76,7 +82,7 @@ def test_tilt_is_taken_out(roll, pitch):
     ranges = 5.0 / np.hypot(directions[:, 0], directions[:, 1])  # a round wall, 5 m away everywhere
     got = stabilise(
         LaserScan(0, ranges.astype(np.float32), -2.0, angles[1] - angles[0]),
-        lambda _: Transform(np.zeros(3), attitude),
+        at_each(lambda _: Transform(np.zeros(3), attitude)),
         OPEN,
     )
     np.testing.assert_allclose(np.hypot(*got.points.T), 5.0, rtol=1e-5)
@@ -91,7 +97,7 @@ def test_stabilisation_can_be_switched_off():
     """Then the attitude is ignored and only the heading counts."""
     attitude = geometry.from_euler(0.3, 0.2, 0.0)
     config = ScanConfig(range_min=0.0, stabilise=False)
-    got = stabilise(scan([1.0, 2.0]), lambda _: Transform(np.zeros(3), attitude), config)
+    got = stabilise(scan([1.0, 2.0]), at_each(lambda _: Transform(np.zeros(3), attitude)), config)
     np.testing.assert_allclose(np.hypot(*got.points.T), [1.0, 2.0], rtol=1e-5)
 
 
@@ -99,9 +105,9 @@ def test_z_band_drops_endpoints_off_the_scan_plane():
     """A robot pitched down by 30 degrees sees the floor ahead: those endpoints are below the band."""
     nose_down = Transform(np.zeros(3), geometry.from_euler(0.0, math.radians(30), 0.0))
     config = ScanConfig(range_min=0.0, z_min=-1.0, z_max=1.0)
-    got = stabilise(scan([1.0, 2.0, 1.0, 3.0]), lambda _: nose_down, config)
+    got = stabilise(scan([1.0, 2.0, 1.0, 3.0]), at_each(lambda _: nose_down), config)
     assert len(got.points) == 4
-    got = stabilise(scan([2.5, 2.0, 2.5, 3.0]), lambda _: nose_down, config)
+    got = stabilise(scan([2.5, 2.0, 2.5, 3.0]), at_each(lambda _: nose_down), config)
     assert len(got.points) == 2
     assert (np.abs(got.heights) <= 1.0).all()
 
@@ -110,7 +116,8 @@ def test_the_band_is_relative_to_the_laser():
     """A laser mounted 5 m up keeps its level scan."""
     mount = Transform(np.array([0.0, 0.0, 5.0]))
     assert (
-        len(stabilise(scan([1.0, 2.0], T_base_laser=mount), still, ScanConfig(z_min=-0.1, z_max=0.1)).points) == 2
+        len(stabilise(scan([1.0, 2.0], T_base_laser=mount), standing, ScanConfig(z_min=-0.1, z_max=0.1)).points)
+        == 2
     )
 
 
@@ -137,7 +144,7 @@ def moving_scan(n=400, sweep_s=0.1):
 def test_deskew_places_each_beam_at_its_own_time():
     """A sweep taken while driving and turning gives the true outline, seen from the middle of the sweep."""
     sweep = moving_scan()
-    got = stabilise(sweep, moving, OPEN)
+    got = stabilise(sweep, at_each(moving), OPEN)
     world = geometry.transform_points(geometry.planar(moving(sweep.mid_ns)), got.points)
     np.testing.assert_allclose(np.hypot(*world.T), 5.0, atol=0.002)
 
@@ -145,17 +152,17 @@ def test_deskew_places_each_beam_at_its_own_time():
 def test_without_deskew_the_sweep_is_distorted():
     """The same sweep taken as instantaneous is wrong by centimetres: that is what deskewing is for."""
     sweep = moving_scan()
-    got = stabilise(sweep, moving, ScanConfig(range_min=0.0, deskew=False))
+    got = stabilise(sweep, at_each(moving), ScanConfig(range_min=0.0, deskew=False))
     world = geometry.transform_points(geometry.planar(moving(sweep.mid_ns)), got.points)
     assert np.abs(np.hypot(*world.T) - 5.0).max() > 0.03
 
 
 def test_a_negative_increment_sweeps_the_other_way():
     """Scans may run clockwise."""
-    points = stabilise(scan([1.0, 2.0], increment=-math.pi / 2), still, OPEN).points
+    points = stabilise(scan([1.0, 2.0], increment=-math.pi / 2), standing, OPEN).points
     np.testing.assert_allclose(points, [[1, 0], [0, -2]], atol=1e-5)
 
 
 def test_one_beam_is_a_scan():
     """A single beam breaks nothing."""
-    assert len(stabilise(scan([1.0], time_increment=0.01), still, OPEN).points) == 1
+    assert len(stabilise(scan([1.0], time_increment=0.01), standing, OPEN).points) == 1

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from slam_core import geometry
-from slam_core.config import NavigationConfig
+from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.kernels.navigation import ERRORS, STATES, bound, inject, level, move, transition
+from slam_core.samples import Samples
 from slam_core.strapdown import Strapdown
 from tests.motions import GRAVITY, cross_matrix
 
@@ -108,16 +109,23 @@ def test_transition_is_the_derivative_of_the_motion(seed: int) -> None:
     assert np.allclose(transition(x, ahead, u, dt), np.array(columns).T, atol=2e-6)
 
 
+def fed(u: np.ndarray, seconds: float) -> Samples:
+    """The same input a hundred times a second."""
+    samples = Samples()
+    for k in range(round(100 * seconds) + 1):
+        samples.append(k * 10_000_000, np.append(u, 0.0))
+    return samples
+
+
 def test_covariance_grows_as_white_noise_does() -> None:
     """At rest for ten seconds from certainty: angle, velocity and position grow by their closed forms."""
     config = NavigationConfig(gyro_bias_walk=1e-7, accel_bias_walk=1e-6)
-    model = Strapdown(config)
+    model = Strapdown(config, PlatformConfig())
     model.bounds = NO_BOUNDS
     x, P = np.zeros(STATES), np.zeros((ERRORS, ERRORS))
     x[0] = 1.0
-    u, T = np.array([0.0, 0.0, 0.0, 0.0, 0.0, G]), 10.0
-    for _ in range(1000):
-        x, P = model.advance(x, P, u, 0.01)
+    x, P = model.predict(x, P, 0, 10_000_000_000, fed(np.array([0.0, 0.0, 0.0, 0.0, 0.0, G]), 10.0))
+    T = 10.0
     gyro, accel = config.gyro_noise**2, config.accel_noise**2
     assert np.isclose(P[2, 2], gyro * T, rtol=1e-3)
     assert np.isclose(P[6, 6], accel * T + G**2 * gyro * T**3 / 3, rtol=1e-2)
@@ -128,18 +136,20 @@ def test_covariance_grows_as_white_noise_does() -> None:
 
 def test_unknown_motion_goes_straight_and_forgets() -> None:
     """Without input the attitude stays, the velocity goes on, and every uncertainty grows more than with one."""
-    model, x, P = Strapdown(NavigationConfig()), start(), 1e-6 * np.eye(ERRORS)
-    later, spread = model.advance(x, P, None, 0.4)
+    model, x, P = Strapdown(NavigationConfig(), PlatformConfig()), start(), 1e-6 * np.eye(ERRORS)
+    later, spread = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.0))
     assert np.allclose(later[:4], x[:4]) and np.allclose(later[7:10], x[7:10])
     assert np.allclose(later[4:7], x[4:7] + 0.4 * x[7:10])
-    known = model.advance(x, P, inputs(0.0), 0.4)[1]
+    alone = model.predict_states(x[None], np.array([0]), np.array([400_000_000]), fed(inputs(0.0), 0.0))
+    assert np.allclose(later, alone[0], atol=1e-12)
+    known = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.4))[1]
     assert (np.diag(spread)[:9] > np.diag(known)[:9]).all()
 
 
 def test_unknown_motion_over_a_year_costs_no_more_than_over_ten_seconds() -> None:
     """A broken clock cannot make the filter step for ever or overflow."""
-    model, x = Strapdown(NavigationConfig()), start()
-    later, spread = model.advance(x, 1e-6 * np.eye(ERRORS), None, 3e7)
+    model, x = Strapdown(NavigationConfig(), PlatformConfig()), start()
+    later, spread = model.predict(x, 1e-6 * np.eye(ERRORS), 0, 30_000_000 * 10**9, fed(inputs(0.0), 0.0))
     assert np.isfinite(later).all() and np.isfinite(spread).all()
 
 

@@ -1,0 +1,50 @@
+"""What is wrong with an inertial sample before the filter sees it: no number, a clipped gyro, a clock set back."""
+
+import numpy as np
+
+from slam_core.config import NavigationConfig
+from slam_core.kernels.inertial import BROKEN, CLIPPED, check
+from slam_core.kernels.passage import MAX_GAP_NS
+from slam_core.measurements import Float64s, Imu
+
+# While a gyro is clipped the true rate is beyond what it says, nobody knows how far.
+CLIPPED_NOISE = 1.0  # rad/s/√Hz
+AT_RANGE = "gyro at the end of its range"
+BACK_FOR_NS = 200_000_000  # of samples in order, all of them in the past
+
+
+class Intake:
+    """Looks at one sample after the other; remembers just enough of those before."""
+
+    def __init__(self) -> None:
+        self._memory = np.zeros((3, 3))
+        self._behind: tuple[int, int] | None = None
+
+    def copy(self) -> "Intake":
+        """An independent copy."""
+        other = Intake()
+        other._memory, other._behind = self._memory.copy(), self._behind
+        return other
+
+    def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
+        """The sample as in `Samples` (None if it is broken), and what is wrong with it (empty if nothing)."""
+        sample = np.empty(7)
+        sample[:3], sample[3:6], sample[6] = imu.angular_velocity, imu.linear_acceleration, 0.0
+        found = check(sample, self._memory, config.gyro_range)
+        if found == BROKEN:
+            return None, "inertial sample without a plausible value"
+        if found == CLIPPED:
+            sample[6] = CLIPPED_NOISE**2
+            return sample, AT_RANGE
+        return sample, ""
+
+    def set_back(self, stamp_ns: int, newest_ns: int) -> bool:
+        """Whether samples of the past have come in order for so long that the clock must have been set."""
+        if newest_ns - stamp_ns < MAX_GAP_NS:
+            self._behind = None
+            return False
+        first_ns, last_ns = self._behind or (stamp_ns, stamp_ns)
+        if not last_ns <= stamp_ns <= last_ns + MAX_GAP_NS:
+            first_ns = stamp_ns
+        self._behind = first_ns, stamp_ns
+        return stamp_ns - first_ns >= BACK_FOR_NS

@@ -1,0 +1,129 @@
+"""Sections V-A and V-B in compiled form: one correction of the state, its gate, and the weight it gets.
+
+State and errors are laid out as in slam_core.kernels.navigation.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from slam_core import geometry
+from slam_core.kernels.linear import cholesky, gain, is_sound, multiply, solve_lower, squared_length
+from slam_core.kernels.navigation import ERRORS, inject
+from slam_core.measurements import Float64s
+
+FIXED, MIN_TRACE, MIN_DETERMINANT, KALMAN = range(4)
+LIGHTEST, HEAVIEST = 1e-6, 0.999
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+_heading_gradient = njit(error_model="numpy")(geometry.heading_gradient)
+
+
+@njit(cache=True, error_model="numpy")
+def correct(
+    x: Float64s, P: Float64s, innovation: Float64s, C: Float64s, R: Float64s, rule: int, omega: float, bound: float
+) -> tuple[Float64s, Float64s, Float64s, float]:
+    """One correction behind a gate: x, P, S = C P C^T + R, and nu^T S^-1 nu.
+
+    Where that passes `bound`, or the numbers do not bear the update (it is NaN then), x and P stay as they were.
+    """
+    CP = multiply(C, P)
+    projected = multiply(C, CP.T.copy())
+    S = projected + R
+    nis = squared_length(S, innovation)
+    if not nis <= bound:
+        return x, P, S, nis
+    error, reduced = _weighed(P, CP, projected, R, innovation, rule, omega)
+    better = inject(x, error)
+    if not is_sound(better, reduced):
+        return x, P, S, math.nan
+    return better, reduced, S, nis
+
+
+@njit(cache=True, error_model="numpy")
+def correct_planar(
+    x: Float64s, P: Float64s, xi: Float64s, R: Float64s, rule: int, omega: float, bound: float
+) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
+    """`correct` by a match xi (3,): C x = (p_x, p_y, psi). Also the innovation, as the third."""
+    innovation = np.array([xi[0] - x[4], xi[1] - x[5], xi[2] - 2.0 * math.atan2(x[3], x[0])])
+    innovation[2] -= 2.0 * math.pi * round(innovation[2] / (2.0 * math.pi))
+    better, reduced, S, nis = correct(x, P, innovation, planar_observer(x), R, rule, omega, bound)
+    return better, reduced, innovation, S, nis
+
+
+@njit(cache=True, error_model="numpy")
+def planar_observer(x: Float64s) -> Float64s:
+    """The observer matrix C (3, 15) of eqs. (16)-(20): how the planar pose follows the errors of the state."""
+    C = np.zeros((3, ERRORS))
+    C[0, 3] = C[1, 4] = 1.0
+    slope = _heading_gradient(x[:4])
+    for i in range(3):
+        C[2, i] = slope[i]
+    return C
+
+
+@njit(cache=True, error_model="numpy")
+def fuse(
+    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
+) -> tuple[Float64s, Float64s]:
+    """Eqs. (18)-(20), or the Kalman update: the correction to add to the state, and P+."""
+    CP = multiply(C, P)
+    return _weighed(P, CP, multiply(C, CP.T.copy()), R, innovation, rule, omega)
+
+
+@njit(cache=True, error_model="numpy")
+def _weighed(
+    P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
+) -> tuple[Float64s, Float64s]:
+    if rule == KALMAN:
+        return gain(P, CP, projected + R, innovation)
+    if rule != FIXED:
+        omega = lightest(P, CP, projected, R, rule == MIN_TRACE)
+    error, reduced = gain(P, CP, projected + (1.0 - omega) / omega * R, innovation)
+    return error, reduced / (1.0 - omega)
+
+
+@njit(cache=True, error_model="numpy")
+def lightest(P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, trace: bool) -> float:
+    """The omega that makes P+ of eq. (18) smallest, by golden section: both measures are convex in omega.
+
+    The trace is of P+ relative to the variances of P, as the errors have different units.
+    """
+    n, m = len(P), len(R)
+    G = np.zeros((m, m))
+    for i in range(m):
+        for j in range(m):
+            for k in range(n):
+                G[i, j] += CP[i, k] * CP[j, k] / P[k, k]
+    low, high = LIGHTEST, HEAVIEST
+    a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_a, at_b = _size(a, n, G, projected, R, trace), _size(b, n, G, projected, R, trace)
+    while high - low > 1e-4:
+        if at_a < at_b:
+            high, b, at_b = b, a, at_a
+            a = high - GOLDEN * (high - low)
+            at_a = _size(a, n, G, projected, R, trace)
+        else:
+            low, a, at_a = a, b, at_b
+            b = low + GOLDEN * (high - low)
+            at_b = _size(b, n, G, projected, R, trace)
+    return low if low == LIGHTEST else 0.5 * (low + high)
+
+
+@njit(cache=True, error_model="numpy")
+def _size(omega: float, n: int, G: Float64s, projected: Float64s, R: Float64s, trace: bool) -> float:
+    """Trace, or logarithm of the determinant, of P+ for a weight; but for what does not depend on it."""
+    m = len(R)
+    L = cholesky((1.0 - omega) * R + omega * projected)
+    if trace:
+        gained = 0.0
+        half = solve_lower(L, G)
+        full = solve_lower(L, half.T.copy())
+        for i in range(m):
+            gained += full[i, i]
+        return (n - omega * gained) / (1.0 - omega)
+    size = (m - n) * math.log(1.0 - omega)
+    for i in range(m):
+        size -= 2.0 * math.log(L[i, i])
+    return size

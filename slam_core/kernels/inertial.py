@@ -1,0 +1,33 @@
+"""A look at every inertial sample, compiled as there may be a thousand a second."""
+
+from numba import njit
+
+from slam_core.measurements import Float64s
+
+GOOD, BROKEN, CLIPPED = range(3)
+# No robot turns (rad/s) or accelerates (m/s²) like this: such a sample is broken.
+FASTEST, HARDEST = 200.0, 2000.0
+# A rate on one and the same value, the largest so far and above this, in so many samples: the end of the range.
+LEAST_RANGE = 1.5  # rad/s
+REPEATS = 3
+
+
+@njit(cache=True, error_model="numpy")
+def check(sample: Float64s, memory: Float64s, gyro_range: float) -> int:
+    """GOOD, BROKEN or CLIPPED. sample: (6,) or longer, angular rate and specific force.
+
+    memory: (3, 3), kept from one sample to the next: of each axis the last rate, how often it came, and its
+    largest size. gyro_range: rad/s, 0 if not known.
+    """
+    for i in range(3):
+        if not (abs(sample[i]) < FASTEST and abs(sample[3 + i]) < HARDEST):
+            return BROKEN
+    clipped = False
+    for i in range(3):
+        last, size = memory[i, 0], abs(sample[i])
+        memory[i, 1] = memory[i, 1] + 1.0 if sample[i] == last else 1.0
+        memory[i, 2] = max(memory[i, 2], size)
+        memory[i, 0] = sample[i]
+        stuck = memory[i, 1] >= REPEATS and size >= max(LEAST_RANGE, memory[i, 2])
+        clipped |= stuck or (gyro_range > 0.0 and size >= 0.999 * gyro_range)
+    return CLIPPED if clipped else GOOD
