@@ -8,10 +8,16 @@ from app.mailbox import Mailbox
 from app.snapshot import SERIES_DTYPE, Command, MapImage, PlaybackStatus, Snapshot
 from slam_core.geometry import from_euler
 from slam_core.measurements import Transform
-from slam_core.results import Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
+from slam_core.results import AidingStatus, Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
 
 RESOLUTION = 0.25  # metres a cell of the finest level
 LEVELS = 3
+AIDING = (
+    AidingStatus("height", (5,), 100, innovation=np.array([0.1]), S=np.array([[0.04]]), nis=0.25, bound=25.0),
+    AidingStatus("scan", (2, 3, 4), 400, 0, {"correction older than the history": 1}, nis=0.5),
+    AidingStatus("gps", (3, 4, 5), 60, 7, innovation=np.ones(3), S=np.eye(3), nis=2500.0, bound=34.0, streak=7),
+    AidingStatus("compass", (2,), 30, 0, {"<metal>": 4}, stamp_ns=-5_000_000_000),
+)
 
 
 class StillEngine:
@@ -76,6 +82,7 @@ def step_result(index: int = 0, x: float = 0.0, y: float = 0.0, beams: int = 180
         map_updated=True,
         beams=beams,
         durations=Durations(),
+        aiding=AIDING,
     )
 
 

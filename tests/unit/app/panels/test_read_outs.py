@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.panels.attitude import turn_css
+from app.panels._dials import turn_css
 from app.panels.log import folded, log_html
 from app.panels.match import match_html, sigmas_html
 from app.panels.status import REASONS_SHOWN, losses_html, run_html
@@ -100,10 +100,10 @@ def test_sigmas_are_millimetres_and_degrees() -> None:
 
 def test_the_horizon_turns_against_the_robot() -> None:
     """Right side down (roll > 0) turns the horizon left; nose down (pitch > 0) lifts it; NaN keeps it level."""
-    assert "--hs-roll:-10.0deg" in turn_css(math.radians(10), 0.0, 0.0)
-    assert "--hs-lift:-16.0px" in turn_css(0.0, math.radians(10), 0.0)
-    assert "--hs-yaw:-90.0deg" in turn_css(0.0, 0.0, math.pi / 2)
-    assert "--hs-roll:0.0deg" in turn_css(math.nan, math.nan, math.nan)
+    assert "--hs-roll:-10.0deg" in turn_css("hs-attitude", math.radians(10), 0.0, 0.0)
+    assert "--hs-lift:-16.0px" in turn_css("hs-attitude", 0.0, math.radians(10), 0.0)
+    assert "--hs-yaw:-90.0deg" in turn_css("hs-attitude", 0.0, 0.0, math.pi / 2)
+    assert "--hs-roll:0.0deg" in turn_css("hs-attitude", math.nan, math.nan, math.nan)
 
 
 @pytest.mark.parametrize(
