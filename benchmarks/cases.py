@@ -15,6 +15,7 @@ SEEDS = (1, 2, 3, 4, 5)
 LOST_M = 1.0  # a raw error beyond this is no inaccuracy any more
 
 PLAIN_SETTINGS: dict[str, float | bool | str] = {
+    "map.factor_behind": 0.5,
     "matcher.prior_weight": 0.0,
     "matcher.weak_sigma": 10.0,
     "matcher.converged_step": 0.0,

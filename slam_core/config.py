@@ -68,6 +68,16 @@ class MapConfig:
     factor_occupied: Annotated[float, Param("Probability set on a cell that a beam ended in.", "", 0.51, 0.99)] = (
         0.9
     )
+    factor_behind: Annotated[
+        float,
+        Param(
+            "Probability to which the cell behind a hit sinks, finest level: walls keep a back as sharp as their"
+            " front (0.5: left alone, the paper).",
+            "",
+            0.01,
+            0.5,
+        ),
+    ] = 0.15
     log_odds_min: Annotated[
         float, Param("Lower cap of a cell: how sure free space may get.", "", -50.0, -0.5)
     ] = -50.0

@@ -74,13 +74,15 @@ class GridLevel:
         cleared: Float64s,
         steps: tuple[float, float],
         caps: tuple[float, float],
+        behind: float = 0.0,
     ) -> None:
         """Write one scan: every touched cell changes once, ends by the occupied step, ways by the free step.
 
         start: (2,) laser. ends: (n, 2) endpoints. cleared: (m, 2) ends of beams that hit nothing. Map metres.
-        steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds.
+        steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds. behind: how low the cells
+        behind the ends may sink by this; 0 leaves them alone.
         """
-        limits = (np.float32(x) for x in (*steps, *caps))
+        limits = (np.float32(x) for x in (*steps, *caps, behind))
         touched = write_scan(
             self.log_odds, self.cells, self._marks, self.corner, self.resolution, start, ends, cleared, *limits
         )

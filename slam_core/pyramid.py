@@ -47,8 +47,10 @@ class Pyramid:
             self._make_room(placed, config.limit)
         start, ends, free = placed[0], placed[1 : 1 + len(points)], placed[1 + len(points) :]
         steps = (log_odds(config.factor_free), log_odds(config.factor_occupied))
-        for level in self.levels:
-            level.update(start, ends, free, steps, (config.log_odds_min, config.log_odds_max))
+        caps = (config.log_odds_min, config.log_odds_max)
+        for i, level in enumerate(self.levels):
+            behind = 0.0 if i else log_odds(config.factor_behind)
+            level.update(start, ends, free, steps, caps, behind)
         self.updates += 1
 
     def _make_room(self, points: Float64s, limit: float) -> None:

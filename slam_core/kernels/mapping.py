@@ -12,6 +12,7 @@ from slam_core.kernels.memory import lane
 
 FREE = np.uint8(1)
 OCCUPIED = np.uint8(2)
+BEHIND = np.uint8(3)
 BLOCK = 16  # cells that are changed together; their marks are two words
 
 # A walk counts in parts of 2^-40 of a cell: exact for beams shorter than 2^19 cells, and longer ones draw no ray.
@@ -53,8 +54,11 @@ def bounds(points):
 
 
 @njit(cache=True, error_model="numpy")
-def write_scan(log_odds, cells, marks, corner, resolution, start, hits, empty, free, occupied, low, high):
+def write_scan(log_odds, cells, marks, corner, resolution, start, hits, empty, free, occupied, low, high, behind):
     """Change every cell of one scan: beams' ends by the step `occupied`, the ways to them by `free`, within caps.
+
+    A cell behind an end, of which no beam says anything, takes the step `free` too, but not below `behind`; 0
+    leaves it alone.
 
     marks: bytes, rows as many as the map's, of whole cache lines and no shorter, all 0 before and after.
     start, hits, empty: (2,) laser, (n, 2) ends, (m, 2) ends of beams that hit nothing, in metres.
@@ -68,8 +72,12 @@ def write_scan(log_odds, cells, marks, corner, resolution, start, hits, empty, f
     _mark_ends(marks, rows, columns, ends)
     column0, column1 = _span(columns, laser[0], ends[0], cleared[0])
     row0, row1 = _span(rows, laser[1], ends[1], cleared[1])
+    if behind < 0.0:
+        _mark_behind(marks, rows, columns, corner, resolution, start, hits)
+        column0, column1 = max(column0 - 1, 0), min(column1 + 1, columns)
+        row0, row1 = max(row0 - 1, 0), min(row1 + 1, rows)
     for row in range(row0, row1):
-        _change(log_odds[row], cells[row], marks[row], column0, column1, free, occupied, low, high)
+        _change(log_odds[row], cells[row], marks[row], column0, column1, free, occupied, low, high, behind)
     return row0, row1, column0, column1
 
 
@@ -80,6 +88,18 @@ def _mark_ends(marks, rows, columns, ends):
         u, v = ends[0, k], ends[1, k]
         if 0 <= u < columns and 0 <= v < rows:
             marks[v, u] = OCCUPIED
+
+
+@njit(cache=True, error_model="numpy")
+def _mark_behind(marks, rows, columns, corner, resolution, start, hits):
+    """The cell that each beam would have entered next, unless the scan says something else of it."""
+    for k in range(len(hits)):
+        dx, dy = hits[k, 0] - start[0], hits[k, 1] - start[1]
+        further = resolution / max(abs(dx), abs(dy), resolution)
+        u = np.int64(np.floor((hits[k, 0] + further * dx) / resolution)) - corner[0]
+        v = np.int64(np.floor((hits[k, 1] + further * dy) / resolution)) - corner[1]
+        if 0 <= u < columns and 0 <= v < rows and marks[v, u] == NO_MARK:
+            marks[v, u] = BEHIND
 
 
 @njit(cache=True, error_model="numpy")
@@ -178,7 +198,7 @@ def _span(size, laser, ends, cleared):
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def _change(log_odds, cells, marks, column0, column1, free, occupied, low, high):
+def _change(log_odds, cells, marks, column0, column1, free, occupied, low, high, behind):
     """Change the marked cells of one row and take the marks away; blocks without a mark are skipped.
 
     Full blocks have a loop of their own: its length is known, so it becomes a few instructions for all cells.
@@ -189,16 +209,17 @@ def _change(log_odds, cells, marks, column0, column1, free, occupied, low, high)
             first = block * BLOCK
             if first + BLOCK <= len(log_odds):
                 for k in range(BLOCK):
-                    _step(log_odds, cells, marks, first + k, free, occupied, low, high)
+                    _step(log_odds, cells, marks, first + k, free, occupied, low, high, behind)
             else:
                 for column in range(first, len(log_odds)):
-                    _step(log_odds, cells, marks, column, free, occupied, low, high)
+                    _step(log_odds, cells, marks, column, free, occupied, low, high, behind)
 
 
 @njit(inline="always")
-def _step(log_odds, cells, marks, i, free, occupied, low, high):
+def _step(log_odds, cells, marks, i, free, occupied, low, high, behind):
     old, mark = get_odds(log_odds, i), get_mark(marks, i)
-    stepped = min(max(old + (free if mark == FREE else occupied), low), high)
+    least = max(min(old, behind), low) if mark == BEHIND else low
+    stepped = min(max(old + (occupied if mark == OCCUPIED else free), least), high)
     value = old if mark == NO_MARK else stepped
     put_odds(log_odds, i, value)
     put_cell(cells, i, probability_in_parts(value))

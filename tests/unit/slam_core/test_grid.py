@@ -191,3 +191,30 @@ def test_a_long_walk_is_exact():
         np.testing.assert_array_equal(
             np.argwhere(level.log_odds < 0), np.array(sorted((v, u) for u, v in expected.tolist()))
         )
+
+
+def test_the_cell_behind_an_end_sinks_no_lower_than_asked(level):
+    """It takes free steps, whether unknown or occupied before, down to the bound; one further away takes none."""
+    for count in range(1, 10):
+        level.update(np.array([0.5, 0.5]), np.array([[6.5, 0.5]]), NONE, (FREE, OCCUPIED), (-50.0, 50.0), -1.0)
+        assert level.log_odds[5, 17] == pytest.approx(max(count * FREE, -1.0))
+    assert level.log_odds[5, 16] == pytest.approx(9 * OCCUPIED)
+    assert not level.log_odds[5, 18:].any()
+    assert level.known == (4, 7, 9, 18)
+
+
+def test_what_a_scan_sees_wins_over_what_lies_behind(level):
+    """A cell behind one end that another beam crosses or ends in takes the step of that beam."""
+    ends = np.array([[6.5, 0.5], [7.5, 0.5], [9.5, 0.5]])
+    for _ in range(9):
+        level.update(np.array([0.5, 0.5]), ends, NONE, (FREE, OCCUPIED), (-50.0, 50.0), -1.0)
+    said = 9 * np.array([OCCUPIED, OCCUPIED, FREE, OCCUPIED])
+    np.testing.assert_allclose(level.log_odds[5, 16:20], said, rtol=1e-5)
+
+
+def test_a_cell_that_is_free_stays_free_behind_an_end(level):
+    """The bound holds back the step, it does not undo what beams that crossed the cell have said."""
+    for _ in range(9):
+        update(level, (0.5, 0.5), [(9.5, 0.5)])
+    level.update(np.array([0.5, 0.5]), np.array([[6.5, 0.5]]), NONE, (FREE, OCCUPIED), (-50.0, 50.0), -1.0)
+    assert level.log_odds[5, 17] == pytest.approx(9 * FREE)
