@@ -9,7 +9,16 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from app.compiled import keep_compiled, user_cache
-from app.options import PageArgs, PageFlags, SettingArgs, SettingFlags, SourceArgs, source_options
+from app.options import (
+    MapArgs,
+    MapFlags,
+    PageArgs,
+    PageFlags,
+    SettingArgs,
+    SettingFlags,
+    SourceArgs,
+    source_options,
+)
 from app.sources import Source, SourceOptions, open_source
 from slam_core.errors import SlamError
 
@@ -32,15 +41,16 @@ def demo(
     scene: Annotated[Scene, tyro.conf.Positional, tyro.conf.arg(help="Which of the paper's scenarios.")] = "arena",
     *,
     settings: SettingArgs,
+    saved: MapArgs,
     page: PageArgs,
 ) -> None:
     """Show one of the simulated recordings that come with the program."""
-    _show(open_source(str(demo_bag(scene)), SourceOptions()), settings, page)
+    _show(open_source(str(demo_bag(scene)), SourceOptions()), settings, saved, page)
 
 
-def view(bag: Bag, *, settings: SettingArgs, source: SourceArgs, page: PageArgs) -> None:
+def view(bag: Bag, *, settings: SettingArgs, saved: MapArgs, source: SourceArgs, page: PageArgs) -> None:
     """Show a recording in the browser."""
-    _show(_examined(str(bag), source), settings, page)
+    _show(_examined(str(bag), source), settings, saved, page)
 
 
 def live(
@@ -49,11 +59,12 @@ def live(
     ],
     *,
     settings: SettingArgs,
+    saved: MapArgs,
     source: SourceArgs,
     page: PageArgs,
 ) -> None:
     """Show the stream of a running robot in the browser."""
-    _show(_examined(address, source), settings, page)
+    _show(_examined(address, source), settings, saved, page)
 
 
 def run(
@@ -61,6 +72,7 @@ def run(
     *,
     out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
     settings: SettingArgs,
+    saved: MapArgs,
     source: SourceArgs,
 ) -> None:
     """Process a recording as fast as it goes; leave trajectory, map, settings and figures."""
@@ -69,10 +81,11 @@ def run(
     from app.warmup import warm_up  # noqa: PLC0415
 
     chosen = settings.settings()
+    given = saved.given(chosen)
     recording = _examined(str(bag), source)
     warm_up()
     with show_progress(recording) as progress:
-        figures = run_to_files(recording, chosen, out, truth=source.truth_topic, progress=progress)
+        figures = run_to_files(recording, chosen, out, truth=source.truth_topic, progress=progress, given=given)
     summary(recording.name, figures, out)
 
 
@@ -91,13 +104,13 @@ def _examined(uri: str, flags: Any) -> Source:
     return examined(open_source(uri, options), options)
 
 
-def _show(source: Source, settings: SettingFlags, page: PageFlags) -> None:
+def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
     from app.engine import Engine  # noqa: PLC0415
     from app.warmup import warm_up  # noqa: PLC0415
     from app.web.server import serve  # noqa: PLC0415
 
     chosen = settings.settings()
-    engine = Engine(source, chosen, prepare=warm_up)
+    engine = Engine(source, chosen, saved.given(chosen), prepare=warm_up)
     engine.start()
     try:
         serve(engine, host=page.host, port=page.port, token=page.token)

@@ -29,6 +29,7 @@ from app.sources import Source
 from app.transport import Transport, valid_speed
 from slam_core.config import needs_restart
 from slam_core.errors import SlamError
+from slam_core.given import GivenMap
 from slam_core.measurements import LaserScan, Measurement
 
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
@@ -39,7 +40,7 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
-    prepare: called on the engine's thread before anything is read.
+    given: the map that every run begins with. prepare: called on the engine's thread before anything is read.
     A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
     or Seek begin again.
@@ -47,17 +48,20 @@ class Engine:
 
     _settings: Settings
     _pipeline: Pipeline
+    _sought: bool
 
     def __init__(
         self,
         source: Source,
         settings: Settings | None = None,
+        given: GivenMap | None = None,
         *,
         autoplay: bool = True,
         speed: float = 1.0,
         prepare: Callable[[], None] = lambda: None,
     ) -> None:
         self._source = source
+        self._given = given
         self._prepare = prepare
         self._commands: SimpleQueue[Command] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
@@ -152,6 +156,9 @@ class Engine:
     def _step(self, scan: LaserScan) -> None:
         before = self._pipeline.result
         result = self._pipeline.step(scan)
+        if result is None and self._pipeline.slam.searching and not self._sought:
+            self._sought = True
+            self._log(f"The robot is not found in the map yet: {self._pipeline.slam.searching}", "warning")
         if before is not None and result is not None and result.tracking not in {before.tracking, "tracking"}:
             because = f": {result.reason}" if result.reason else ""
             found = result.tracking == "recovered"
@@ -160,7 +167,8 @@ class Engine:
     def _end(self, feeder: Feeder) -> None:
         feeder.check()
         if not self._pipeline.scans:
-            raise nothing_used(self._source.name, merged(self._source.report, self._pipeline.skipped, 0).skipped)
+            skipped = merged(self._source.report, self._pipeline.skipped, 0).skipped
+            raise nothing_used(self._source.name, skipped, self._pipeline.slam.searching)
         self._transport.end()
         self._log(f"The recording ended after {self._pipeline.scans} scans")
 
@@ -200,7 +208,7 @@ class Engine:
 
     def _restart(self) -> None:
         self._begin(self._settings_again())
-        self._log("Started again with an empty map")
+        self._log(f"Started again with {'the saved' if self._given else 'an empty'} map")
 
     def _seek(self, time_ns: int) -> None:
         span = self._source.span_ns
@@ -221,6 +229,8 @@ class Engine:
         try:
             old = value_of(before.at(now_ns), name)
             after = before.changed(now_ns, name, value)
+            if self._given:
+                self._given.check(after.start.map)
         except SlamError as error:
             self._log(str(error), "warning")
             return
@@ -244,16 +254,18 @@ class Engine:
             self._transport.seek(target_ns)
 
     def _begin(self, settings: Settings) -> None:
-        """An empty map at the beginning; a stream that still flows is left to flow."""
+        """An empty or the given map at the beginning; a stream that still flows is left to flow."""
         if self._feeder is not None and (not self._source.live or self._feeder.done):
             self._feeder.close()
             self._feeder = None
         span = self._source.span_ns
         now_ns = (self._pipeline.time_ns or None) if self._epoch >= 0 else None
-        self._pipeline = Pipeline(settings, span[0] if span else now_ns)  # may want more memory than there is
+        # may want more memory than there is
+        self._pipeline = Pipeline(settings, span[0] if span else now_ns, self._given)
         self._settings = settings
         self._ready: deque[Measurement] = deque()
         self._by_hand = False
+        self._sought = False
         self._epoch += 1
         self._transport.begin()
         self._publisher.touch()

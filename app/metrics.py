@@ -34,7 +34,7 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort) -> dict[st
         },
         "tracking": dict(pipeline.states),
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
-        "notes": [*report.notes, *pipeline.slam.warnings],
+        "notes": [*report.notes, *pipeline.slam.notes, *pipeline.slam.warnings],
         "recording_s": round(effort.recording_s, 6),
         "wall_s": round(effort.wall_s, 3),
         "realtime_factor": round(effort.recording_s / max(effort.wall_s, 1e-9), 2),

@@ -3,14 +3,21 @@
 from dataclasses import asdict, dataclass, field, fields, make_dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import numpy as np
 import tyro
 
 from app.settings import Settings
+from app.snapshot import Mode
 from app.sources import SourceOptions
 from app.toml import read_toml
 from slam_core.config import Leaf, SlamConfig, leaves, with_value
+from slam_core.errors import SlamError
+from slam_core.measurements import Float64s
+
+if TYPE_CHECKING:
+    from slam_core.given import GivenMap  # takes long: loads the compiler
 
 _TOPICS = {
     "scan_topic": "Topic of the laser scans.",
@@ -117,8 +124,60 @@ class PageFlags:
     ] = None
 
 
+class StartError(SlamError):
+    """The flags about a saved map contradict each other."""
+
+
+@dataclass
+class MapFlags:
+    """A map that was there before."""
+
+    map: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            help="Saved map to begin with: a folder that `run` left, or a map's yaml file.",
+            help_behavior_hint="(default: none)",
+        ),
+    ] = None
+    mode: Annotated[
+        Mode | None,
+        tyro.conf.arg(
+            help="Make a new map, only localise in the saved one, or continue it.",
+            help_behavior_hint="(default: localise with --map, else map)",
+        ),
+    ] = None
+    start: Annotated[
+        Literal["origin", "search"] | tuple[float, float, float],
+        tyro.conf.arg(
+            help="Where the robot is in the saved map: at its origin, anywhere, or at X Y YAW (m, rad).",
+            metavar="{origin,search}|X Y YAW",
+        ),
+    ] = "search"
+
+    def given(self, settings: Settings) -> "GivenMap | None":
+        """The saved map, if there is one; SlamError if it cannot be used, or the flags contradict each other."""
+        if self.map is None and self.mode in {None, "map"}:
+            return None
+        if self.map is None:
+            raise StartError(f"--mode {self.mode} needs a saved map: give --map DIR")
+        if self.mode == "map":
+            raise StartError(f"--mode map makes a new map, {self.map} is a saved one: choose localise or continue")
+        from app.saved_map import load_map  # noqa: PLC0415
+
+        return load_map(self.map, settings.start.map, write=self.mode == "continue", start=self._start())
+
+    def _start(self) -> Float64s | None:
+        if self.start == "search":
+            return None
+        start = np.zeros(3) if isinstance(self.start, str) else np.array(self.start)
+        if not np.isfinite(start).all():
+            raise StartError(f"--start {self.start} is no pose: give X Y YAW in metres and radians")
+        return start
+
+
 SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor=_setting_flags())]
 SourceArgs = Annotated[Any, tyro.conf.arg(name="", constructor=_source_flags())]
+MapArgs = Annotated[MapFlags, tyro.conf.arg(name="")]
 PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
 
 

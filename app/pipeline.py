@@ -9,9 +9,10 @@ import numpy as np
 from app.buffers import GrowingRows, Rows
 from app.series import series_row
 from app.settings import Settings
-from app.snapshot import SERIES_FIELDS
+from app.snapshot import SERIES_FIELDS, Mode
 from app.sources import Item, SourceError
 from slam_core.evaluation import Trajectory, first_on_first, interpolate
+from slam_core.given import GivenMap
 from slam_core.measurements import LaserScan, Measurement, Transform, TruthPose
 from slam_core.results import StepResult, Tracking
 from slam_core.sequence import Sequencer
@@ -21,13 +22,15 @@ from slam_core.slam import HectorSlam
 class Pipeline:
     """Sequencer and HectorSlam, with the trajectory, the truth and the series of the scans so far.
 
-    start_ns: what the seconds in the rows count from; None takes the first measurement's time. The outcome is a
-    function of the items and the settings alone: changes act between scans, at their times.
+    start_ns: what the seconds in the rows count from; None takes the first measurement's time. given: the map to
+    begin with. The outcome is a function of these, the items and the settings alone: changes act between scans, at
+    their times.
     """
 
-    def __init__(self, settings: Settings, start_ns: int | None = None) -> None:
+    def __init__(self, settings: Settings, start_ns: int | None = None, given: GivenMap | None = None) -> None:
         self.settings = settings
-        self.slam = HectorSlam(settings.start, time.perf_counter_ns)
+        self.slam = HectorSlam(settings.start, time.perf_counter_ns, given)
+        self.mode: Mode = "map" if given is None else "continue" if given.write else "localise"
         self.start_ns = start_ns
         self.last_scan_ns: int | None = None
         self.scans_read = 0
@@ -134,8 +137,12 @@ def _onto(truth: Rows, trajectory: Rows) -> Rows | None:
     return np.array([x, y, here.positions[0, 2] - there.positions[0, 2], yaw])
 
 
-def nothing_used(name: str, skipped: Mapping[str, int]) -> SourceError:
-    """For a run without a single result: the reasons, the commonest first."""
+def nothing_used(name: str, skipped: Mapping[str, int], searching: str) -> SourceError:
+    """For a run without a single result: the reasons, the commonest first. searching: why no place was found."""
+    if searching:
+        return SourceError(
+            f"{name}: the robot was not found in the map ({searching}): give --start X Y YAW, or another --map"
+        )
     reasons = sorted(skipped.items(), key=lambda item: -item[1])
     why = "; ".join(f"{count} x {reason}" for reason, count in reasons) or "it holds none"
     return SourceError(f"{name}: no scan could be used ({why}): choose other topics or wider limits")

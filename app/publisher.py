@@ -87,13 +87,15 @@ class Publisher:
             scans=pipeline.scans,
             report=run.report,
             log=self._log,
+            mode=pipeline.mode,
+            searching=pipeline.slam.searching,
         )
         self.mailbox.put(snapshot)
 
     def _log_notes(self, run: Run) -> None:
-        """What the source found or assumed, and what holds the pipeline back, each once."""
+        """What the source and the pipeline found, and what holds the pipeline back, each once."""
         warnings = run.pipeline.slam.warnings
-        for note in (*run.report.notes, *warnings):
+        for note in (*run.report.notes, *run.pipeline.slam.notes, *warnings):
             if note not in self._noted:
                 self._noted.add(note)
                 self.log(run.pipeline.time_ns, note, "warning" if note in warnings else "info")

@@ -12,6 +12,7 @@ from app.publisher import map_images, merged
 from app.settings import Settings
 from app.sources import Source, SourceError
 from slam_core.errors import SlamError
+from slam_core.given import GivenMap, saved_levels
 from slam_core.measurements import LaserScan
 
 Progress = Callable[[int], None]
@@ -22,15 +23,18 @@ class OutputError(SlamError):
 
 
 def run_headless(
-    source: Source, settings: Settings, progress: Progress = lambda _: None
+    source: Source,
+    settings: Settings,
+    progress: Progress = lambda _: None,
+    given: GivenMap | None = None,
 ) -> tuple[Pipeline, Effort]:
     """Every item of `source`, in a plain loop. progress: called with the time of every scan. Closes the source.
 
-    SourceError when not a single scan could be used.
+    given: the map to begin with. SourceError when not a single scan could be used.
     """
     begin = time.perf_counter()
     span = source.span_ns
-    pipeline = Pipeline(settings, span[0] if span else None)
+    pipeline = Pipeline(settings, span[0] if span else None, given)
     try:
         for item in source.items():
             for measurement in pipeline.admit(item):
@@ -42,7 +46,9 @@ def run_headless(
     finally:
         source.close()
     if not pipeline.scans:
-        raise nothing_used(source.name, merged(source.report, pipeline.skipped, 0).skipped)
+        raise nothing_used(
+            source.name, merged(source.report, pipeline.skipped, 0).skipped, pipeline.slam.searching
+        )
     recorded = (span[1] - span[0]) / 1e9 if span else float(pipeline.trajectory[-1, 0])
     return pipeline, Effort(recorded, time.perf_counter() - begin)
 
@@ -57,7 +63,14 @@ def prepare(folder: Path) -> None:
 
 def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
     """Write every format; the files written."""
-    run = Run(pipeline.start_ns or 0, pipeline.trajectory, map_images(pipeline), pipeline.settings, figures)
+    run = Run(
+        pipeline.start_ns or 0,
+        pipeline.trajectory,
+        map_images(pipeline),
+        pipeline.settings,
+        figures,
+        saved_levels(pipeline.slam.pyramid),
+    )
     try:
         for exporter in exporters():
             exporter.write(run, folder)
@@ -67,11 +80,17 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
 
 
 def run(
-    source: Source, settings: Settings, folder: Path, *, truth: str | None, progress: Progress
+    source: Source,
+    settings: Settings,
+    folder: Path,
+    *,
+    truth: str | None,
+    progress: Progress,
+    given: GivenMap | None = None,
 ) -> dict[str, Any]:
     """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
     prepare(folder)
-    pipeline, effort = run_headless(source, settings, progress)
+    pipeline, effort = run_headless(source, settings, progress, given)
     figures = metrics(pipeline, source.report, effort)
     if truth is not None and figures["truth"] is None:
         raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")

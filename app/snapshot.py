@@ -72,6 +72,7 @@ Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Conf
 
 # ------------------------------------------------------------------------------------------ snapshots
 
+Mode = Literal["map", "localise", "continue"]
 PlaybackState = Literal["loading", "playing", "paused", "seeking", "ended", "waiting", "failed"]
 
 
@@ -152,7 +153,9 @@ class Snapshot:
     epoch: grows at every restart or backward seek; a view that sees it change forgets what it drew.
     trajectory: (n, 8) stamp in seconds since the start, x, y, z, qw, qx, qy, qz of T_map_base, one row a scan.
     truth: the same columns. truth_in_map: (4,) x, y, z, yaw that carry truth into the map frame (first pose on
-    first pose). series: structured (n,) of SERIES_DTYPE, one row a scan. maps: finest level first.
+    first pose). series: structured (n,) of SERIES_DTYPE, one row a scan. maps: finest level first. mode: whether
+    the map is new, given and left as it is, or given and going on. searching: why the robot's place in the map is
+    unknown, empty while it is known.
     """
 
     sequence: int = 0
@@ -170,3 +173,5 @@ class Snapshot:
     scans: int = 0
     report: SourceReport = SourceReport()
     log: tuple[LogEntry, ...] = ()
+    mode: Mode = "map"
+    searching: str = ""

@@ -8,6 +8,7 @@ import numpy as np
 from app.pipeline import Pipeline
 from app.settings import Settings
 from slam_core.config import SlamConfig, with_value
+from slam_core.given import GivenMap, saved_levels
 from slam_core.measurements import Imu, LaserScan, Measurement
 
 PATIENCE_S = 3.0
@@ -27,13 +28,17 @@ def warm_up() -> None:
 def _run(inertial: bool) -> None:
     # No match is sure enough: the surfaces are looked for in every scan.
     config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_sigma", 1e-4)
+    given = None
     for method in ("hessian", "sampled"):
-        pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)))
+        pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)), given=given)
         for measurement in _room(inertial):
             for ready in pipeline.admit(measurement):
                 pipeline.step(ready)
         for ready in pipeline.flush():
             pipeline.step(ready)
+        given = GivenMap(
+            "the room", saved_levels(pipeline.slam.pyramid)
+        )  # the second run looks for its place in it
 
 
 def _room(inertial: bool) -> list[Measurement]:

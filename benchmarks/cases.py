@@ -24,6 +24,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "tracking.check": False,
     "aiding.standstill": False,
     "motion.odometry_slip": 0.0,
+    "tracking.relocalise": False,
     "navigation.height_gate": 0.0,
     "motion.odometry_gate": 0.0,
 }

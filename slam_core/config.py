@@ -292,6 +292,14 @@ class TrackingConfig:
     lost_after: Annotated[
         int, Param("Scans in a row without a match that is believed until the pose is lost.", "", 1, 1000)
     ] = 10
+    relocalise: Annotated[bool, Param("Search the whole map while the pose is lost.")] = True
+    search_interval: Annotated[
+        float, Param("Time from one search of the whole map to the next.", "s", 0.0, 60.0)
+    ] = 1.0
+    min_place: Annotated[
+        float,
+        Param("Share of a scan that the map must explain at a place found by that search.", "", 0.3, 1.0),
+    ] = 0.85
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
-from slam_core.kernels.mapping import write_scan
+from slam_core.kernels.mapping import derive_cells, write_scan
 from slam_core.measurements import Float32s, Float64s
 
 
@@ -93,6 +93,14 @@ class GridLevel:
             min(column0, touched[2]),
             max(column1, touched[3]),
         )
+
+    def put(self, corner: NDArray[np.int64], log_odds: Float32s) -> None:
+        """Set a rectangle of cells (rows, columns) whose first is at a lattice corner; it must lie within."""
+        (column, row), (rows, columns) = (corner - self.corner).tolist(), log_odds.shape
+        box = slice(row, row + rows), slice(column, column + columns)
+        self.log_odds[box] = log_odds
+        derive_cells(self.log_odds[box], self.cells[box])
+        self.known = (row, row + rows, column, column + columns)
 
     def classes(self) -> NDArray[np.uint8]:
         """The known box as 0 unknown, 1 free, 2 occupied; a copy."""

@@ -1,4 +1,4 @@
-"""How the filter begins: level from the mean specific force of its first moment."""
+"""How the filter begins: level from the mean specific force of its first moment, and at a pose in the plane."""
 
 import math
 
@@ -7,6 +7,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.kernels import navigation as kernels
+from slam_core.kernels.fusion import planar_observer
 from slam_core.measurements import Float64s
 from slam_core.results import PlanarGaussian
 
@@ -49,17 +50,20 @@ def start_belief(
 
 
 def turned_to(x: Float64s, P: Float64s, pose: PlanarGaussian) -> tuple[Float64s, Float64s]:
-    """A belief moved and turned about the vertical so that it stands at a planar pose, as sure as that one is."""
+    """A belief turned about the vertical and set down at a planar pose, as sure of that as the pose is.
+
+    What was believed of place and heading is forgotten; tilt, height, biases and the body's motion stay.
+    """
     turn = geometry.yaw_quaternion(pose.mean[2] - geometry.heading(x[:4]))
-    x, T = x.copy(), np.eye(kernels.ERRORS)
     R = geometry.rotation_matrix(turn)
+    x, T = x.copy(), np.eye(kernels.ERRORS)
     x[:4] = geometry.multiply(turn, x[:4])
     x[4:6], x[7:10] = pose.mean[:2], R @ x[7:10]
     for i in (0, 3, 6):
         T[i : i + 3, i : i + 3] = R
-    P = T @ P @ T.T
-    of_pose = np.ix_([3, 4, 2], [3, 4, 2])
-    P[of_pose] += pose.covariance
+    moved = np.eye(kernels.ERRORS)[:, [3, 4, 2]]  # changes x, y, heading and nothing else
+    T -= moved @ (planar_observer(x) @ T)
+    P = T @ P @ T.T + moved @ pose.covariance @ moved.T
     return x, 0.5 * (P + P.T)
 
 

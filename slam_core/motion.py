@@ -89,6 +89,14 @@ class PlanarMotion:
         self._set_covariance(covariance)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
+    def place(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
+        """Be there at an instant, wherever the base was believed to be before; the body's velocity stays."""
+        self._advance(time_ns, config)
+        self._mean[:3] = pose.mean
+        covariance = np.zeros((6, 6))
+        covariance[:3, :3], covariance[3:, 3:] = pose.covariance, self._covariance[3:, 3:]
+        self._set_covariance(covariance)
+
     def copy(self) -> "PlanarMotion":
         """An independent copy."""
         other = PlanarMotion()

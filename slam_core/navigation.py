@@ -18,6 +18,7 @@ from slam_core.kernels.linear import sandwich
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
 from slam_core.measurements import Float64s, Imu, Transform
+from slam_core.placement import Placement
 from slam_core.results import AidingStatus, NavigationState, PlanarGaussian
 
 # A stamp this far ahead is believed only when the next one confirms it.
@@ -151,6 +152,10 @@ class NavigationFilter:
         before = self.at(time_ns)
         taken = self.correct(time_ns, PlanarPose(np.array(xi), np.array(R), omega, method, gate))
         return before, self.at(time_ns) if taken else before
+
+    def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:
+        """Be at a planar pose at an instant, wherever the base was believed to be before."""
+        self.correct(time_ns, Placement(pose))
 
     def update_height(self, time_ns: int, height: float, sigma: float | None = None) -> bool:
         """A height over the start, metres; sigma from the configuration if not given. See `correct`."""

@@ -1,6 +1,7 @@
 """Section IV-C: several grids, each half the resolution of the one below, all updated with the same scan."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +75,26 @@ class Pyramid:
         lacking = margin - int(cells[0]), int(cells[1]) + 1 + margin - size
         before, behind = (_whole(max(n, int(GROWTH * size)), self._block) if n > 0 else 0 for n in lacking)
         return before, behind
+
+    @property
+    def empty(self) -> bool:
+        """Whether no cell was ever touched."""
+        return not self.levels[0].known[1]
+
+    def restore(self, cells: Sequence[tuple[NDArray[np.int64], Float32s]], limit: float) -> bool:
+        """Put saved cells into an empty pyramid: lattice corner and log-odds of every level, finest first.
+
+        The map grows to take them in; False, and nothing is put, if that needs more than `limit` megabytes.
+        """
+        ends = []
+        for level, (corner, values) in zip(self.levels, cells, strict=True):
+            ends += [level.resolution * (corner + 0.5), level.resolution * (corner + values.shape[::-1] - 0.5)]
+        self._make_room(np.array(ends), limit)
+        if self.stopped_at:
+            return False
+        for level, (corner, values) in zip(self.levels, cells, strict=True):
+            level.put(corner, values)
+        return True
 
     def copy(self) -> "Pyramid":
         """An independent copy."""

@@ -5,6 +5,7 @@ wall is a cell wider, so that large steps miss nothing; the second looks closely
 """
 
 import math
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ from slam_core.geometry import wrap
 from slam_core.grid import GridLevel
 from slam_core.kernels import search as kernels
 from slam_core.measurements import Float32s, Float64s
+
+Cell = TypeVar("Cell", np.uint8, np.uint16)
 
 BEAMS = 120  # of the scan, evenly: enough to tell rooms apart
 STEP_CELLS = 2.0  # between poses of the first stage: what the widened walls cover
@@ -41,7 +44,7 @@ def find_pose(level: GridLevel, points: Float32s, around: Float64s, window: tupl
     return found
 
 
-def pool(cells: NDArray[np.uint16]) -> NDArray[np.uint16]:
+def pool(cells: NDArray[Cell]) -> NDArray[Cell]:
     """The largest value among a cell and its eight neighbours: what a pose up to a cell away could read."""
     wide = cells.copy()
     np.maximum(wide[:, 1:], cells[:, :-1], out=wide[:, 1:])

@@ -10,6 +10,8 @@ from slam_core import geometry
 from slam_core.aids import Aids
 from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.faults import faults
+from slam_core.given import GivenMap
+from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
 from slam_core.measurements import (
     Attitude,
@@ -38,11 +40,17 @@ class HectorSlam:
     """The pipeline. Feed it measurements in the order of a `Sequencer`; every scan gives a StepResult.
 
     clock: nanoseconds for the durations in the results; without one they are 0.
+    given: the map to begin with. Scans give results once the robot's place in it is known.
     """
 
-    def __init__(self, config: SlamConfig, clock: Callable[[], int] = lambda: 0) -> None:
+    def __init__(
+        self, config: SlamConfig, clock: Callable[[], int] = lambda: 0, given: GivenMap | None = None
+    ) -> None:
         self.config = config
-        self.pyramid = Pyramid(config.map)
+        self.pyramid = given.pyramid(config.map) if given else Pyramid(config.map)
+        self._lookout = Lookout(given.start if given else ORIGIN.mean)
+        self._placed = given is None
+        self._writes = given is None or given.write
         self.skipped: Counter[str] = Counter()
         self.trace = False
         self._clock = clock
@@ -64,6 +72,16 @@ class HectorSlam:
             raise ConfigError("this change needs a new map: restart the run with it")
         self.config = config
         self._filter.configure(config.navigation, config.platform)
+
+    @property
+    def searching(self) -> str:
+        """Why the robot's place in the map is unknown at this moment; empty while it is known."""
+        return self._lookout.reason
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is worth telling once: where in a given map the run began."""
+        return (self._lookout.note,) if self._lookout.note else ()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -123,9 +141,12 @@ class HectorSlam:
         if not len(leveled.points):
             self.skipped["scan without a beam in range"] += 1
             return None
+        if not self._placed and not self._begin(leveled, scan.mid_ns):
+            self.skipped["scan before the robot was found in the map"] += 1
+            return None
         prior = self._prior(scan.mid_ns)
         lap("filter")
-        match, verdict = self._match(leveled, prior)
+        match, verdict = self._match(leveled, prior, scan.mid_ns)
         lap("match")
         updated = verdict.believed and self._map(leveled)
         lap("update")
@@ -182,9 +203,29 @@ class HectorSlam:
             self._planar.grip()
         return self._planar.prior(time_ns, self.config.motion)
 
-    def _match(self, leveled: StabilisedScan, prior: PlanarGaussian) -> tuple[MatchResult | None, Verdict]:
+    def _begin(self, leveled: StabilisedScan, time_ns: int) -> bool:
+        """Set the robot down where it starts in the given map, once that is known."""
+        if self._inertial and self._filter.at(time_ns).stamp_ns > time_ns:
+            return False  # no belief that could be set down reaches back so far
+        start = self._lookout.start(self.pyramid, leveled, time_ns, self.config)
+        if start is not None:
+            self._place(time_ns, start)
+            self._placed = True
+        return self._placed
+
+    def _place(self, time_ns: int, start: PlanarGaussian) -> None:
+        """Set the motion down at a pose in the map."""
+        if self._inertial:
+            self._filter.place_at(time_ns, start)
+        else:
+            self._planar.place(time_ns, start, self.config.motion)
+        self._pose = self._fused = start.mean
+
+    def _match(
+        self, leveled: StabilisedScan, prior: PlanarGaussian, time_ns: int
+    ) -> tuple[MatchResult | None, Verdict]:
         """Align the scan with the map and judge that; no match for the first scan, whose pose is the origin."""
-        if not self.pyramid.updates:
+        if self.pyramid.empty:
             return None, Verdict()
         start = self._start_estimate(prior)
         match = coarse_to_fine(
@@ -193,6 +234,10 @@ class HectorSlam:
         verdict = Verdict()
         if self.config.tracking.check:
             match, verdict = self._judge(match, leveled.points, prior)
+        if verdict.state == "lost" and self.config.tracking.relocalise:
+            match, verdict = self._seek(match, verdict, leveled, time_ns)
+        if verdict.believed:
+            self._lookout.rest()
         self._pose = match.pose if verdict.believed else prior.mean
         return match, verdict
 
@@ -211,6 +256,17 @@ class HectorSlam:
                 return candidate, tracker.believe(seen, reason)
         return match, tracker.miss(reason, config)
 
+    def _seek(
+        self, match: MatchResult, verdict: Verdict, leveled: StabilisedScan, time_ns: int
+    ) -> tuple[MatchResult, Verdict]:
+        """A lost robot, sought in the whole map; as it was if it is not found."""
+        found = self._lookout.again(self.pyramid, leveled, time_ns, self.config)
+        if found is None:
+            return match, verdict
+        self._place(time_ns, found.gaussian)
+        seen = fit(self.pyramid.levels[-1], leveled.points, found.pose)
+        return found, self._tracker.believe(seen, f"{verdict.reason}; found by a search of the whole map")
+
     def _start_estimate(self, prior: PlanarGaussian) -> Float64s:
         """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""
         if self.config.matcher.start_estimate == "filter":
@@ -222,6 +278,8 @@ class HectorSlam:
 
     def _map(self, leveled: StabilisedScan) -> bool:
         """Write the scan at the matched pose if the robot moved or turned enough since the last time."""
+        if not self._writes:
+            return False
         if self._mapped is not None:
             moved = geometry.compose(geometry.inverse(self._mapped), self._pose)
             near = math.hypot(moved[0], moved[1]) < self.config.map.update_distance

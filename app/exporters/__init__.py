@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from app.registry import members
 from app.settings import Settings
 from app.snapshot import MapImage
+from slam_core.given import SavedLevel
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,7 +20,8 @@ class Run:
     """What a finished run has to tell.
 
     trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
-    is known; empty without a map. metrics: plain values, as they will stand in metrics.json.
+    is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of
+    the same levels.
     """
 
     start_ns: int
@@ -27,6 +29,7 @@ class Run:
     maps: tuple[MapImage, ...]
     settings: Settings
     metrics: Mapping[str, Any]
+    levels: tuple[SavedLevel, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,11 @@ from viser import GuiButtonHandle, GuiEvent, Icon
 from app.panels import _workspace
 from app.panels._format import clock, figure, fixed, text
 from app.panels._handles import put
-from app.snapshot import PlaybackStatus, Snapshot, SourceReport
+from app.snapshot import Mode, PlaybackStatus, Snapshot, SourceReport
 from app.web.stage import Stage
 
 REASONS_SHOWN = 12
+MODES = {"localise": "the saved map is left as it is", "continue": "the saved map goes on"}
 
 
 class StatusPanel:
@@ -32,7 +33,7 @@ class StatusPanel:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Assign what changed."""
-        put(self._run, run_html(snapshot.source, snapshot.playback))
+        put(self._run, run_html(snapshot.source, snapshot.playback, snapshot.mode, snapshot.searching))
         put(self._losses, losses_html(snapshot.report, self._stage.failures))
         label, icon = ("Light theme", Icon.SUN) if self._stage.display.dark else ("Dark theme", Icon.MOON)
         if self._theme.label != label:
@@ -42,9 +43,12 @@ class StatusPanel:
         self._stage.show(dark=not self._stage.display.dark)
 
 
-def run_html(source: str, playback: PlaybackStatus) -> str:
-    """The source, the state with its reason, and the rates."""
-    detail = text(playback.detail)
+def run_html(source: str, playback: PlaybackStatus, mode: Mode = "map", searching: str = "") -> str:
+    """The source, the state with its reason, how a saved map is used or why no place in it is known, and rates."""
+    detail = text(playback.detail or searching)
+    chip = "" if mode == "map" else f'<span class="hs-state" title="{MODES[mode]}">{mode}</span>'
+    if searching:
+        chip = f'<span class="hs-state hs-waiting" title="{text(searching)}">searching</span>'
     figures = (
         figure("time", clock((playback.time_ns - playback.start_ns) / 1e9), "time"),
         figure("scans", fixed(playback.scan_rate, 1) + " Hz"),
@@ -52,7 +56,7 @@ def run_html(source: str, playback: PlaybackStatus) -> str:
     )
     return (
         f'<div class="hs-run"><b class="hs-source" title="{text(source)}">{text(source)}</b>'
-        f'<span class="hs-state hs-{playback.state}" title="{detail}">{playback.state}</span>'
+        f'<span class="hs-state hs-{playback.state}" title="{detail}">{playback.state}</span>{chip}'
         + (f'<span class="hs-detail" title="{detail}">{detail}</span>' if detail else "")
         + "".join(figures)
         + "</div>"

@@ -215,6 +215,14 @@ def _change(log_odds, cells, marks, column0, column1, free, occupied, low, high,
                     _step(log_odds, cells, marks, column, free, occupied, low, high, behind)
 
 
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def derive_cells(log_odds, out):
+    """The cells that go with log-odds (rows, columns), into `out`: to the last bit as the update leaves them."""
+    for row in range(log_odds.shape[0]):
+        for column in range(log_odds.shape[1]):
+            out[row, column] = probability_in_parts(log_odds[row, column])
+
+
 @njit(inline="always")
 def _step(log_odds, cells, marks, i, free, occupied, low, high, behind):
     old, mark = get_odds(log_odds, i), get_mark(marks, i)

@@ -83,7 +83,7 @@ def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path
     done = hectorscope("run", bag, "--out", tmp_path / "new" / "folder", "--truth", "/ground_truth")
     assert done.returncode == 0, done.stderr
     folder = tmp_path / "new" / "folder"
-    names = {"trajectory.tum", "map.pgm", "map.yaml", "config.toml", "metrics.json"}
+    names = {"trajectory.tum", "map.npz", "map.pgm", "map.yaml", "config.toml", "metrics.json"}
     assert {path.name for path in folder.iterdir()} == names
     figures = json.loads((folder / "metrics.json").read_text())
     scans = figures["scans"]
@@ -106,6 +106,29 @@ def test_a_run_is_repeated_by_its_own_settings(bag: Path, tmp_path: Path):
     assert hectorscope("run", bag, "--out", second, "--config", first / "config.toml").returncode == 0
     assert (first / "trajectory.tum").read_bytes() == (second / "trajectory.tum").read_bytes()
     assert (first / "config.toml").read_bytes() == (second / "config.toml").read_bytes()
+
+
+def test_a_run_is_localised_in_the_map_of_another(bag: Path, tmp_path: Path):
+    """The same map to the last byte afterwards, poses in its frame, and a note of where the robot was found."""
+    first, second = tmp_path / "first", tmp_path / "second"
+    assert hectorscope("run", bag, "--out", first).returncode == 0
+    done = hectorscope("run", bag, "--out", second, "--map", first, "--start", "origin")
+    assert done.returncode == 0, done.stderr
+    assert (first / "map.npz").read_bytes() == (second / "map.npz").read_bytes()
+    figures = json.loads((second / "metrics.json").read_text())
+    assert figures["map_updates"] == 0
+    assert any("the robot starts at" in note for note in figures["notes"])
+    assert figures["truth"]["raw_rmse_m"] < 0.05
+
+
+def test_a_map_that_cannot_be_used_is_refused_before_any_work(bag: Path, tmp_path: Path):
+    """Missing, contradicted by the mode, without the map that a mode needs, or a start that is no pose."""
+    out = ["--out", tmp_path / "out"]
+    assert "nowhere does not exist" in refused("run", bag, *out, "--map", tmp_path / "nowhere")
+    assert "makes a new map" in refused("run", bag, *out, "--map", tmp_path, "--mode", "map")
+    assert "needs a saved map" in refused("view", bag, "--mode", "continue")
+    assert "is no pose" in refused("run", bag, *out, "--map", tmp_path, "--start", "nan", "0", "-1")
+    assert not (tmp_path / "out").exists()
 
 
 def test_inspect_says_what_would_be_used(bag: Path):

@@ -51,6 +51,16 @@ def ranges_broken(items: Iterable[Item]) -> Iterator[Item]:
             yield item
 
 
+def kidnapped(imu: bool) -> Iterator[Item]:
+    """Fifteen seconds, then what was seen from the fourth on: somebody carried the robot back, in no time."""
+    items = drive(imu)
+    begin, jump = items[0].stamp_ns, round((START_S - 4.0) * 1e9)
+    yield from (item for item in items if item.stamp_ns - begin < START_S * 1e9)
+    for item in items:
+        if 4.0 <= (item.stamp_ns - begin) * 1e-9 < 9.0:
+            yield replace(item, stamp_ns=item.stamp_ns + jump)
+
+
 def run(items: Iterable[Item], check: bool) -> tuple[Pipeline, float]:
     """The pipeline after all of it, and its aligned error."""
     pipeline = Pipeline(Settings(with_value(SlamConfig(), "tracking.check", check)))
@@ -95,6 +105,22 @@ def test_broken_scans_do_not_touch_the_map(imu: bool):
 
 def _is_near(item: Item, items: tuple[Item, ...]) -> bool:
     return isinstance(item, LaserScan) and 0.0 <= (item.stamp_ns - items[0].stamp_ns) * 1e-9 - START_S < 0.6
+
+
+@pytest.mark.parametrize("imu", [True, False])
+def test_a_robot_that_was_carried_away_is_found_in_the_whole_map(imu: bool):
+    """Put down metres away in a known room, it is back at the right place within 3 seconds; else it stays away."""
+    ends = {}
+    for relocalise in (False, True):
+        pipeline = Pipeline(Settings(with_value(SlamConfig(), "tracking.relocalise", relocalise)))
+        for item in kidnapped(imu):
+            for measurement in pipeline.admit(item):
+                pipeline.step(measurement)
+        there = pipeline.truth[-1, 1:3] - pipeline.truth[0, 1:3]
+        ends[relocalise] = float(np.hypot(*(pipeline.trajectory[-1, 1:3] - there)))
+    assert pipeline.states["degraded"] + pipeline.states["lost"] < 3 * 20
+    assert ends[False] > 1.0
+    assert ends[True] < 0.1
 
 
 def test_a_healthy_drive_is_never_doubted():

@@ -10,6 +10,7 @@ from app.exporters.tum import tum_lines
 from app.settings import Settings
 from app.snapshot import MapImage
 from app.toml import read_toml
+from slam_core.given import SavedLevel
 
 START_NS = 1_700_000_000_123_456_789
 
@@ -19,7 +20,8 @@ def finished() -> Run:
     """Two poses and a map of two rows, the upper one occupied."""
     trajectory = np.array([[0.0, 1, 2, 3, 1, 0, 0, 0], [0.000000001, 4, 5, 6, 0.5, 0.5, 0.5, -0.5]])
     cells = np.array([[1, 1, 0], [2, 2, 2]], np.uint8)
-    return Run(START_NS, trajectory, (MapImage(0, 0.05, -1.5, 2.0, cells, 1),), Settings(), {"scans": 2})
+    level = SavedLevel(0.05, np.array([-30, 40]), np.array([[-1, -1, 0], [2, 2, 2]], np.float32))
+    return Run(START_NS, trajectory, (MapImage(0, 0.05, -1.5, 2.0, cells, 1),), Settings(), {"scans": 2}, (level,))
 
 
 def test_every_exporter_leaves_exactly_its_files(finished: Run, tmp_path: Path):

@@ -22,6 +22,17 @@ def test_the_status_tells_where_the_run_is() -> None:
         assert part in html
 
 
+def test_the_status_tells_of_a_saved_map() -> None:
+    """The mode beside the state, or that and why the robot is still sought; nothing of either in a plain run."""
+    assert ">localise<" in run_html("a.bag", PlaybackStatus("playing"), "localise")
+    html = run_html("a.bag", PlaybackStatus("playing"), "localise", "the scan fits in 2 places of the map alike")
+    for part in (">searching<", "fits in 2 places"):
+        assert part in html
+    plain = run_html("a.bag", PlaybackStatus("playing"))
+    assert "localise" not in plain
+    assert "searching" not in plain
+
+
 def test_nothing_from_outside_becomes_html() -> None:
     """Names of files, reasons and log lines are escaped wherever they are shown."""
     bad = "<script>"

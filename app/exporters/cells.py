@@ -1,0 +1,15 @@
+"""map.npz: every cell of every level, exactly: what --map takes to localise in or to go on with."""
+
+from pathlib import Path
+
+from app.exporters import Exporter, Run
+from app.exporters._files import write_whole
+from app.saved_map import NAME, to_npz
+
+
+def _write(run: Run, folder: Path) -> None:
+    if run.levels:
+        write_whole(folder / NAME, to_npz(run.levels))
+
+
+EXPORTER = Exporter((NAME,), _write)

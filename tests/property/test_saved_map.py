@@ -1,0 +1,43 @@
+"""A map that is saved and loaded is the same map."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.saved_map import load_map, to_npz
+from slam_core.config import MapConfig
+from slam_core.given import saved_levels
+from slam_core.pyramid import Pyramid
+from tests.worlds import same_map
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 10**6), st.integers(1, 4), st.sampled_from([64, 200, 512]), st.integers(1, 25))
+def test_loading_undoes_saving(
+    tmp_path_factory: pytest.TempPathFactory, seed: int, levels: int, size: int, scans: int
+):
+    """Every cell of every level, what the matcher reads, and what a further scan makes of it, to the last bit."""
+    rng, config = np.random.default_rng(seed), MapConfig(levels=levels, size=128)
+    pyramid = Pyramid(config)
+    for _ in range(scans):
+        _write(pyramid, rng, config)
+    file = tmp_path_factory.mktemp("maps") / "map.npz"
+    file.write_bytes(to_npz(saved_levels(pyramid)))
+    given = load_map(file, config)
+    assert to_npz(given.levels) == file.read_bytes()
+    again = given.pyramid(MapConfig(levels=levels, size=size))
+    assert same_map(pyramid, again)
+    assert to_npz(saved_levels(again)) == file.read_bytes()
+    state = rng.bit_generator.state
+    for each in (pyramid, again):
+        rng.bit_generator.state = state
+        _write(each, rng, config)
+    assert same_map(pyramid, again)
+
+
+def _write(pyramid: Pyramid, rng: np.random.Generator, config: MapConfig) -> None:
+    """One scan of noise, somewhere."""
+    points, cleared = (rng.uniform(-6, 6, (n, 2)).astype(np.float32) for n in (40, 5))
+    pose = rng.uniform([-15, -15, -3], [15, 15, 3])
+    pyramid.update(points, cleared, rng.uniform(-0.2, 0.2, 2), pose, config)
