@@ -19,7 +19,8 @@ from slam_core.leveling import upright
 UNIT_BAND = 2.5  # a unit is recognised where it explains a value within this factor
 STEADY = 0.9  # gravity that comes from all sides is that of an IMU in somebody's hand
 LEANING = 0.5  # cosine: no robot drives about with a steeper lean than this
-LATE_S = 0.04
+LATE_S = 0.06
+EXPLAINED = 0.25  # a delay explains this share of a disagreement at least; swaying feigns smaller ones
 UNIT_NAMES = {"m/s2": "m/s²", "g": "g", "mg": "milli-g"}
 
 
@@ -110,7 +111,7 @@ def _mounting(measures: Measures) -> Iterator[Finding]:
 
 
 def _delay(turn: Agreement, options: SourceOptions) -> Iterator[Finding]:
-    if abs(turn.lag) < LATE_S:
+    if abs(turn.lag) < LATE_S or turn.explained < EXPLAINED:
         return
     flag, name, known_s = (
         ("--scan-delay", "the scans are", options.scan_delay)

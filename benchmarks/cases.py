@@ -97,6 +97,17 @@ REAL = (
         ),  # found by `hectorscope inspect`
     ),
 )
+INERTIAL = (
+    Recording(
+        "ardrone", BESIDE / "imu_only/ardrone_imu.bag", options=SourceOptions(attitude_topic="/ardrone/imu")
+    ),
+    Recording(
+        "phidgets, upside down",
+        BESIDE / "imu_only/phidgets_imu_upside_down.bag",
+        options=SourceOptions(imu_rotation=(3.14159, 0.0, 0.0)),
+    ),
+    Recording("razor", BESIDE / "imu_only/sparkfun_razor.bag"),
+)
 TIMED = (*DEMOS, *REAL[:2])
 
 

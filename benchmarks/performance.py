@@ -26,6 +26,7 @@ from benchmarks.cases import (
     CORRIDOR,
     DEMOS,
     DRIVES,
+    INERTIAL,
     LOST_M,
     PLAIN_SETTINGS,
     REAL,
@@ -35,6 +36,7 @@ from benchmarks.cases import (
     Recording,
     present,
 )
+from benchmarks.inertial import Ride, ride
 from benchmarks.outage import OUTAGE_SEEDS, OUTAGES, Outage
 from tests.conftest import ROOT
 
@@ -51,6 +53,7 @@ class Accuracy:
     corridor: list[dict[str, CorridorOutcome]]
     outages: dict[str, list[Outage]]
     replays: dict[Recording, dict[str, Replay]]
+    inertial: dict[Recording, Ride]
 
 
 def measure_speed() -> dict[str, dict[str, Any]]:
@@ -81,6 +84,7 @@ def measure_accuracy() -> Accuracy:
             [future.result() for future in bare],
             {name: [future.result() for future in futures] for name, futures in lost.items()},
             {recording: future.result() for recording, future in replays.items()},
+            {recording: ride(recording) for recording in present(INERTIAL)},
         )
 
 
@@ -156,7 +160,13 @@ first {returning.FIRST_S:g} s, of those in cells that were known then: doubled w
 drives through the hallway and the kitchen are said to end near their start. Units, handedness and delay of the
 kitchen's devices are given by options.
 
-{tables.returns(accuracy.replays)}"""
+{tables.returns(accuracy.replays)}
+## Inertial units alone
+
+Three devices in somebody's hands or on a turntable, with nothing to help the filter but gravity: degrees between
+directions of up, medians where the device is at rest.
+
+{tables.inertial(accuracy.inertial)}"""
 
 
 def main() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 from app.metrics import PARTS
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import METHODS, Drive, Recording
+from benchmarks.inertial import Ride
 from benchmarks.outage import Outage
 
 
@@ -128,6 +129,19 @@ def _return_row(recording: Recording, methods: Mapping[str, Replay]) -> Iterator
         returned = methods[method].returned
         yield "-" if returned is None else f"{100 * returned:.0f} %"
     yield "; ".join(methods["full"].left_out) or "-"
+
+
+def inertial(results: Mapping[Recording, Ride]) -> str:
+    """Degrees between ways to tell where up is, a row a device."""
+    head = ("device", "samples", "at rest: filter to gravity", "device's own to gravity", "filter to own, rms")
+    return table(head, (_inertial_row(recording, ride) for recording, ride in results.items()))
+
+
+def _inertial_row(recording: Recording, ride: Ride) -> Iterator[str]:
+    yield recording.name
+    yield str(len(ride.ours))
+    for angle in (ride.astray, ride.own_astray, ride.apart):
+        yield "-" if angle is None else f"{angle:.1f}°"
 
 
 def spread(values: Sequence[float], form: str) -> str:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from slam_core.measurements import Float64s
 
-UP_WINDOW = 1.0  # s: the specific force averaged over this shows where up is
+UP_WINDOW = 0.5  # s: the specific force averaged over this shows where up is
 TURN_SPAN = 0.5  # s: turns are compared over spans of this length
 TILT_SPAN = 0.2  # s: accelerations of the drive wash out longer changes of tilt
 LAG_STEP = 0.01  # s
@@ -32,13 +32,14 @@ class Agreement:
     """How one account of a turn follows another, the reference.
 
     correlation: over the spans, after the lag is taken out. ratio: its angles over those of the reference.
-    lag: seconds by which the reference is stamped late.
+    lag: seconds by which the reference is stamped late; explained: the share of the disagreement that it explains.
     spans: how many, without overlap. moved: root mean square of the reference's change in a span, radians.
     """
 
     correlation: float
     ratio: float
     lag: float
+    explained: float
     spans: int
     moved: float
 
@@ -81,6 +82,7 @@ def compare_turns(times: Float64s, yaw: Float64s, rate_times: Float64s, rates: F
         correlation=scores[best],
         ratio=_ratio(turned, felt(lags[best])),
         lag=float(lags[best]),
+        explained=1.0 - (1.0 - scores[best] ** 2) / max(1.0 - scores[LAGS] ** 2, 1e-12),
         spans=int(len(turned) * min(1.0, float(np.median(np.diff(times))) / TURN_SPAN)),
         moved=float(np.sqrt(np.mean(turned**2))),
     )
@@ -109,7 +111,7 @@ def compare_tilts(times: Float64s, rates: Float64s, forces: Float64s) -> Agreeme
     seen, felt = (last - first).ravel(), -np.cross(turn, 0.5 * (first + last)).ravel()
     score = _correlation(seen, felt)
     moved = float(np.sqrt(3.0 * np.mean(seen**2)))
-    return Agreement(score, _ratio(seen, felt), 0.0, len(begin), moved)
+    return Agreement(score, _ratio(seen, felt), 0.0, 0.0, len(begin), moved)
 
 
 def _correlation(a: Float64s, b: Float64s) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from app.engine import Engine
+from app.examiner import examined
 from app.feeder import Feeder
 from app.runner import run_headless
 from app.settings import Change, Settings
@@ -24,9 +25,9 @@ from app.snapshot import (
     Snapshot,
     StepScan,
 )
-from app.sources import Item
+from app.sources import Item, Source, SourceOptions
 from slam_core.config import SlamConfig, with_value
-from slam_core.measurements import LaserScan
+from slam_core.measurements import Imu, LaserScan
 from tests.sources import MemoryRecording, MemoryStream
 
 START = Settings(with_value(SlamConfig(), "map.size", 512))
@@ -46,9 +47,7 @@ def reference(drive: list[Item]) -> np.ndarray:
 
 
 @contextmanager
-def running(
-    source: MemoryRecording | MemoryStream, settings: Settings = START, **options: float
-) -> Iterator[Engine]:
+def running(source: Source, settings: Settings = START, **options: float) -> Iterator[Engine]:
     """An engine that is stopped in any case."""
     engine = Engine(source, settings, **options)  # type: ignore[arg-type]
     engine.start()
@@ -405,6 +404,22 @@ def test_a_recording_without_a_usable_scan_says_so(drive: list[Item]):
 
 
 # ------------------------------------------------------------------------------------------------- live
+
+
+def test_a_stream_whose_devices_lie_fails_with_the_remedy():
+    """Ten seconds of a gyroscope in degrees: the page says what it is and which flag repairs it."""
+    options = SceneOptions(duration=10.0, scan_rate=10.0, beams=181)
+    stream = MemoryStream()
+    stream.send(
+        [
+            replace(item, angular_velocity=np.degrees(item.angular_velocity)) if isinstance(item, Imu) else item
+            for item in Simulation("rooms", options).items()
+        ]
+    )
+    with running(examined(stream, SourceOptions())) as engine:
+        failed = until(engine, state("failed"))
+    assert "so in degrees a second" in failed.playback.detail
+    assert "--imu-gyro-unit deg/s" in failed.playback.detail
 
 
 def test_a_stream_gives_what_the_recording_gives(drive: list[Item], reference: np.ndarray):

@@ -128,6 +128,14 @@ def test_a_lie_is_found_and_its_repair_named(name: str) -> None:
     assert findings(measures(repaired(items, options)), SourceOptions()) == []
 
 
+def test_swaying_feigns_no_lie() -> None:
+    """Fifteen degrees of roll and pitch, scans that nothing puts level: no unit, no sign, no delay is made up."""
+    options = SceneOptions(duration=20.0, beams=181, scan_rate=10.0, sway=15.0, sway_frequency=1.2)
+    seen = measures(Simulation("rooms", options).items())
+    assert seen.turn is not None
+    assert findings(seen, SourceOptions()) == []
+
+
 def test_several_lies_are_told_together() -> None:
     """Milli-g, degrees and a mirrored scan at once: three facts, and one line of flags."""
     lies = [LIES[name][0] for name in ("milli-g", "degrees", "mirrored scan")]

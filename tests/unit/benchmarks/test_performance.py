@@ -1,13 +1,19 @@
 """The document that is made of the tables."""
 
+import math
 from pathlib import Path
+
+import numpy as np
 
 from app.metrics import PARTS
 from app.simulation import SceneOptions
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
+from benchmarks.inertial import Ride
 from benchmarks.outage import Outage
 from benchmarks.performance import MARKS, Accuracy, document, processor
+from slam_core.measurements import Transform
+from slam_core.results import NavigationState
 from tests.conftest import ROOT
 
 SPEED = {
@@ -18,6 +24,14 @@ SPEED = {
         "median_us": dict.fromkeys(PARTS, 99.6),
     }
 }
+
+
+def leaning(angle: float) -> Ride:
+    """Three samples at rest whose up is that many degrees off; the device has no opinion."""
+    up = np.tile([0.0, 0.0, 1.0], (3, 1))
+    lean = np.tile([math.sin(math.radians(angle)), 0.0, math.cos(math.radians(angle))], (3, 1))
+    start = NavigationState(0, Transform(), *np.zeros((3, 3)), np.eye(15))
+    return Ride(lean, up, np.empty((0, 3)), np.ones(3, bool), start)
 
 
 def accuracy() -> Accuracy:
@@ -32,6 +46,7 @@ def accuracy() -> Accuracy:
         [dict.fromkeys(METHODS, end)],
         {"satellites": [Outage(0.03, 0.04, 0.01)]},
         {Recording("jackal", Path("a"), 0.0143): dict.fromkeys(METHODS, Replay(414, near, 1.0, ()))},
+        {Recording("razor", Path("b")): leaning(2.5)},
     )
 
 
@@ -45,6 +60,7 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
         "| full | 1.000",
         "| satellites | 0.030",
         "| jackal | 414 |",
+        "| razor | 3 | 2.5° | - | - |",
     ):
         assert row in text
     assert processor() in text
