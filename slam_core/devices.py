@@ -44,13 +44,10 @@ class Agreement:
     moved: float
 
 
-def gravity(forces: Float64s) -> Gravity | None:
-    """Of specific forces (n, 3) in any unit; None where there is nothing but zeros."""
+def gravity(forces: Float64s) -> Gravity:
+    """Of specific forces (n, 3) in any unit; a device that gives none shows zeros, from no direction."""
     norms = np.linalg.norm(forces, axis=1)
-    felt = norms > 0.0
-    if not felt.any():
-        return None
-    mean = (forces[felt] / norms[felt, None]).mean(axis=0)
+    mean = (forces / np.maximum(norms, 1e-9)[:, None]).mean(axis=0)
     steadiness = float(np.linalg.norm(mean))
     return Gravity(float(np.median(norms)), mean / max(steadiness, 1e-9), steadiness)
 

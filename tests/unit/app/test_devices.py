@@ -156,10 +156,11 @@ def test_what_a_person_states_is_not_doubted(name: str) -> None:
     assert findings(measures(items), stated) == []
 
 
-def test_gravity_removed_is_no_unit() -> None:
-    """Accelerations without gravity cannot be used: the IMU is to be left out."""
+@pytest.mark.parametrize("factor", [0.0, 1.0])
+def test_gravity_removed_is_no_unit(factor: float) -> None:
+    """Accelerations without gravity, or none at all, cannot be used: the IMU is to be left out."""
     items = [
-        replace(item, linear_acceleration=item.linear_acceleration - [0.0, 0.0, 9.8])
+        replace(item, linear_acceleration=factor * (item.linear_acceleration - [0.0, 0.0, 9.8]))
         if isinstance(item, Imu)
         else item
         for item in honest()
