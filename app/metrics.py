@@ -11,6 +11,7 @@ from app.pipeline import Pipeline
 from app.publisher import map_images
 from app.snapshot import SERIES_DTYPE, SourceReport
 from slam_core.evaluation import Trajectory, evaluate
+from slam_core.results import StepResult
 
 PARTS = ("stabilise", "match", "update", "filter")
 
@@ -41,8 +42,29 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort) -> dict[st
         "median_us": medians(pipeline.series.view(SERIES_DTYPE).reshape(-1)),
         "map_updates": pipeline.slam.pyramid.updates,
         "occupied_cells": int(np.count_nonzero(maps[0].cells == 2)) if maps else 0,
+        "aiding": aiding(pipeline.result),
+        "map_in_world": map_in_world(pipeline.result),
         "truth": truth_errors(pipeline),
     }
+
+
+def aiding(result: StepResult | None) -> dict[str, dict[str, Any]]:
+    """What became of the measurements of each source that aids the filter."""
+    return {
+        status.source: {"used": status.used, "rejected": status.rejected, "dropped": dict(status.dropped)}
+        for status in (result.aiding if result else ())
+    }
+
+
+def map_in_world(result: StepResult | None) -> dict[str, float] | None:
+    """Where the map's origin lies and its x axis points in the plane of the satellites; None if not known."""
+    if result is None or result.world is None:
+        return None
+    east, north, turn = result.world.mean.tolist()
+    sigma_east, sigma_north, sigma_turn = np.sqrt(np.diag(result.world.covariance)).tolist()
+    figures = {"east_m": east, "north_m": north, "from_east_deg": math.degrees(turn)}
+    figures |= {"sigma_m": max(sigma_east, sigma_north), "sigma_deg": math.degrees(sigma_turn)}
+    return {name: round(value, 3) for name, value in figures.items()}
 
 
 def medians(series: NDArray[np.void]) -> dict[str, float]:

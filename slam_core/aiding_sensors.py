@@ -144,11 +144,9 @@ class GroundBeam(Lasting):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Standstill(Correction):
-    """No velocity, and gyros that read their bias: rate (3,), with the variances of both."""
+    """No velocity, with the variance of that."""
 
-    rate: Float64s
-    velocity_variance: float
-    rate_variance: float
+    variance: float
     gate: float
     source: ClassVar[str] = "standstill"
     measures: ClassVar[tuple[int, ...]] = ()
@@ -159,11 +157,32 @@ class Standstill(Correction):
         return True
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
-        """C x = (v, gyro bias)."""
-        C = np.zeros((6, ERRORS))
-        C[:, 6:12] = np.eye(6)
-        variances = np.repeat([self.velocity_variance, self.rate_variance], 3)
-        return np.concatenate([-x[7:10], self.rate - x[10:13]]), C, np.diag(variances)
+        """C x = v."""
+        C = np.zeros((3, ERRORS))
+        C[:, 6:9] = np.eye(3)
+        return -x[7:10], C, self.variance * np.eye(3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ZeroRate(Correction):
+    """The rate (3,) of a base that does not turn, and its variance: it is the bias of the gyros."""
+
+    rate: Float64s
+    variance: float
+    gate: float
+    source: ClassVar[str] = "zero rate"
+    measures: ClassVar[tuple[int, ...]] = ()
+
+    @property
+    def usable(self) -> bool:
+        """Always: it is made of samples that were checked."""
+        return True
+
+    def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
+        """C x = the gyro bias."""
+        C = np.zeros((3, ERRORS))
+        C[:, 9:12] = np.eye(3)
+        return self.rate - x[10:13], C, self.variance * np.eye(3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

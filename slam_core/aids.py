@@ -9,7 +9,16 @@ import math
 import numpy as np
 
 from slam_core import geometry
-from slam_core.aiding_sensors import Gravity, GroundBeam, MagneticHeading, Place, Standstill, Tilt, Velocity
+from slam_core.aiding_sensors import (
+    Gravity,
+    GroundBeam,
+    MagneticHeading,
+    Place,
+    Standstill,
+    Tilt,
+    Velocity,
+    ZeroRate,
+)
 from slam_core.compass import Compass, seen
 from slam_core.config import AidingConfig
 from slam_core.georeference import Georeference
@@ -24,7 +33,7 @@ from slam_core.measurements import (
 )
 from slam_core.navigation import NavigationFilter
 from slam_core.results import AidingStatus, PlanarGaussian
-from slam_core.stillness import Rest, Stillness
+from slam_core.stillness import Stillness
 
 AidingMeasurement = Attitude | GroundDistance | MagneticField | GpsPosition | GpsVelocity
 
@@ -58,10 +67,20 @@ class Aids:
         self._trusted_ns = time_ns
 
     def feel(self, imu: Imu, estimator: NavigationFilter, config: AidingConfig) -> None:
-        """Every inertial sample: a base that stands still has no velocity, and its gyros read their bias."""
+        """Every inertial sample: a base that stands still has no velocity, and its gyros read their bias.
+
+        While matches can be trusted they tell that bias too, and rest only holds tilt and velocity.
+        """
         rest = self._stillness.feel(imu) if config.standstill else None
-        if rest is not None and estimator.ready and _may_rest(estimator):
-            _hold(imu.stamp_ns, rest, estimator, config)
+        if rest is None or not estimator.ready or not _may_rest(estimator):
+            return
+        estimator.correct(imu.stamp_ns, Standstill(REST_SPEED**2, config.gate))
+        status = _status("standstill", estimator)
+        if status is None or not status.accepted:
+            return
+        estimator.correct(imu.stamp_ns, Gravity(rest.force, rest.force_variance + REST_FORCE**2, config.gate))
+        if not self._trusted(imu.stamp_ns):
+            estimator.correct(imu.stamp_ns, ZeroRate(rest.rate, rest.rate_variance + REST_RATE**2, config.gate))
 
     def take(self, measurement: AidingMeasurement, estimator: NavigationFilter, config: AidingConfig) -> None:
         """One measurement, to the filter if it is of use."""
@@ -163,14 +182,6 @@ def _may_rest(estimator: NavigationFilter) -> bool:
     state = estimator.state
     sigma = math.sqrt(float(state.covariance.diagonal()[6:8].max()))
     return math.hypot(state.velocity[0], state.velocity[1]) < 3.0 * (sigma + REST_SPEED)
-
-
-def _hold(time_ns: int, rest: Rest, estimator: NavigationFilter, config: AidingConfig) -> None:
-    rate_variance = rest.rate_variance + REST_RATE**2
-    estimator.correct(time_ns, Standstill(rest.rate, REST_SPEED**2, rate_variance, config.gate))
-    status = _status("standstill", estimator)
-    if status is not None and status.accepted:
-        estimator.correct(time_ns, Gravity(rest.force, rest.force_variance + REST_FORCE**2, config.gate))
 
 
 def _status(source: str, estimator: NavigationFilter) -> AidingStatus | None:

@@ -26,6 +26,7 @@ SWITCHES = {
     "attitude": "attitude",
     "standstill": "standstill",
     "gravity": "standstill",
+    "zero rate": "standstill",
 }
 HORIZON = horizon_svg("hs-filter-horizon")
 NO_FILTER = '<p class="hs-empty">Without inertial data there is no navigation filter.</p>'

@@ -1,8 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 
-from app.metrics import medians
+from app.metrics import aiding, map_in_world, medians
 from app.snapshot import SERIES_DTYPE
 from app.warmup import warm_up
+from slam_core.results import PlanarGaussian
+from tests.page import step_result
 
 
 def test_medians_are_microseconds_and_the_map_update_only_counts_where_there_was_one():
@@ -23,3 +27,20 @@ def test_medians_of_nothing_are_zero():
 def test_the_warm_up_runs_through():
     """The made-up room exercises the whole pipeline without an error."""
     warm_up()
+
+
+def test_what_aids_the_filter_is_counted() -> None:
+    """Every source with its counters; a run without results has none."""
+    found = aiding(step_result())
+    assert found["gps"] == {"used": 60, "rejected": 7, "dropped": {}}
+    assert found["compass"]["dropped"] == {"<metal>": 4}
+    assert aiding(None) == {}
+
+
+def test_the_place_of_the_map_in_the_world_is_told_once_it_is_known() -> None:
+    """Metres east and north of the first fix, degrees from east, and how sure that is."""
+    world = PlanarGaussian(np.array([3.0, -2.0, np.pi / 2]), np.diag([0.25, 0.16, np.radians(2.0) ** 2]))
+    found = map_in_world(replace(step_result(), world=world))
+    assert found == {"east_m": 3.0, "north_m": -2.0, "from_east_deg": 90.0, "sigma_m": 0.5, "sigma_deg": 2.0}
+    assert map_in_world(step_result()) is None
+    assert map_in_world(None) is None

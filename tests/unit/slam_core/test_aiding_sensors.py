@@ -7,7 +7,16 @@ import pytest
 
 from slam_core import geometry
 from slam_core.aiding import Correction
-from slam_core.aiding_sensors import Gravity, GroundBeam, MagneticHeading, Place, Standstill, Tilt, Velocity
+from slam_core.aiding_sensors import (
+    Gravity,
+    GroundBeam,
+    MagneticHeading,
+    Place,
+    Standstill,
+    Tilt,
+    Velocity,
+    ZeroRate,
+)
 from slam_core.kernels.navigation import ERRORS, inject
 
 FIELD = np.array([1.5e-5, 0.8e-5, -4e-5])
@@ -32,12 +41,13 @@ def corrections(x: np.ndarray) -> list[Correction]:
         MagneticHeading(FIELD, 0.4, 0.01, 1.0, 0.0),
         Tilt(up, 0.02, 1.0, 0.0),
         GroundBeam(1.3, np.array([0.1, 0.2, 0.3]), DOWN, -1.0, 0.05, 1.0, 0.0),
-        Standstill(np.array([0.01, 0.0, 0.02]), 1e-4, 1e-6, 0.0),
+        Standstill(1e-4, 0.0),
+        ZeroRate(np.array([0.01, 0.0, 0.02]), 1e-6, 0.0),
         Gravity(9.8 * up + x[13:16], 1e-2, 0.0),
     ]
 
 
-@pytest.mark.parametrize("kind", range(7))
+@pytest.mark.parametrize("kind", range(8))
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
 def test_it_is_linearised_rightly(kind: int, tilt: float) -> None:
     """The innovation falls as C says when the state's errors are put right, one after the other."""

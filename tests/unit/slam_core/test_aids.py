@@ -177,7 +177,7 @@ def test_rest_shows_the_biases_of_the_gyros_and_stops_the_drift() -> None:
     state = drive.estimator.state
     np.testing.assert_allclose(state.gyro_bias, bias[:3], atol=np.radians(0.05))
     assert np.abs(state.velocity).max() < 0.05
-    assert {"standstill", "gravity"} <= {status.source for status in drive.estimator.aiding}
+    assert {"standstill", "gravity", "zero rate"} <= {status.source for status in drive.estimator.aiding}
 
 
 def test_a_smooth_drive_is_no_rest() -> None:

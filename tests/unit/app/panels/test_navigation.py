@@ -41,7 +41,7 @@ def test_a_source_is_live_rejected_frozen_or_silent(status: AidingStatus, word: 
 
 
 @pytest.mark.parametrize(
-    "source", ["gps", "gps velocity", "compass", "ground", "attitude", "standstill", "gravity"]
+    "source", ["gps", "gps velocity", "compass", "ground", "attitude", "standstill", "gravity", "zero rate"]
 )
 def test_a_source_that_is_switched_off_says_so(source: str) -> None:
     """Whatever it said last."""
