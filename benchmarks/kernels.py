@@ -1,4 +1,4 @@
-"""What the parts of a step cost, in process: medians over the scans of a simulated run through rooms.
+"""What the parts of a step cost, in process, on a simulated run through rooms of 30 x 20 m; and how that grows.
 
     python -m benchmarks.kernels [--seconds 20] [--seed 1] [--only-pose]
 
@@ -9,15 +9,18 @@ every beam sixteen times over, so that the call itself hardly counts. --only-pos
 import argparse
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from app.simulation import SceneOptions, Simulation
 from app.warmup import warm_up
-from slam_core.config import SlamConfig
+from benchmarks.tables import table
+from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.matcher import coarse_to_fine, normal_equations
 from slam_core.measurements import Height, Imu, LaserScan, Measurement, TruthPose
+from slam_core.pyramid import Pyramid
 from slam_core.results import StepResult
 from slam_core.sequence import Sequencer
 from slam_core.slam import HectorSlam
@@ -25,6 +28,10 @@ from slam_core.surfaces import Beams
 
 REPEATS = 200
 TILES = 16
+BEAMS, LEVELS, SIZES = (271, 541, 1081, 2161), (1, 2, 3, 4, 5), (512, 1024, 2048, 4096)
+SCALING_S = 8.0  # of the drive: what it has seen by then is larger than a scan's reach
+OFF = np.array([0.03, -0.02, 0.01])  # of the start estimate
+LASER, NONE = np.zeros(2), np.empty((0, 2), np.float32)
 
 
 def microseconds(call: Callable[[], object], repeats: int = REPEATS) -> float:
@@ -37,10 +44,10 @@ def microseconds(call: Callable[[], object], repeats: int = REPEATS) -> float:
     return float(np.median(times)) * 1e-3
 
 
-def measurements(seconds: float, seed: int, only_pose: bool) -> Iterator[Measurement]:
+def measurements(options: SceneOptions, only_pose: bool = False) -> Iterator[Measurement]:
     """Scans and, unless left out, inertial data, in the order of a Sequencer."""
     sequencer = Sequencer()
-    for item in Simulation("rooms", SceneOptions(duration=seconds, seed=seed)).items():
+    for item in Simulation("rooms", options).items():
         if not isinstance(item, TruthPose) and not (only_pose and isinstance(item, Imu | Height)):
             yield from sequencer.push(item)
     yield from sequencer.flush()
@@ -65,17 +72,77 @@ def steps(results: list[StepResult], took: float) -> Iterator[tuple[str, float, 
 
 def kernels(slam: HectorSlam, scan: StepResult) -> Iterator[tuple[str, float, str]]:
     """One scan matched and written again and again, on a copy of the map."""
-    pyramid, config = slam.pyramid.copy(), slam.config
-    start, points = scan.planar + np.array([0.03, -0.02, 0.01]), scan.points
-    many, level = np.tile(points, (TILES, 1)), pyramid.levels[0]
+    pyramid = slam.pyramid.copy()
+    many, level = np.tile(scan.points, (TILES, 1)), pyramid.levels[0]
     for name, beams in (("plain", Beams.plain(many)), ("across surfaces", Beams.with_surfaces(many))):
         evaluation = microseconds(partial(normal_equations, level, beams, scan.planar))
         yield f"beam evaluation, {name}", evaluation * 1e3 / len(many), "ns"
-    match = microseconds(lambda: coarse_to_fine(pyramid, points, start, config.matcher))
-    yield f"match of one scan from 4 cm off, {len(points)} beams", match, "us"
-    none, laser = np.empty((0, 2), np.float32), np.zeros(2)
-    update = microseconds(lambda: pyramid.update(points, none, laser, scan.planar, config.map))
+    match, update = costs(pyramid, scan, slam.config.map)
+    yield f"match of one scan from 4 cm off, {len(scan.points)} beams", match, "us"
     yield f"update of {len(pyramid.levels)} levels by one scan", update, "us"
+    yield "memory of a cell, all in", memory(pyramid) / cells(pyramid), "bytes"
+
+
+def costs(pyramid: Pyramid, scan: StepResult, config: MapConfig) -> tuple[float, float]:
+    """Microseconds of a match of `scan` and of an update by it, which changes the pyramid."""
+    start, matcher = scan.planar + OFF, MatcherConfig()
+    match = microseconds(lambda: coarse_to_fine(pyramid, scan.points, start, matcher))
+    return match, microseconds(lambda: pyramid.update(scan.points, NONE, LASER, scan.planar, config))
+
+
+def cells(pyramid: Pyramid) -> int:
+    """Of all levels."""
+    return sum(level.log_odds.size for level in pyramid.levels)
+
+
+def memory(pyramid: Pyramid) -> int:
+    """Bytes of all arrays of all levels."""
+    arrays = (value for level in pyramid.levels for value in vars(level).values() if isinstance(value, np.ndarray))
+    return sum(array.nbytes for array in arrays)
+
+
+def mapped(results: list[StepResult], config: MapConfig) -> Pyramid:
+    """A map of another shape, by the scans that a run wrote into its own."""
+    pyramid = Pyramid(config)
+    for result in results:
+        if result.map_updated:
+            pyramid.update(result.points, NONE, LASER, result.planar, config)
+    return pyramid
+
+
+def scaling(seed: int = 1) -> str:
+    """How the match and the update of one scan grow with beams, levels and the size of the map: tables."""
+    options = SceneOptions(duration=SCALING_S, seed=seed)
+    by_beams = [_row(f"{n}", _drive(replace(options, beams=n)), MapConfig()) for n in BEAMS]
+    drive = _drive(options)
+    by_levels = [_row(f"{n}", drive, MapConfig(levels=n)) for n in LEVELS]
+    by_size = [_row(f"{n} x {n}", drive, MapConfig(size=n)) for n in SIZES]
+    parts = (("beams", by_beams), ("levels", by_levels), ("cells of the finest level", by_size))
+    return "\n".join(table((name, "match, us", "update, us", "map, MB"), rows) for name, rows in parts)
+
+
+def _drive(options: SceneOptions) -> list[StepResult]:
+    return run(HectorSlam(SlamConfig()), list(measurements(options)))[0]
+
+
+def _row(name: str, results: list[StepResult], config: MapConfig) -> tuple[str, ...]:
+    pyramid = mapped(results, config)
+    match, update = costs(pyramid, results[-1], config)
+    return name, f"{match:.0f}", f"{update:.0f}", f"{memory(pyramid) / 1e6:.1f}"
+
+
+def parts(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> list[tuple[str, float, str]]:
+    """Name, value and unit of everything but the scaling."""
+    recording = list(measurements(SceneOptions(duration=seconds, seed=seed), only_pose))
+    slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
+    results, took = run(slam, recording)
+    scans = sum(isinstance(measurement, LaserScan) for measurement in recording)
+    return [("scans", scans, ""), *steps(results, took), *kernels(slam, results[-1])]
+
+
+def parts_table() -> str:
+    """`parts` as Markdown."""
+    return table(("part", "cost"), ((name, f"{value:.1f} {unit}") for name, value, unit in parts()))
 
 
 def main() -> None:
@@ -84,13 +151,10 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only-pose", action="store_true")
     args = parser.parse_args()
-    recording = list(measurements(args.seconds, args.seed, args.only_pose))
     warm_up()
-    print(f"rooms, {args.seconds:.0f} s, {sum(isinstance(m, LaserScan) for m in recording)} scans")
-    slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
-    results, took = run(slam, recording)
-    for name, value, unit in (*steps(results, took), *kernels(slam, results[-1])):
+    for name, value, unit in parts(args.seconds, args.seed, args.only_pose):
         print(f"{name:50} {value:9.1f} {unit}")
+    print(scaling(args.seed))
 
 
 if __name__ == "__main__":

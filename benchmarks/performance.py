@@ -20,7 +20,7 @@ from app.runner import run_headless
 from app.settings import Settings
 from app.sources import open_source
 from app.warmup import warm_up
-from benchmarks import returning, tables
+from benchmarks import kernels, returning, tables
 from benchmarks.accuracy import CorridorOutcome, Outcomes, Replay, corridor, drive, replay
 from benchmarks.cases import (
     CORRIDOR,
@@ -101,14 +101,14 @@ def machine() -> str:
     return f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, {libraries}"
 
 
-def document(speed: dict[str, dict[str, Any]], accuracy: Accuracy) -> str:
+def document(speed: dict[str, dict[str, Any]], parts: str, growth: str, accuracy: Accuracy) -> str:
     """docs/performance.md."""
     settings = ", ".join(f"`{name}` {str(value).lower()}" for name, value in PLAIN_SETTINGS.items())
     return f"""# Performance
 
-Written by `make bench` (`python -m benchmarks.performance`); do not edit. Two more measurements are run by hand:
-`python -m benchmarks.page` for what the page costs, and `python -m benchmarks.reading BAG...` for how long reading
-takes.
+Written by `make bench` (`python -m benchmarks.performance`); do not edit. More measurements are run by hand:
+`python -m benchmarks.page` for what the page costs, `python -m benchmarks.start` for how soon it shows something,
+and `python -m benchmarks.reading BAG...` for how long reading takes.
 
 Machine: {machine()}.
 
@@ -126,6 +126,13 @@ Median time of each part of a step in microseconds; the update counts only the s
 map.
 
 {tables.times(speed)}
+What a step is made of, in the rooms below; medians, but for the whole step. A beam evaluation is one endpoint's
+share of eqs. (11) and (13).
+
+{parts}
+How the match and the update of one scan grow: there with other beams, levels and sizes of the first map.
+
+{growth}
 ## Accuracy in simulated rooms
 
 Centimetres, median / worst over {len(SEEDS)} seeds: rooms of 30 x 20 m, {DRIVES[0].options.beams} beams, 60 s at
@@ -173,7 +180,8 @@ def main() -> None:
     """Measure, write, and print the tables."""
     warm_up()
     speed = measure_speed()
-    text = document(speed, measure_accuracy())
+    print("speed: kernels", flush=True)
+    text = document(speed, kernels.parts_table(), kernels.scaling(), measure_accuracy())
     (ROOT / "docs" / "performance.md").write_text(text, encoding="utf-8")
     readme = ROOT / "README.md"
     shown = f"{tables.speed(speed)}\n{SOURCE}\n"

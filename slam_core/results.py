@@ -41,7 +41,8 @@ class MatchResult:
     @property
     def mean_residual(self) -> float:
         """Mean of the residuals: 0 is a perfect fit, 0.5 an unknown map."""
-        return float(np.mean(self.residuals)) if len(self.residuals) else float("nan")
+        n = len(self.residuals)
+        return float(np.add.reduce(self.residuals)) / n if n else float("nan")
 
     @property
     def weakest_sigma(self) -> float:

@@ -4,9 +4,8 @@ import math
 from dataclasses import dataclass
 
 from slam_core.config import TrackingConfig
-from slam_core.geometry import wrap
 from slam_core.grid import GridLevel
-from slam_core.kernels.planar import inverse3
+from slam_core.kernels.planar import sigmas_apart
 from slam_core.kernels.search import count_hits
 from slam_core.measurements import Float32s, Float64s
 from slam_core.results import MatchResult, PlanarGaussian, Tracking
@@ -45,9 +44,7 @@ def fit(level: GridLevel, points: Float32s, pose: Float64s) -> Fit:
 
 def disagreement(match: MatchResult, prior: PlanarGaussian) -> float:
     """How many sigmas of prediction and match together lie between the two (Mahalanobis)."""
-    d = match.pose - prior.mean
-    d[2] = wrap(d[2])
-    return math.sqrt(max(0.0, float(d @ inverse3(prior.covariance + match.covariance) @ d)))
+    return float(sigmas_apart(match.pose, match.covariance, prior.mean, prior.covariance))
 
 
 def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float, float]:

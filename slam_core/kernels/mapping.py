@@ -201,18 +201,20 @@ def _span(size, laser, ends, cleared):
 def _change(log_odds, cells, marks, column0, column1, free, occupied, low, high, behind):
     """Change the marked cells of one row and take the marks away; blocks without a mark are skipped.
 
-    Full blocks have a loop of their own: its length is known, so it becomes a few instructions for all cells.
+    The loop over a block becomes a few instructions for all of its cells, if nothing in it is a call.
     """
     words = marks.view(np.uint64)
     for block in range(column0 // BLOCK, (column1 + BLOCK - 1) // BLOCK):
         if words[2 * block] | words[2 * block + 1]:
             first = block * BLOCK
-            if first + BLOCK <= len(log_odds):
-                for k in range(BLOCK):
-                    _step(log_odds, cells, marks, first + k, free, occupied, low, high, behind)
-            else:
-                for column in range(first, len(log_odds)):
-                    _step(log_odds, cells, marks, column, free, occupied, low, high, behind)
+            for i in range(first, min(first + BLOCK, len(log_odds))):
+                old, mark = get_odds(log_odds, i), get_mark(marks, i)
+                least = max(min(old, behind), low) if mark == BEHIND else low
+                stepped = min(max(old + (occupied if mark == OCCUPIED else free), least), high)
+                value = old if mark == NO_MARK else stepped
+                put_odds(log_odds, i, value)
+                put_cell(cells, i, probability_in_parts(value))
+                put_mark(marks, i, NO_MARK)
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
@@ -221,17 +223,6 @@ def derive_cells(log_odds, out):
     for row in range(log_odds.shape[0]):
         for column in range(log_odds.shape[1]):
             out[row, column] = probability_in_parts(log_odds[row, column])
-
-
-@njit(inline="always")
-def _step(log_odds, cells, marks, i, free, occupied, low, high, behind):
-    old, mark = get_odds(log_odds, i), get_mark(marks, i)
-    least = max(min(old, behind), low) if mark == BEHIND else low
-    stepped = min(max(old + (occupied if mark == OCCUPIED else free), least), high)
-    value = old if mark == NO_MARK else stepped
-    put_odds(log_odds, i, value)
-    put_cell(cells, i, probability_in_parts(value))
-    put_mark(marks, i, NO_MARK)
 
 
 @njit(inline="always")

@@ -1,5 +1,6 @@
 """Small closed forms that run for every scan: numpy's general ones take longer to call than to compute."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,19 @@ def inverse3(A):
     out[0, 2] = out[2, 0] = m20 * m22
     out[1, 2] = out[2, 1] = m21 * m22
     return out
+
+
+@njit(cache=True, error_model="numpy")
+def sigmas_apart(a, P, b, R):
+    """Mahalanobis distance of two poses (3,) with covariances (3, 3), across the seam of the heading."""
+    information = inverse3(P + R)
+    d = a - b
+    d[2] -= 2.0 * math.pi * np.floor(d[2] / (2.0 * math.pi) + 0.5)
+    total = 0.0
+    for i in range(3):
+        for j in range(3):
+            total += d[i] * information[i, j] * d[j]
+    return math.sqrt(max(total, 0.0))
 
 
 @njit(cache=True, error_model="numpy")
