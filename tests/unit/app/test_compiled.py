@@ -24,7 +24,10 @@ def test_a_changed_kernel_has_another_folder(sources: Path):
     (sources / "app/plain.py").write_text("x = 2\n")
     assert compiled.fingerprint() == before
     (sources / "slam_core/kernel.py").write_text("@njit\ndef f(x):\n    return 2 * x\n")
-    assert compiled.fingerprint() != before
+    changed = compiled.fingerprint()
+    assert changed != before
+    (sources / "slam_core/memory.py").write_text("@intrinsic\ndef get(_, array, i):\n    return load\n")
+    assert compiled.fingerprint() != changed
 
 
 def test_the_environment_s_choice_is_kept(sources: Path, monkeypatch: pytest.MonkeyPatch):
