@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from app.compiled import keep_compiled, user_cache
+from app.interruption import delivered_later
 from app.options import (
     MapArgs,
     MapFlags,
@@ -161,13 +162,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
     }
     try:
-        tyro.extras.subcommand_cli_from_dict(
-            commands,
-            prog="hectorscope",
-            description="Watch a SLAM system think: Hector SLAM on a bag or a live stream.",
-            args=arguments,
-            config=(tyro.conf.DisallowNone,),
-        )
+        with delivered_later():
+            tyro.extras.subcommand_cli_from_dict(
+                commands,
+                prog="hectorscope",
+                description="Watch a SLAM system think: Hector SLAM on a bag or a live stream.",
+                args=arguments,
+                config=(tyro.conf.DisallowNone,),
+            )
     except SlamError as error:
         print(f"hectorscope: {' '.join(str(error).split())}", file=sys.stderr)
         return MISTAKE
