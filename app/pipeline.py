@@ -7,13 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from app.buffers import GrowingRows, Rows
+from app.constant_rate import ConstantRate
 from app.series import series_row
 from app.settings import Settings
 from app.snapshot import SERIES_FIELDS, Mode
 from app.sources import Item, SourceError
 from slam_core.evaluation import Trajectory, first_on_first, interpolate
 from slam_core.given import GivenMap
-from slam_core.measurements import LaserScan, Measurement, Transform, TruthPose
+from slam_core.measurements import Imu, LaserScan, Measurement, Transform, TruthPose
 from slam_core.results import StepResult, Tracking
 from slam_core.sequence import Sequencer
 from slam_core.slam import HectorSlam
@@ -42,6 +43,7 @@ class Pipeline:
         self._trajectory = GrowingRows(8)
         self._truth = GrowingRows(8)
         self._series = GrowingRows(len(SERIES_FIELDS))
+        self._output = ConstantRate()
         self._truth_in_map: Rows | None = None
 
     def admit(self, item: Item) -> list[Measurement]:
@@ -69,6 +71,9 @@ class Pipeline:
 
     def step(self, measurement: Measurement) -> StepResult | None:
         """Run the core on one measurement and keep what it brought."""
+        if isinstance(measurement, Imu):
+            return self.slam.step(measurement)
+        self._output.follow(self.slam, self.start_ns or 0)
         if not isinstance(measurement, LaserScan):
             return self.slam.step(measurement)
         self._apply_changes(measurement.stamp_ns)
@@ -108,6 +113,11 @@ class Pipeline:
     def trajectory(self) -> Rows:
         """(n, 8) seconds since the start, x, y, z, qw, qx, qy, qz; one row a result."""
         return self._trajectory.view
+
+    @property
+    def navigation(self) -> Rows:
+        """(n, 11) the same columns and the velocity in the map, a hundred times a second, predicted on to each."""
+        return self._output.rows
 
     @property
     def truth(self) -> Rows:

@@ -79,6 +79,7 @@ class Publisher:
             config=run.config,
             result=pipeline.result,
             trajectory=pipeline.trajectory,
+            navigation=pipeline.navigation,
             truth=pipeline.truth,
             truth_in_map=pipeline.truth_in_map,
             series=pipeline.series.view(SERIES_DTYPE).reshape(-1),

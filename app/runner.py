@@ -70,6 +70,7 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
         pipeline.settings,
         figures,
         saved_levels(pipeline.slam.pyramid),
+        pipeline.navigation,
     )
     try:
         for exporter in exporters():

@@ -152,10 +152,11 @@ class Snapshot:
 
     epoch: grows at every restart or backward seek; a view that sees it change forgets what it drew.
     trajectory: (n, 8) stamp in seconds since the start, x, y, z, qw, qx, qy, qz of T_map_base, one row a scan.
-    truth: the same columns. truth_in_map: (4,) x, y, z, yaw that carry truth into the map frame (first pose on
-    first pose). series: structured (n,) of SERIES_DTYPE, one row a scan. maps: finest level first. mode: whether
-    the map is new, given and left as it is, or given and going on. searching: why the robot's place in the map is
-    unknown, empty while it is known.
+    navigation: (n, 11) the same columns and the velocity in the map, a hundred times a second.
+    truth: the columns of the trajectory. truth_in_map: (4,) x, y, z, yaw that carry truth into the map frame
+    (first pose on first pose). series: structured (n,) of SERIES_DTYPE, one row a scan. maps: finest level first.
+    mode: whether the map is new, given and left as it is, or given and going on. searching: why the robot's place
+    in the map is unknown, empty while it is known.
     """
 
     sequence: int = 0
@@ -165,6 +166,7 @@ class Snapshot:
     config: SlamConfig = field(default_factory=SlamConfig)
     result: StepResult | None = None
     trajectory: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 8)))
+    navigation: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 11)))
     truth: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 8)))
     truth_in_map: NDArray[np.float64] = field(default_factory=lambda: np.zeros(4))
     series: NDArray[np.void] = field(default_factory=lambda: np.empty(0, SERIES_DTYPE))

@@ -4,7 +4,8 @@
 
 The match is the truth in the plane with noise, 40 times a second, and claims a covariance R that is too small, as
 scan matchers do. Prints root mean squares per scene over the seeds: roll and pitch in degrees (worst of both),
-height in metres, heading in degrees, position in the plane in metres, and the tilt error over its own sigma.
+height in metres, heading in degrees, position in the plane in metres, the errors of tilt and height over their own
+sigmas, velocity in m/s, and gyro biases in degrees/s (worst axis).
 """
 
 import argparse
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from app.simulation import SceneOptions, Simulation
-from app.simulation.sensors import heights, inertial
+from app.simulation.sensors import START_NS, heights, inertial
 from slam_core import geometry
 from slam_core.config import SlamConfig, leaves, with_value
 from slam_core.measurements import Float64s, Imu
@@ -29,7 +30,7 @@ CLAIMED = np.array([0.005, 0.005, np.radians(0.1)])
 
 
 def drive(scene: str, seed: int, config: SlamConfig, correlation: float = 0.0, barometer: bool = True) -> Float64s:
-    """(n, 8) errors at the scans: roll, pitch, heading, x, y, z, and the sigmas of roll and z."""
+    """(n, 14) at the scans: errors of roll, pitch, heading, x, y, z; sigmas of roll, z; errors of v, gyros."""
     simulation = Simulation(scene, SceneOptions(seed=seed))
     motion, rng = simulation.scene.motion, np.random.default_rng([seed, 9])
     estimator = NavigationFilter(config.navigation)
@@ -38,6 +39,7 @@ def drive(scene: str, seed: int, config: SlamConfig, correlation: float = 0.0, b
         key=lambda arrival: arrival[0],
     )
     errors, scan_ns, noise = [], 0, NOISE * rng.normal(size=3)
+    bias = _gyro_bias([sample for _, sample in samples if isinstance(sample, Imu)], simulation)
     for _, sample in samples:
         if isinstance(sample, Imu):
             estimator.predict(sample)
@@ -52,10 +54,20 @@ def drive(scene: str, seed: int, config: SlamConfig, correlation: float = 0.0, b
                 truth = simulation.truth_at(middle)
                 xi = geometry.planar(truth) + noise
                 _, state = estimator.fuse_planar(middle, xi, np.diag(CLAIMED**2), config.fusion.omega)
-                errors.append((middle, *_errors(state, truth)))
+                velocity = motion.at(np.array([(middle - START_NS) * 1e-9]), 1)[0, :3]
+                drift = (*(state.velocity - velocity), *(state.gyro_bias - bias))
+                errors.append((middle, *_errors(state, truth), *drift))
     table = np.array(errors)
     late: Float64s = table[table[:, 0] > table[0, 0] + WARM_UP_NS, 1:]
     return late
+
+
+def _gyro_bias(imus: list[Imu], simulation: Simulation) -> Float64s:
+    """(3,) what the gyros read too much on the mean."""
+    t = np.array([(imu.stamp_ns - START_NS) * 1e-9 for imu in imus])
+    read = np.array([imu.angular_velocity for imu in imus])
+    bias: Float64s = np.mean(read - simulation.scene.motion.body_rates(t), axis=0)
+    return bias
 
 
 def _errors(state: Any, truth: Any) -> list[float]:
@@ -77,6 +89,8 @@ def summary(errors: Float64s) -> dict[str, float]:
         "plane": float(np.hypot(rms[3], rms[4])),
         "tilt/sigma": float(np.hypot(rms[0], rms[1]) / rms[6] / np.sqrt(2)),
         "height/sigma": float(rms[5] / rms[7]),
+        "velocity": float(np.linalg.norm(rms[8:11])),
+        "gyro bias": float(np.degrees(max(rms[11:14]))),
     }
 
 
@@ -94,14 +108,18 @@ def main() -> None:
     types = {leaf.name: leaf.type for leaf in leaves(config)}
     for name, value in (pair.split("=") for pair in options.set):
         config = with_value(config, name, types[name](value))
-    print(f"{'omega':>6} {'scene':>9} | roll/pitch deg | height m | heading deg | plane m | tilt/s | height/s")
+    print(
+        f"{'omega':>6} {'scene':>9} | roll/pitch deg | height m | heading deg | plane m | tilt/s | height/s | "
+        "velocity m/s | gyro deg/s"
+    )
     for omega, scene in product(options.omegas, options.scenes):
         chosen = with_value(config, "fusion.omega", omega)
         runs = [drive(scene, s, chosen, options.correlation, not options.no_barometer) for s in options.seeds]
         s = summary(np.concatenate(runs))
         print(
             f"{omega:6.3f} {scene:>9} | {s['roll/pitch']:14.2f} | {s['height']:8.3f} | {s['heading']:11.3f} | "
-            f"{s['plane']:7.4f} | {s['tilt/sigma']:6.2f} | {s['height/sigma']:8.2f}",
+            f"{s['plane']:7.4f} | {s['tilt/sigma']:6.2f} | {s['height/sigma']:8.2f} | {s['velocity']:12.3f} | "
+            f"{s['gyro bias']:10.3f}",
             flush=True,
         )
 

@@ -108,7 +108,8 @@ def document(speed: dict[str, dict[str, Any]], parts: str, growth: str, accuracy
 
 Written by `make bench` (`python -m benchmarks.performance`); do not edit. More measurements are run by hand:
 `python -m benchmarks.page` for what the page costs, `python -m benchmarks.start` for how soon it shows something,
-and `python -m benchmarks.reading BAG...` for how long reading takes.
+`python -m benchmarks.reading BAG...` for how long reading takes, and `python -m benchmarks.consistency` for
+[the filter alone](navigation-filter.md).
 
 Machine: {machine()}.
 

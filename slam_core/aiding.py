@@ -149,13 +149,8 @@ class BodyVelocity(Correction):
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = R^T v."""
-        n = len(self.velocity)
-        to_body = geometry.rotation_matrix(x[:4]).T[:n]
-        C = np.zeros((n, ERRORS))
-        vx, vy, vz = x[7:10]
-        C[:, :3] = to_body @ np.array([[0.0, -vz, vy], [vz, 0.0, -vx], [-vy, vx, 0.0]])
-        C[:, 6:9] = to_body
-        return self.velocity - to_body @ x[7:10], C, self.sigma**2 * np.eye(n)
+        predicted, C = fusion.body_velocity(x, len(self.velocity))
+        return self.velocity - predicted, C, self.sigma**2 * np.eye(len(self.velocity))
 
 
 def project(x: Float64s) -> Float64s:

@@ -17,7 +17,7 @@ from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import sandwich
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
-from slam_core.measurements import Float64s, Imu, Transform
+from slam_core.measurements import Float64s, Imu, Int64s, Transform
 from slam_core.placement import Placement
 from slam_core.results import AidingStatus, NavigationState, PlanarGaussian
 
@@ -99,6 +99,11 @@ class NavigationFilter:
         """`pose` at several instants: positions (k, 3) and attitudes (k, 4)."""
         xs = self._belief.states_at(times_ns)
         return xs[:, 4:7], xs[:, :4]
+
+    def motion_at(self, times_ns: Int64s) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at instants (k,)."""
+        xs = self._belief.states_at(times_ns.tolist())
+        return xs[:, [4, 5, 6, 0, 1, 2, 3, 7, 8, 9]]
 
     def planar(self, time_ns: int) -> PlanarGaussian:
         """The belief at an instant projected on the plane: C x and C P C^T."""

@@ -9,7 +9,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.aids import Aids
 from slam_core.config import ConfigError, SlamConfig, needs_restart
-from slam_core.faults import faults
+from slam_core.faults import SILENT_NS, faults
 from slam_core.given import GivenMap
 from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
@@ -19,6 +19,7 @@ from slam_core.measurements import (
     Float64s,
     Height,
     Imu,
+    Int64s,
     LaserScan,
     Measurement,
     Odometry,
@@ -82,6 +83,19 @@ class HectorSlam:
     def notes(self) -> tuple[str, ...]:
         """What is worth telling once: where in a given map the run began."""
         return (self._lookout.note,) if self._lookout.note else ()
+
+    @property
+    def now_ns(self) -> int | None:
+        """The latest instant of which anything was heard; None before the first scan."""
+        if not self._index:
+            return None
+        if self._inertial and self._scan_ns - self._filter.sample_ns < SILENT_NS:
+            return self._filter.sample_ns
+        return self._scan_ns
+
+    def motion_at(self, times_ns: Int64s) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at instants (k,), predicted on if need be."""
+        return self._filter.motion_at(times_ns) if self._inertial else self._planar.motion_at(times_ns)
 
     @property
     def warnings(self) -> tuple[str, ...]:

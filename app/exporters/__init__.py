@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,8 @@ class Run:
 
     trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
     is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of
-    the same levels.
+    the same levels. navigation: (n, 11) the columns of the trajectory and the velocity in the map, a hundred times
+    a second.
     """
 
     start_ns: int
@@ -30,6 +31,7 @@ class Run:
     settings: Settings
     metrics: Mapping[str, Any]
     levels: tuple[SavedLevel, ...] = ()
+    navigation: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 11)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ FIXED, MIN_TRACE, MIN_DETERMINANT, KALMAN = range(4)
 LIGHTEST, HEAVIEST = 1e-6, 0.999
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
+_matrix = njit(error_model="numpy")(geometry.rotation_matrix)
 _heading_gradient = njit(error_model="numpy")(geometry.heading_gradient)
 
 
@@ -61,6 +62,20 @@ def planar_observer(x: Float64s) -> Float64s:
     for i in range(3):
         C[2, i] = slope[i]
     return C
+
+
+@njit(cache=True, error_model="numpy")
+def body_velocity(x: Float64s, n: int) -> tuple[Float64s, Float64s]:
+    """The first n of R^T v, and how they follow the errors of the state: (n,) and (n, 15)."""
+    R, v = _matrix(x[:4]), x[7:10]
+    predicted, C = np.zeros(n), np.zeros((n, ERRORS))
+    for i in range(n):
+        for j in range(3):
+            a, b = (j + 1) % 3, (j + 2) % 3
+            predicted[i] += R[j, i] * v[j]
+            C[i, j] = R[a, i] * v[b] - R[b, i] * v[a]
+            C[i, 6 + j] = R[j, i]
+    return predicted, C
 
 
 @njit(cache=True, error_model="numpy")

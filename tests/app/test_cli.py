@@ -83,7 +83,7 @@ def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path
     done = hectorscope("run", bag, "--out", tmp_path / "new" / "folder", "--truth", "/ground_truth")
     assert done.returncode == 0, done.stderr
     folder = tmp_path / "new" / "folder"
-    names = {"trajectory.tum", "map.npz", "map.pgm", "map.yaml", "config.toml", "metrics.json"}
+    names = {"trajectory.tum", "map.npz", "map.pgm", "map.yaml", "config.toml", "metrics.json", "navigation.csv"}
     assert {path.name for path in folder.iterdir()} == names
     figures = json.loads((folder / "metrics.json").read_text())
     scans = figures["scans"]
