@@ -102,7 +102,7 @@ class Publisher:
                 self.log(run.pipeline.time_ns, note, "warning" if note in warnings else "info")
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
-        state = (epoch, pipeline.slam.pyramid.updates)
+        state = (epoch, pipeline.slam.pyramid.revision)
         anew = self._drawn is None or epoch != self._drawn[0]
         if state == self._drawn or not (anew or complete or self._published - self._drawn_at >= MAPS_S):
             return

@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from app.snapshot import SERIES_FIELDS
 from slam_core.geometry import to_euler
 from slam_core.results import NavigationState, PlanarGaussian, StepResult
@@ -24,6 +26,7 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
         result.beams,
         map_updates,
         match.weakest_sigma if match else _NAN,
+        float(np.mean(result.unexpected)),
         *_navigation(result.navigation),
         *(ns / 1e6 for ns in (durations.stabilise, durations.match, durations.update, durations.filter)),
     )

@@ -22,6 +22,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "matcher.start_estimate": "last_pose",
     "scan.deskew": False,
     "tracking.check": False,
+    "map.doubt_interval": 0.0,
     "aiding.standstill": False,
     "motion.odometry_slip": 0.0,
     "tracking.relocalise": False,
@@ -60,6 +61,7 @@ DRIVES = (
     Drive("5 Hz, sway", replace(_SWAYING, scan_rate=5.0), 0.050),
 )
 CORRIDOR = SceneOptions()
+HALLS, HALL_SEEDS = SceneOptions(), SEEDS[:3]
 
 
 @dataclass(frozen=True, slots=True)

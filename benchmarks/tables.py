@@ -7,6 +7,7 @@ from typing import Any
 from app.metrics import PARTS
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import METHODS, Drive, Recording
+from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.outage import Outage
 
@@ -88,6 +89,21 @@ def outages(results: Mapping[str, Sequence[Outage]]) -> str:
 def _outage_cells(runs: Sequence[Outage]) -> Iterator[str]:
     for name in ("at_return", "after", "jump"):
         yield spread([getattr(run, name) for run in runs], ".3f") + " m"
+
+
+def halls(seeds: Sequence[Mapping[str, HallOutcome]]) -> str:
+    """Errors with nobody, with people and beside glass, and the ghosts that people leave, a row a method."""
+    head = ("method", "nobody, raw", "people, raw", "glass, raw", "ghost cells", "longest in sight", "goal held")
+    return table(head, (_halls_row(method, [seed[method] for seed in seeds]) for method in METHODS))
+
+
+def _halls_row(method: str, runs: Sequence[HallOutcome]) -> Iterator[str]:
+    yield method
+    for poses in ([run.nobody for run in runs], [run.people for run in runs], [run.glass for run in runs]):
+        yield spread([100 * pose.raw for pose in poses], ".2f") + " cm" + _lost(poses)
+    yield spread([run.ghosts for run in runs], ".0f")
+    yield spread([run.longest for run in runs], ".1f") + " s"
+    yield _yes(not any(run.ghosts for run in runs))
 
 
 def replays(results: Mapping[Recording, Mapping[str, Replay]]) -> str:

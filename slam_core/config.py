@@ -84,6 +84,10 @@ class MapConfig:
     log_odds_max: Annotated[float, Param("Upper cap of a cell: how sure a wall may get.", "", 0.5, 50.0)] = 50.0
     update_distance: Annotated[float, Param("The map is updated after moving this far.", "m", 0.0, 5.0)] = 0.4
     update_angle: Annotated[float, Param("The map is updated after turning this far.", "rad", 0.0, 3.14)] = 0.06
+    doubt_interval: Annotated[
+        float,
+        Param("How often occupied cells that beams pass are doubted, at rest too (0: never).", "s", 0.0, 60.0),
+    ] = 0.25
 
 
 @dataclass(frozen=True, slots=True)

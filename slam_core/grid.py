@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.doubting import doubt_passed, ends_in_free_space
 from slam_core.kernels.mapping import derive_cells, write_scan
 from slam_core.measurements import Float32s, Float64s
 
@@ -101,6 +102,22 @@ class GridLevel:
         self.log_odds[box] = log_odds
         derive_cells(self.log_odds[box], self.cells[box])
         self.known = (row, row + rows, column, column + columns)
+
+    def doubt(self, laser: Float64s, nearest: Float64s, behind: float, most: float, free: float) -> int:
+        """Take `most` log-odds at most and the step `free` from every occupied cell that beams pass.
+
+        laser: (2,) map metres. nearest: the first end in each bin of bearings. behind: metres. Returns how many.
+        """
+        limits = (behind, np.float32(most), np.float32(free))
+        arrays = (self.log_odds, self.cells, self.corner, self.resolution, self.known)
+        return int(doubt_passed(*arrays, laser, nearest, *limits))
+
+    def unexpected(self, ends: Float64s, apart: float) -> NDArray[np.bool_]:
+        """Which ends (n, 2), map metres, lie in free space and at least `apart` metres from what is occupied."""
+        found = np.empty(len(ends), np.bool_)
+        around = round(apart / self.resolution)
+        ends_in_free_space(self.log_odds, self.corner, self.resolution, ends, around, found)
+        return found
 
     def classes(self) -> NDArray[np.uint8]:
         """The known box as 0 unknown, 1 free, 2 occupied; a copy."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from slam_core import geometry
 from slam_core.config import MapConfig
 from slam_core.grid import GridLevel
+from slam_core.kernels.doubting import first_ends
 from slam_core.kernels.mapping import bounds
 from slam_core.measurements import Float32s, Float64s
 
@@ -16,11 +17,17 @@ from slam_core.measurements import Float32s, Float64s
 MARGIN = 2
 # Growing a side adds at least this part of the map's length there, which keeps growing rare.
 GROWTH = 0.25
+# A beam passes a cell if it ends this many metres behind it; a cell that is passed keeps so much of its log-odds.
+BEHIND = 0.5
+DOUBTED = 4.0
+# A beam is no surprise if it ends this many metres from an occupied cell.
+APART = 0.15
 
 
 class Pyramid:
     """levels: finest first; they share the corner at `origin`. updates: scans written so far.
 
+    revision: grows with every change of a cell.
     stopped_at: the limit in megabytes that keeps the map from growing to where beams went; 0 for none.
     """
 
@@ -34,6 +41,7 @@ class Pyramid:
             GridLevel(config.resolution * 2**i, (size >> i,) * 2, origin) for i in range(config.levels)
         )
         self.updates = 0
+        self.revision = 0
         self.stopped_at = 0.0
 
     def update(
@@ -53,6 +61,23 @@ class Pyramid:
             behind = 0.0 if i else log_odds(config.factor_behind)
             level.update(start, ends, free, steps, caps, behind)
         self.updates += 1
+        self.revision += 1
+
+    def doubt(self, points: Float32s, laser: Float64s, pose: Float64s, config: MapConfig) -> None:
+        """Look with one scan at `pose` (3,) for occupied cells whose things have moved on, and doubt them.
+
+        A wall that was seen a hundred times would outlive hundreds of beams that pass: what was, counts for little
+        where beams end well behind. points: (n, 2), laser: (2,), in the stabilised frame, metres.
+        """
+        start = geometry.transform_points(pose, laser[None])[0]
+        nearest = first_ends(start, geometry.transform_points(pose, points))
+        free = log_odds(config.factor_free)
+        passed = [level.doubt(start, nearest, BEHIND + level.resolution, DOUBTED, free) for level in self.levels]
+        self.revision += any(passed)
+
+    def unexpected(self, points: Float32s, pose: Float64s) -> NDArray[np.bool_]:
+        """(n,) which points (n, 2) of a scan at `pose` (3,) end where the map says free: new, or on the move."""
+        return self.levels[0].unexpected(geometry.transform_points(pose, points), APART)
 
     def _make_room(self, points: Float64s, limit: float) -> None:
         """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""

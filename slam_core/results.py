@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slam_core.measurements import Float32s, Float64s, Transform
 
@@ -132,8 +133,9 @@ class StepResult:
     stamp_ns: the middle of the sweep, which all poses here belong to. T_map_base: the fused 6DOF pose; without
     inertial data the match with the roll and pitch that are known.
     planar: the pose (3,) from which points are drawn. points: (n, 2) endpoints in the stabilised frame, metres.
-    heights: (n,) their height over the laser. prior, fused: the filter projected to the plane before and after
-    the fusion (prior is None on the first scan). navigation: the filter after the fusion; None without an IMU.
+    heights: (n,) their height over the laser. unexpected: (n,) which of them the map held for free until then.
+    prior, fused: the filter projected to the plane before and after the fusion (prior is None on the first scan).
+    navigation: the filter after the fusion; None without an IMU.
     match: None on the first scan, which only makes the map.
     tracking: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
     "lost" when that lasts); reason: what spoke against the match, else empty.
@@ -147,6 +149,7 @@ class StepResult:
     planar: Float64s
     points: Float32s
     heights: Float32s
+    unexpected: NDArray[np.bool_]
     match: MatchResult | None
     prior: PlanarGaussian | None
     fused: PlanarGaussian

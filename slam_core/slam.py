@@ -65,6 +65,7 @@ class HectorSlam:
         self._pose = np.zeros(3)
         self._fused = np.zeros(3)
         self._mapped: Float64s | None = None
+        self._doubted_ns = 0
         self._waiting_ns = 0
 
     def configure(self, config: SlamConfig) -> None:
@@ -162,7 +163,10 @@ class HectorSlam:
         lap("filter")
         match, verdict = self._match(leveled, prior, scan.mid_ns)
         lap("match")
+        unexpected = self.pyramid.unexpected(leveled.points, self._pose)
         updated = verdict.believed and self._map(leveled)
+        if match and verdict.believed:
+            self._doubt(leveled, scan.mid_ns)
         lap("update")
         matched = match.gaussian if match else ORIGIN
         fused, navigation = self._fuse(scan.mid_ns, matched if verdict.believed else None)
@@ -178,6 +182,7 @@ class HectorSlam:
             planar=self._pose.copy(),
             points=leveled.points,
             heights=leveled.heights,
+            unexpected=unexpected,
             match=match,
             prior=prior if match else None,
             fused=fused,
@@ -302,6 +307,13 @@ class HectorSlam:
         self._mapped = self._pose.copy()
         self.pyramid.update(leveled.points, leveled.cleared, leveled.laser, self._pose, self.config.map)
         return True
+
+    def _doubt(self, leveled: StabilisedScan, time_ns: int) -> None:
+        """Every now and then, doubt what the scan says has moved on: a robot at rest, too, sees people go."""
+        interval_ns = round(self.config.map.doubt_interval * 1e9)
+        if self._writes and 0 < interval_ns <= time_ns - self._doubted_ns:
+            self._doubted_ns = time_ns
+            self.pyramid.doubt(leveled.points, leveled.laser, self._pose, self.config.map)
 
     def _fuse(self, time_ns: int, match: PlanarGaussian | None) -> tuple[PlanarGaussian, NavigationState | None]:
         """Covariance intersection of the motion with the match, eqs. (18)-(20); without one, the motion alone."""

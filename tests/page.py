@@ -75,6 +75,7 @@ def step_result(index: int = 0, x: float = 0.0, y: float = 0.0, beams: int = 180
         planar=match.pose,
         points=points,
         heights=np.linspace(-1.0, 1.0, beams, dtype=np.float32),
+        unexpected=np.arange(beams) < beams // 10,
         match=match,
         prior=planar_gaussian(x, y, 0.003, 0.003),
         fused=planar_gaussian(x, y, 0.0012, 0.0018),

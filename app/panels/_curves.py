@@ -46,6 +46,7 @@ PAGES: dict[str, tuple[Chart, ...]] = {
         columns("Mean residual", 1.0, "residual"),
         columns("Iterations", 1.0, "iterations"),
         columns("Beams used", 1.0, "beams"),
+        columns("Unexpected beams, %", 100.0, "unexpected"),
     ),
     "Attitude": (
         columns("Roll and pitch, °", DEGREES, "roll", "pitch"),

@@ -7,7 +7,7 @@ from app.web.files import static_folder
 from app.web.theme import DARK, LIGHT, Rgb, Theme, css
 
 SHARED = ("surface", "text", "muted", "accent", "warning", "error")
-MEANINGS = ("match", "prior", "fused", "position", "trajectory", "truth", "robot")
+MEANINGS = ("match", "prior", "fused", "position", "trajectory", "truth", "robot", "unexpected")
 SKY: dict[bool, Rgb] = {True: (56, 104, 150), False: (98, 158, 210)}  # by Theme.dark
 GROUND: dict[bool, Rgb] = {True: (98, 78, 60), False: (176, 140, 104)}
 

@@ -39,13 +39,14 @@ class MatchPanel:
 
 
 def match_html(result: StepResult, snapshot: Snapshot) -> str:
-    """State of the tracking, residual, iterations, beams, map updates, and what the scan determines worst."""
+    """State of the tracking, residual, iterations, beams, map updates, the weakest direction and surprises."""
     match = result.match
     cells = [figure("beams", str(result.beams)), figure("map updates", str(snapshot.map_updates))]
     if match is None:
         return readout([figure("scan", str(snapshot.scans)), *cells, figure("", "first scan")])
     state = figure("", "converged", "good") if match.converged else figure("", "out of steps", "bad")
     tracking = figure("", result.tracking, "good" if result.tracking in {"tracking", "recovered"} else "bad")
+    unexpected = figure("unexpected %", fixed(100.0 * float(np.mean(result.unexpected)), 1))
     weakest = figure("weakest σ mm", fixed(1e3 * match.weakest_sigma, 1))
     steps = figure("iterations", " · ".join(str(n) for n in match.iterations))
     return readout(
@@ -57,6 +58,7 @@ def match_html(result: StepResult, snapshot: Snapshot) -> str:
             figure("scan", str(snapshot.scans)),
             *cells,
             weakest,
+            unexpected,
         ]
     )
 
@@ -84,10 +86,12 @@ def ring(colour: str) -> str:
     return f'<i class="hs-ring" style="color:var(--hs-{colour})"></i>'
 
 
+UNEXPECTED = "Beams that end where the map knows free space: something new, or somebody on the move."
 LEGEND = (
     '<div class="hs-legend"><span><i class="hs-line" style="color:var(--hs-trajectory)"></i>trajectory</span>'
     '<span><i class="hs-line hs-dashed" style="color:var(--hs-truth)"></i>truth</span>'
-    f'<span>{ring("position")}position</span><span>residual 0<i class="hs-ramp"></i>1</span></div>'
+    f'<span>{ring("position")}position</span><span>residual 0<i class="hs-ramp"></i>1</span>'
+    f'<span title="{UNEXPECTED}">{ring("unexpected")}unexpected</span></div>'
 )
 
 PANEL = MatchPanel

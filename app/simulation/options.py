@@ -8,7 +8,7 @@ from typing import Literal
 from slam_core.errors import SlamError
 
 Extra = Literal["gps", "compass", "rangefinder"]
-ScenarioName = Literal["arena", "littoral", "handheld", "rooms", "corridor"]
+ScenarioName = Literal["arena", "littoral", "handheld", "rooms", "corridor", "people", "glass"]
 
 
 class SimulationError(SlamError):
@@ -48,6 +48,8 @@ class SceneOptions:
     """Frequency of the swaying motion, Hz."""
     noise: float = 1.0
     """Factor on all noise, biases and drop-outs; 0 measures exactly."""
+    people: bool = True
+    """Whether people walk about, where the scene has any."""
     imu: bool = True
     """Whether there is an inertial unit."""
     extras: tuple[Extra, ...] | None = None
@@ -55,7 +57,7 @@ class SceneOptions:
     gps_outage: float | None = None
     """Seconds without satellites in the middle of the drive."""
     seed: int = 1
-    """Seed of the noise: the same seed gives the same bytes."""
+    """Seed of the noise and of who walks where: the same seed gives the same bytes."""
 
     def __post_init__(self) -> None:
         """Refuse values out of range: SimulationError names the option, the value and the range."""

@@ -8,6 +8,7 @@ import numpy as np
 from app.simulation.course import STILL
 from app.simulation.motion import Channels, Motion
 from app.simulation.options import Extra, SceneOptions
+from app.simulation.people import Person
 from app.simulation.worlds import World
 from slam_core.measurements import Float64s, Transform
 
@@ -24,6 +25,7 @@ class Scene:
     T_base_laser: Transform
     extras: tuple[Extra, ...] = ()
     gps_outage: float = 0.0
+    people: tuple[Person, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

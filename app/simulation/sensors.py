@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.simulation.beams import first_returns
 from app.simulation.motion import Motion
 from app.simulation.options import SceneOptions
 from app.simulation.scene import Scene
-from slam_core.geometry import rotation_matrix
 from slam_core.measurements import Aid, Float64s, Height, Imu, LaserScan, TruthPose
 
 START_NS = 1_700_000_000 * 10**9  # the time on the clock when a motion begins
@@ -63,18 +63,9 @@ def nanoseconds(t: float) -> int:
     return START_NS + round(t * 1e9)
 
 
-def laser_rays(scene: Scene, t: Float64s, angles: Float64s) -> tuple[Float64s, Float64s]:
-    """(n, 3) origins and unit directions in the map of beams at (n,) seconds and (n,) scan angles."""
-    positions, attitudes = scene.motion.poses(t)
-    beams = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(len(angles))))
-    in_base = beams @ rotation_matrix(scene.T_base_laser.rotation).T
-    origins = positions + attitudes @ scene.T_base_laser.translation
-    return origins, np.einsum("mij,mj->mi", attitudes, in_base)
-
-
 def laser_scans(scene: Scene, options: SceneOptions) -> Iterator[Arrival]:
     """Every complete sweep of the motion, when its last beam has been handed over."""
-    rng = np.random.default_rng([options.seed, 0])
+    rng, panes = np.random.default_rng([options.seed, 0]), np.random.default_rng([options.seed, 3])
     period = 1.0 / options.scan_rate
     increment = UTM30LX.field / (options.beams - 1)
     time_increment = period * increment / (2 * np.pi) if options.beam_timing else 0.0
@@ -82,8 +73,7 @@ def laser_scans(scene: Scene, options: SceneOptions) -> Iterator[Arrival]:
     angles, lapse = increment * count - UTM30LX.field / 2, time_increment * count
     for k in range(int((scene.motion.duration - lapse[-1]) / period) + 1):
         t = k * period
-        true, hits = scene.world.cast(*laser_rays(scene, t + lapse, angles), UTM30LX.range_max)
-        depths = np.where(hits >= 0, scene.world.depths[hits], 0.0)
+        true, depths = first_returns(scene, t + lapse, angles, UTM30LX.range_max, panes)
         scan = LaserScan(
             stamp_ns=nanoseconds(t),
             ranges=_measured(true, depths, options.noise, rng).astype(np.float32),

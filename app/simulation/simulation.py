@@ -3,7 +3,17 @@
 import heapq
 from collections.abc import Callable, Iterator
 
-from app.simulation import aids, scene_arena, scene_corridor, scene_handheld, scene_littoral, scene_rooms, sensors
+from app.simulation import (
+    aids,
+    scene_arena,
+    scene_corridor,
+    scene_glass,
+    scene_handheld,
+    scene_littoral,
+    scene_people,
+    scene_rooms,
+    sensors,
+)
 from app.simulation.options import Extra, ScenarioName, SceneOptions
 from app.simulation.scene import Scene
 from app.simulation.sensors import Arrival
@@ -15,6 +25,8 @@ SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {
     "handheld": scene_handheld.build,
     "rooms": scene_rooms.build,
     "corridor": scene_corridor.build,
+    "people": scene_people.build,
+    "glass": scene_glass.build,
 }
 
 

@@ -6,6 +6,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.simulation.raycast import MISS, ColumnGrid, Ints, cast, column_grid
 from slam_core.measurements import Float64s
@@ -15,10 +16,14 @@ GROUND, CEILING = -2, -3  # what a ray may hit besides a triangle
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """(n, 3, 3) triangles, metres; foliage takes a beam up to about `depth` metres in before it returns."""
+    """(n, 3, 3) triangles, metres; foliage takes a beam up to about `depth` metres in before it returns.
+
+    Glass returns what meets it head on and lets most of the rest through.
+    """
 
     triangles: Float64s
     depth: float = 0.0
+    glass: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,19 @@ class World:
     def depths(self) -> Float64s:
         """(n,) how deep beams enter each triangle, metres."""
         return np.concatenate([np.full(len(surface.triangles), surface.depth) for surface in self.surfaces])
+
+    @cached_property
+    def glass(self) -> NDArray[np.bool_]:
+        """(n,) which triangles are glass."""
+        return np.concatenate([np.full(len(surface.triangles), surface.glass) for surface in self.surfaces])
+
+    @cached_property
+    def normals(self) -> Float64s:
+        """(n, 3) unit normals of the triangles."""
+        a, b, c = self.triangles.transpose(1, 0, 2)
+        normals = np.cross(b - a, c - a)
+        unit: Float64s = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        return unit
 
     @cached_property
     def _grid(self) -> ColumnGrid:

@@ -1,4 +1,4 @@
-"""The scan where it was matched: endpoints coloured by how badly they fit the map."""
+"""The scan where it was matched: endpoints coloured by how badly they fit the map, and what is new to it."""
 
 import numpy as np
 
@@ -56,14 +56,19 @@ class ScanView:
 
 
 def point_colours(result: StepResult, display: Display, config: ScanConfig) -> np.ndarray:
-    """(n, 3) uint8, by residual or by height between the filter's limits, or all alike."""
+    """(n, 3) uint8, by residual or by height between the filter's limits, or all alike.
+
+    By residual, beams that end where the map knows free space have a colour of their own: new, or on the move.
+    """
     theme, count = display.theme, len(result.points)
     if display.points == "height":
         span = max(config.z_max - config.z_min, 1e-6)
         return theme.residual_colours((result.heights - config.z_min) / span)
     if display.points == "residual":
         residuals = result.match.residuals if result.match else np.full(count, UNKNOWN, np.float32)
-        return theme.residual_colours(residuals)
+        colours = theme.residual_colours(residuals)
+        colours[result.unexpected] = theme.unexpected
+        return colours
     return np.tile(np.array(theme.accent, np.uint8), (count, 1))
 
 

@@ -19,7 +19,7 @@ class Theme:
     """Every colour of the page, sRGB 0-255, by what it means.
 
     match, prior, fused, position: the three planar covariances and the position ellipsoid. ramp: small to large
-    residual. series: for plots of several curves.
+    residual. unexpected: beams that end in free space. series: for plots of several curves.
     """
 
     dark: bool
@@ -41,6 +41,7 @@ class Theme:
     warning: Rgb
     error: Rgb
     ramp: tuple[Rgb, ...]
+    unexpected: Rgb
     series: tuple[Rgb, ...]
 
     def residual_colours(self, values: NDArray[np.float32]) -> NDArray[np.uint8]:
@@ -77,6 +78,7 @@ DARK = Theme(
     warning=(255, 178, 48),
     error=(255, 110, 60),
     ramp=((86, 180, 233), (240, 228, 66), (240, 100, 20)),
+    unexpected=(180, 92, 255),
     series=((90, 170, 250), (255, 178, 48), (36, 200, 150), (224, 150, 196), (240, 228, 66), (255, 110, 60)),
 )
 
@@ -100,5 +102,6 @@ LIGHT = Theme(
     warning=(186, 104, 0),
     error=(200, 70, 0),
     ramp=((0, 114, 178), (230, 170, 0), (205, 70, 0)),
+    unexpected=(165, 75, 250),
     series=((0, 114, 178), (217, 130, 0), (0, 138, 100), (184, 84, 146), (92, 102, 116), (200, 70, 0)),
 )

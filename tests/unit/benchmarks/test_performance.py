@@ -9,6 +9,7 @@ from app.metrics import PARTS
 from app.simulation import SceneOptions
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
+from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.outage import Outage
 from benchmarks.performance import MARKS, Accuracy, document, processor
@@ -44,6 +45,7 @@ def accuracy() -> Accuracy:
             ]
         },
         [dict.fromkeys(METHODS, end)],
+        [dict.fromkeys(METHODS, HallOutcome(near, near, near, 0, 2.5))],
         {"satellites": [Outage(0.03, 0.04, 0.01)]},
         {Recording("jackal", Path("a"), 0.0143): dict.fromkeys(METHODS, Replay(414, near, 1.0, ()))},
         {Recording("razor", Path("b")): leaning(2.5)},
@@ -60,6 +62,7 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
         "| its growth |",
         "| 40 Hz | yes | 1.00",
         "| full | 1.000",
+        "| full | 1.00 / 1.00 cm",
         "| satellites | 0.030",
         "| jackal | 414 |",
         "| razor | 3 | 2.5° | - | - |",

@@ -6,6 +6,7 @@ from app.simulation import SceneOptions
 from benchmarks import tables
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import Drive, Recording
+from benchmarks.ghosts import HallOutcome
 
 DRIVE = Drive("40 Hz", SceneOptions(), 0.02)
 
@@ -63,6 +64,15 @@ def test_the_corridor_shows_the_seed_that_held_least() -> None:
     assert plain[1:] == full[1:]
     assert full == ["full", "2.000 / 3.000 m", "3.000 / 4.000 m", "0.500 / 0.500 m", "0.010 / 0.010 m",
                     "80 / 70 % of the scans"]  # fmt: skip
+
+
+def test_a_single_ghost_misses_the_goal() -> None:
+    """Median and worst of errors, ghosts and times; one seed with a ghost is enough."""
+    fine = Outcome(0.02, 0.01)
+    clean, haunted = (HallOutcome(fine, fine, Outcome(0.03, 0.01), n, 3.0 + n) for n in (0, 4))
+    plain, full = cells(tables.halls([{"plain": haunted, "full": clean}, {"plain": clean, "full": clean}]))
+    assert plain[1:] == [*["2.00 / 2.00 cm"] * 2, "3.00 / 3.00 cm", "2 / 4", "5.0 / 7.0 s", "no"]
+    assert full[4:] == ["0 / 0", "3.0 / 3.0 s", "yes"]
 
 
 def test_recordings_with_and_without_truth_are_apart() -> None:

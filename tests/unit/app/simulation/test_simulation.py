@@ -35,7 +35,7 @@ def fingerprint(simulation: Simulation) -> bytes:
     return "\n".join(parts).encode()
 
 
-@pytest.mark.parametrize("scenario", DEMOS)
+@pytest.mark.parametrize("scenario", [*DEMOS, "people", "glass"])
 def test_same_seed_same_numbers(scenario: ScenarioName) -> None:
     """A simulation gives the same again, a new one of the same seed too, another seed does not."""
     simulation = Simulation(scenario, SHORT)
@@ -89,6 +89,8 @@ def test_truth_at_any_time() -> None:
         ("handheld", 59.0, (9.0, 10.0), (1.1, 1.4), 0.018),
         ("rooms", 60.0, (0.0, 0.0), (1.3, 1.4), 0.0),
         ("corridor", 90.0, (0.0, 0.0), (0.95, 1.05), 0.0),
+        ("people", 60.0, (0.0, 0.0), (0.75, 0.85), 0.0),
+        ("glass", 60.0, (0.0, 0.0), (0.75, 0.85), 0.0),
     ],
 )
 def test_scenes_move_as_they_should(
@@ -122,7 +124,7 @@ def test_demos_come_back_to_where_they_began(scenario: ScenarioName) -> None:
     assert away[-50:].min() < 3.0
 
 
-@pytest.mark.parametrize("scenario", [*DEMOS, "rooms", "corridor"])
+@pytest.mark.parametrize("scenario", [*DEMOS, "rooms", "corridor", "people", "glass"])
 def test_nothing_is_driven_through(scenario: ScenarioName) -> None:
     """All along the way there is room around the laser, at its height."""
     scene = Simulation(scenario).scene

@@ -51,7 +51,7 @@ def test_walls_stand_out(theme: Theme) -> None:
 
 
 @THEMES
-@pytest.mark.parametrize("name", [*LINES, "trajectory", "truth"])
+@pytest.mark.parametrize("name", [*LINES, "trajectory", "truth", "unexpected"])
 def test_lines_are_seen_on_the_map(theme: Theme, name: str) -> None:
     """Every line has the contrast that graphics need against free space."""
     assert contrast(getattr(theme, name), theme.free) > 2.9
@@ -76,8 +76,8 @@ def test_estimates_are_told_apart(theme: Theme, eye: str) -> None:
 @THEMES
 @pytest.mark.parametrize("eye", SEEN_BY)
 def test_residuals_are_told_apart(theme: Theme, eye: str) -> None:
-    """Small, middle and large residuals differ clearly for every kind of colour vision."""
-    for a, b in combinations(theme.ramp, 2):
+    """Small, middle and large residuals, and surprises, differ clearly for every kind of colour vision."""
+    for a, b in combinations([*theme.ramp, theme.unexpected], 2):
         assert np.linalg.norm(lab(a, SEEN_BY[eye]) - lab(b, SEEN_BY[eye])) > 20.0
 
 

@@ -1,0 +1,146 @@
+"""What people leave behind in the map: occupied cells where in truth nothing stands any more.
+
+A cell counts as seen while a beam of the true pose, with nothing in its way, could pass it. Its time in sight
+begins when the last person has left it; a ghost is a cell that is still occupied after SIGHT_S of that.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.pipeline import Pipeline
+from app.settings import Settings
+from app.simulation import SceneOptions, Simulation
+from app.simulation.beams import first_returns, laser_rays
+from app.simulation.scene import Scene
+from app.simulation.sensors import START_NS, UTM30LX
+from app.sources import Item
+from benchmarks.accuracy import Outcome, outcome, process
+from benchmarks.cases import METHODS
+from slam_core.config import SlamConfig
+from slam_core.grid import GridLevel
+from slam_core.measurements import Float64s
+from slam_core.results import StepResult
+
+SIGHT_S = 5.0
+EVERY = 8  # scans between two looks at the map
+AROUND = 0.15  # m around walls and people where an occupied cell may be theirs: noise, and an inaccurate pose
+
+Cells = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class HallOutcome:
+    """Errors with nobody in the hall, with people, and beside glass; ghosts: cells that ever were one.
+
+    longest: seconds in sight until the last cell that people had left was free.
+    """
+
+    nobody: Outcome
+    people: Outcome
+    glass: Outcome
+    ghosts: int
+    longest: float
+
+
+def halls(options: SceneOptions, seed: int) -> dict[str, HallOutcome]:
+    """The drives through the halls by every method."""
+    options = replace(options, seed=seed)
+    nobody = list(Simulation("people", replace(options, people=False)).items())
+    glass = list(Simulation("glass", options).items())
+    crowd = Simulation("people", options)
+    items = list(crowd.items())
+    results = {}
+    for method, config in METHODS.items():
+        watch, pipeline = watched(crowd.scene, items, config)
+        alone, beside = (outcome(process(measured, config)) for measured in (nobody, glass))
+        results[method] = HallOutcome(alone, outcome(pipeline), beside, watch.ghosts, watch.longest)
+    return results
+
+
+def watched(scene: Scene, items: Iterable[Item], config: SlamConfig) -> tuple["Watch", Pipeline]:
+    """A run with an eye on the map."""
+    pipeline, watch = Pipeline(Settings(config)), Watch(scene)
+    for result in _results(pipeline, items):
+        if result.index % EVERY == 0:
+            watch.look(result, pipeline.slam.pyramid.levels[0])
+    return watch, pipeline
+
+
+def _results(pipeline: Pipeline, items: Iterable[Item]) -> Iterator[StepResult]:
+    for item in items:
+        for measurement in pipeline.admit(item):
+            result = pipeline.step(measurement)
+            if result is not None:
+                yield result
+
+
+class Watch:
+    """Every cell of the hall: for how long it was in sight since somebody stood there, and the ghosts."""
+
+    def __init__(self, scene: Scene, resolution: float = 0.05) -> None:
+        self._scene = scene
+        corners = scene.world.triangles[:, :, :2].reshape(-1, 2)
+        self._first = np.floor(corners.min(axis=0) / resolution).astype(np.int64)
+        columns, rows = np.ceil(corners.max(axis=0) / resolution).astype(np.int64) - self._first + 1
+        ahead = np.arange(max(rows, columns)) + 0.5
+        self._x = (self._first[0] + ahead[:columns])[None, :] * resolution
+        self._y = (self._first[1] + ahead[:rows])[:, None] * resolution
+        self._static = _near_walls(scene, self._x, self._y)
+        self._sight = np.zeros((rows, columns))
+        self._ghosts = np.zeros((rows, columns), np.bool_)
+        self._last = 0.0
+        self.longest = 0.0
+
+    @property
+    def ghosts(self) -> int:
+        """Cells that ever were a ghost."""
+        return int(np.count_nonzero(self._ghosts))
+
+    def look(self, result: StepResult, level: GridLevel) -> None:
+        """Compare the map with the truth of this moment."""
+        t = (result.stamp_ns - START_NS) * 1e-9
+        taken = self._taken(t)
+        self._sight += (t - self._last) * self._visible(t)
+        self._sight[taken] = 0.0
+        self._last = t
+        left, low = self._first - level.corner
+        rows, columns = self._static.shape
+        occupied = level.log_odds[low : low + rows, left : left + columns] > 0
+        stale = occupied & ~taken & ~self._static
+        self._ghosts |= stale & (self._sight > SIGHT_S)
+        if stale.any():
+            self.longest = max(self.longest, float(self._sight[stale].max()))
+
+    def _taken(self, t: float) -> Cells:
+        taken = np.zeros(self._static.shape, np.bool_)
+        for person in self._scene.people:
+            x, y = person.way(np.array([t]))[0]
+            taken |= (self._x - x) ** 2 + (self._y - y) ** 2 < (person.radius + AROUND) ** 2
+        return taken
+
+    def _visible(self, t: float) -> Cells:
+        angles = np.linspace(-0.5, 0.5, 1081) * UTM30LX.field
+        at = np.full(len(angles), t)
+        origins, directions = laser_rays(self._scene, at, angles)
+        reach, _ = first_returns(self._scene, at, angles, UTM30LX.range_max, np.random.default_rng(0))
+        middle = np.arctan2(directions[540, 1], directions[540, 0])
+        dx, dy = self._x - origins[0, 0], self._y - origins[0, 1]
+        bearing = np.arctan2(dy, dx) - middle
+        beam = np.rint((np.mod(bearing + np.pi, 2 * np.pi) - np.pi) / UTM30LX.field * 1080 + 540).astype(np.int64)
+        within = (beam >= 0) & (beam <= 1080)
+        return within & (np.hypot(dx, dy) + AROUND < reach[np.clip(beam, 0, 1080)])
+
+
+def _near_walls(scene: Scene, x: Float64s, y: Float64s) -> Cells:
+    """Cells whose centres (x, y) lie within AROUND of a wall, seen in plan."""
+    near = np.zeros((y.size, x.size), np.bool_)
+    upright = np.abs(scene.world.normals[:, 2]) < 0.5
+    for corners in scene.world.triangles[upright, :, :2]:
+        for a, b in zip(corners, np.roll(corners, 1, axis=0), strict=True):
+            d = b - a
+            u = np.clip(((x - a[0]) * d[0] + (y - a[1]) * d[1]) / max(float(d @ d), 1e-12), 0.0, 1.0)
+            near |= (x - a[0] - u * d[0]) ** 2 + (y - a[1] - u * d[1]) ** 2 < AROUND**2
+    return near
