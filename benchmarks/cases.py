@@ -21,6 +21,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "matcher.converged_step": 0.0,
     "matcher.start_estimate": "last_pose",
     "scan.deskew": False,
+    "motion.refinements": 0,
     "tracking.check": False,
     "map.doubt_interval": 0.0,
     "aiding.standstill": False,

@@ -242,6 +242,10 @@ class MotionConfig:
     yaw_acceleration: Annotated[
         float, Param("White noise on the yaw rate.", "rad/s²/√Hz", 0.01, 50.0, log=True)
     ] = 3.0
+    refinements: Annotated[
+        int,
+        Param("How often a sweep may be placed and matched anew by the motion that its match shows.", "", 0, 5),
+    ] = 3
     odometry_sigma: Annotated[float, Param("Noise of a wheel velocity.", "m/s", 0.001, 2.0, log=True)] = 0.05
     odometry_slip: Annotated[
         float, Param("Noise of a wheel velocity as a share of it: wheels slip, most in turns.", "", 0.0, 2.0)

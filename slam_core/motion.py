@@ -105,6 +105,11 @@ class PlanarMotion:
         covariance[:3, :3], covariance[3:, 3:] = pose.covariance, self._covariance[3:, 3:]
         self._set_covariance(covariance)
 
+    @property
+    def twist(self) -> Float64s:
+        """(3,) velocity forward and left, m/s, and yaw rate, rad/s."""
+        return self._mean[3:].copy()
+
     def copy(self) -> "PlanarMotion":
         """An independent copy."""
         other = PlanarMotion()

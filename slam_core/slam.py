@@ -29,6 +29,7 @@ from slam_core.motion import PlanarMotion, odometry_sigmas
 from slam_core.navigation import NavigationFilter
 from slam_core.pyramid import Pyramid
 from slam_core.results import Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
+from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
 from slam_core.tracking import Tracker, Verdict, disagreement, fit, search_window
@@ -162,6 +163,11 @@ class HectorSlam:
         prior = self._prior(scan.mid_ns)
         lap("filter")
         match, verdict = self._match(leveled, prior, scan.mid_ns)
+        if match and verdict.believed and not self._inertial:
+            leveled, match = refine(
+                scan, leveled, match, prior, self.pyramid, self._planar, self.config, trace=self.trace
+            )
+            self._pose = match.pose
         lap("match")
         unexpected = self.pyramid.unexpected(leveled.points, self._pose)
         updated = verdict.believed and self._map(leveled)
