@@ -20,7 +20,7 @@ from app.runner import run_headless
 from app.settings import Settings
 from app.sources import open_source
 from app.warmup import warm_up
-from benchmarks import kernels, returning, tables
+from benchmarks import kernels, returning, tables, whole_map
 from benchmarks.accuracy import CorridorOutcome, Outcomes, Replay, corridor, drive, replay
 from benchmarks.cases import (
     CORRIDOR,
@@ -41,6 +41,7 @@ from benchmarks.cases import (
 from benchmarks.ghosts import SIGHT_S, HallOutcome, halls
 from benchmarks.inertial import Ride, ride
 from benchmarks.outage import OUTAGE_SEEDS, OUTAGES, Outage
+from benchmarks.whole_map import BEAMS, STARTS, Finding
 from tests.conftest import ROOT
 
 PROCESSES = 2
@@ -108,7 +109,9 @@ def machine() -> str:
     return f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, {libraries}"
 
 
-def document(speed: dict[str, dict[str, Any]], parts: str, growth: str, accuracy: Accuracy) -> str:
+def document(
+    speed: dict[str, dict[str, Any]], parts: str, growth: str, findings: list[Finding], accuracy: Accuracy
+) -> str:
     """docs/performance.md."""
     settings = ", ".join(f"`{name}` {str(value).lower()}" for name, value in PLAIN_SETTINGS.items())
     return f"""# Performance
@@ -141,6 +144,14 @@ share of eqs. (11) and (13).
 How the match and the update of one scan grow: there with other beams, levels and sizes of the first map.
 
 {growth}
+## Finding the robot in a saved map
+
+One scan of {BEAMS} beams, sought anywhere in a map that another drive made, {STARTS} times; and scans from another
+place, which must not be taken. Not found are scans that fit in several places alike, or too badly to be sure: then
+the next scans are tried. Seconds of one search, median / worst. Rooms and arena are the simulated scenes; the site
+is made of random walls and boxes.
+
+{tables.findings(findings)}
 ## Accuracy in simulated rooms
 
 Centimetres, median / worst over {len(SEEDS)} seeds: rooms of 30 x 20 m, {DRIVES[0].options.beams} beams, 60 s at
@@ -197,7 +208,8 @@ def main() -> None:
     warm_up()
     speed = measure_speed()
     print("speed: kernels", flush=True)
-    text = document(speed, kernels.parts_table(), kernels.scaling(), measure_accuracy())
+    parts, growth = kernels.parts_table(), kernels.scaling()
+    text = document(speed, parts, growth, whole_map.measure(), measure_accuracy())
     (ROOT / "docs" / "performance.md").write_text(text, encoding="utf-8")
     readme = ROOT / "README.md"
     shown = f"{tables.speed(speed)}\n{SOURCE}\n"

@@ -10,6 +10,7 @@ from benchmarks.cases import METHODS, Drive, Recording
 from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.outage import Outage
+from benchmarks.whole_map import Finding
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -104,6 +105,22 @@ def _halls_row(method: str, runs: Sequence[HallOutcome]) -> Iterator[str]:
     yield spread([run.ghosts for run in runs], ".0f")
     yield spread([run.longest for run in runs], ".1f") + " s"
     yield _yes(not any(run.ghosts for run in runs))
+
+
+def findings(maps: Sequence[Finding]) -> str:
+    """How often a robot was found in a saved map, and how long a search took, a row a map."""
+    head = ("map", "size", "found", "wrong", "from elsewhere, taken", "search", "search, from elsewhere")
+    return table(head, map(_finding_row, maps))
+
+
+def _finding_row(finding: Finding) -> Iterator[str]:
+    yield finding.name
+    yield f"{finding.size[0]:.0f} x {finding.size[1]:.0f} m"
+    yield f"{finding.found} of {finding.starts}"
+    yield str(finding.wrong)
+    yield f"{finding.foreign_taken} of {finding.foreign}"
+    yield f"{spread(finding.seconds, '.2f')} s"
+    yield f"{spread(finding.foreign_seconds, '.2f')} s"
 
 
 def replays(results: Mapping[Recording, Mapping[str, Replay]]) -> str:

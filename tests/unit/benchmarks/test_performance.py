@@ -13,6 +13,7 @@ from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.outage import Outage
 from benchmarks.performance import MARKS, Accuracy, document, processor
+from benchmarks.whole_map import Finding
 from slam_core.measurements import Transform
 from slam_core.results import NavigationState
 from tests.conftest import ROOT
@@ -54,12 +55,14 @@ def accuracy() -> Accuracy:
 
 def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
     """A row of each table is there, with the machine and each setting that makes the plain method."""
-    text = document(SPEED, "| a part |\n", "| its growth |\n", accuracy())
+    found = Finding("site", (100.0, 99.6), 93, 0, 100, 1, 100, [0.5, 0.7, 1.7], [0.9])
+    text = document(SPEED, "| a part |\n", "| its growth |\n", [found], accuracy())
     for row in (
         "| arena | 2381 |",
         "| arena | 100 |",
         "| a part |",
         "| its growth |",
+        "| site | 100 x 100 m | 93 of 100 | 0 | 1 of 100 | 0.70 / 1.70 s | 0.90 / 0.90 s |",
         "| 40 Hz | yes | 1.00",
         "| full | 1.000",
         "| full | 1.00 / 1.00 cm",
