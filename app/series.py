@@ -27,6 +27,7 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
         map_updates,
         match.weakest_sigma if match else _NAN,
         float(np.mean(result.unexpected)),
+        match.weakest_share if match else _NAN,
         *_navigation(result.navigation),
         *(ns / 1e6 for ns in (durations.stabilise, durations.match, durations.update, durations.filter)),
     )

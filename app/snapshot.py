@@ -138,7 +138,7 @@ SERIES_FIELDS = (
     "match_sigma_x", "match_sigma_y", "match_sigma_yaw",
     "filter_sigma_x", "filter_sigma_y", "filter_sigma_yaw",
     "fused_sigma_x", "fused_sigma_y", "fused_sigma_yaw",
-    "residual", "iterations", "beams", "map_updates", "weakest_sigma", "unexpected",
+    "residual", "iterations", "beams", "map_updates", "weakest_sigma", "unexpected", "weakest_share",
     "gyro_bias_x", "gyro_bias_y", "gyro_bias_z", "accel_bias_x", "accel_bias_y", "accel_bias_z",
     "vx", "vy", "vz",
     "stabilise_ms", "match_ms", "update_ms", "filter_ms",

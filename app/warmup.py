@@ -26,8 +26,8 @@ def warm_up() -> None:
 
 
 def _run(inertial: bool) -> None:
-    # No match is sure enough: the surfaces are looked for in every scan.
-    config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_sigma", 1e-4)
+    # The surfaces are looked for in every scan.
+    config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_share", 1.0)
     given = None
     for method in ("hessian", "sampled"):
         pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)), given=given)

@@ -13,12 +13,15 @@ from app.snapshot import SERIES_DTYPE
 from app.sources import Item, open_source
 from benchmarks import returning
 from benchmarks.cases import LOST_M, METHODS, Recording
+from benchmarks.wheels import with_wheels
 from slam_core.config import SlamConfig
 from slam_core.evaluation import Trajectory, interpolate, rms
 from slam_core.measurements import Float64s, Imu
 
 Outcomes = dict[tuple[str, bool], "Outcome"]
 """By method and whether there was inertial data."""
+
+WHEELED, BARE = "full, with wheels", "full, without IMU"  # further drives along the corridor
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +41,15 @@ class Outcome:
 class CorridorOutcome:
     """Errors in metres along and across a corridor: root mean square, and at the end; and what was claimed.
 
-    sigma_end: along, of the fused pose at the end, metres. held: share of the scans whose error along lies within
-    three such sigmas.
+    sigma_end: along, of the fused pose, metres, when the scan last left that direction open. held_open, held: the
+    share of the scans, of those until then and of all, whose error along lies within three such sigmas.
     """
 
     along: float
     across: float
     along_end: float
     sigma_end: float
+    held_open: float
     held: float
 
 
@@ -86,9 +90,12 @@ def drive(options: SceneOptions, seed: int) -> Outcomes:
 
 
 def corridor(options: SceneOptions, seed: int) -> dict[str, CorridorOutcome]:
-    """One drive along the corridor, with inertial data, by both methods."""
+    """One drive along the corridor by both methods, and by the full one with other sensors."""
     items = list(Simulation("corridor", replace(options, seed=seed)).items())
-    return {method: along_and_across(process(items, config)) for method, config in METHODS.items()}
+    drives = {method: (items, config) for method, config in METHODS.items()}
+    drives[WHEELED] = list(with_wheels(items, seed)), METHODS["full"]
+    drives[BARE] = [item for item in items if not isinstance(item, Imu)], METHODS["full"]
+    return {name: along_and_across(process(*drive)) for name, drive in drives.items()}
 
 
 def replay(recording: Recording) -> dict[str, Replay]:
@@ -107,13 +114,18 @@ def along_and_across(pipeline: Pipeline) -> CorridorOutcome:
     """The corridor runs along x of the map, and the truth begins at its origin."""
     truth, covered = interpolate(Trajectory.from_rows(pipeline.truth), pipeline.trajectory[:, 0])
     error = pipeline.trajectory[covered, 1:3] - truth.positions[:, :2]
-    sigma: Float64s = pipeline.series.view(SERIES_DTYPE).reshape(-1)["fused_sigma_x"][covered]
+    series = pipeline.series.view(SERIES_DTYPE).reshape(-1)[covered]
+    sigma: Float64s = series["fused_sigma_x"]
+    within = np.abs(error[:, 0]) <= 3 * sigma
+    is_open = np.flatnonzero(series["weakest_share"] < SlamConfig().matcher.blind_share)
+    last = int(is_open[-1]) if len(is_open) else len(sigma) - 1
     return CorridorOutcome(
         along=rms(error[:, 0]),
         across=rms(error[:, 1]),
         along_end=abs(float(error[-1, 0])),
-        sigma_end=float(sigma[-1]),
-        held=float(np.mean(np.abs(error[:, 0]) <= 3 * sigma)),
+        sigma_end=float(sigma[last]),
+        held_open=float(np.mean(within[: last + 1])),
+        held=float(np.mean(within)),
     )
 
 

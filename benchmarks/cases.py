@@ -17,7 +17,8 @@ LOST_M = 1.0  # a raw error beyond this is no inaccuracy any more
 PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "map.factor_behind": 0.5,
     "matcher.prior_weight": 0.0,
-    "matcher.weak_sigma": 10.0,
+    "matcher.weak_share": 0.0,
+    "matcher.blind_share": 0.0,
     "matcher.converged_step": 0.0,
     "matcher.start_estimate": "last_pose",
     "scan.deskew": False,
@@ -29,6 +30,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "tracking.relocalise": False,
     "navigation.height_gate": 0.0,
     "motion.odometry_gate": 0.0,
+    "fusion.observed_only": False,
 }
 
 

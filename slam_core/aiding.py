@@ -5,7 +5,7 @@ x (19,) and P (15, 15) are laid out as in slam_core.kernels.navigation.
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.chi_square import bound
 from slam_core.config import FusionMethod
-from slam_core.intersection import RULES
+from slam_core.intersection import NOWHERE, RULES
 from slam_core.kernels import fusion
 from slam_core.kernels.linear import is_measurement
 from slam_core.kernels.navigation import ERRORS
@@ -78,13 +78,19 @@ class Correction(ABC):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanarPose(Correction):
-    """Section V-B: a match xi (3,) with covariance R (3, 3), fused by a method, if fixed with weight omega."""
+    """Section V-B: a match xi (3,) with covariance R (3, 3), fused by a method, if fixed with weight omega.
+
+    blind: (2,) direction of the plane about which the match says nothing, or zero: along it, place and velocity
+    stay as they are. observed_only: see `slam_core.intersection.intersect`.
+    """
 
     xi: Float64s
     R: Float64s
     omega: float
     method: FusionMethod = "fixed"
     gate: float = 0.0
+    blind: Float64s = field(default_factory=lambda: NOWHERE)
+    observed_only: bool = False
     source: ClassVar[str] = "scan"
     measures: ClassVar[tuple[int, ...]] = (2, 3, 4)
 
@@ -102,7 +108,8 @@ class PlanarPose(Correction):
     def update(self, x: Float64s, P: Float64s) -> Update:
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
-        return Update(*fusion.correct_planar(x, P, self.xi, self.R, RULES[self.method], self.omega, limit), limit)
+        rule = RULES[self.method], self.omega, self.blind, self.observed_only
+        return Update(*fusion.correct_planar(x, P, self.xi, self.R, *rule, limit), limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -43,6 +43,7 @@ TRUST_NS = 1_000_000_000  # a match is good for this long
 STEP_NS = 300_000_000  # a ground that lies elsewhere for this long has a step
 REGAUGE_NS = 60_000_000_000  # satellites that contradict the map for this long: where it lies was learned wrongly
 REST_SPEED = 0.02  # m/s: how still a base stands that stands still
+DRIFT_SPEED = 0.3  # m/s: what a filter without aid may come to believe of a base that stands still
 REST_RATE, REST_FORCE = 5e-4, 0.03  # rad/s, m/s²: what is left of motion at rest
 
 
@@ -178,10 +179,13 @@ class Aids:
 
 
 def _may_rest(estimator: NavigationFilter) -> bool:
-    """Whether the filter's velocity allows for rest: a smooth drive looks the same to inertial sensors."""
+    """Whether the filter's velocity allows for rest: a smooth drive looks the same to inertial sensors.
+
+    A velocity that is merely uncertain, as along a bare corridor, is no reason to take a drive for rest.
+    """
     state = estimator.state
     sigma = math.sqrt(float(state.covariance.diagonal()[6:8].max()))
-    return math.hypot(state.velocity[0], state.velocity[1]) < 3.0 * (sigma + REST_SPEED)
+    return math.hypot(state.velocity[0], state.velocity[1]) < min(3.0 * (sigma + REST_SPEED), DRIFT_SPEED)
 
 
 def _status(source: str, estimator: NavigationFilter) -> AidingStatus | None:

@@ -104,17 +104,26 @@ class MatcherConfig:
     covariance: Annotated[CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")] = (
         "hessian"
     )
-    weak_sigma: Annotated[
+    weak_share: Annotated[
         float,
         Param(
-            "A match less certain than this in some direction uses only the map's gradient across the surfaces"
-            " that it hit (10: never, the paper's match).",
-            "m",
-            0.0001,
-            10.0,
-            log=True,
+            "Where the shape of a scan fixes some direction by less than this share of its beams, only the map's"
+            " gradient across the surfaces counts (0: always all of it, the paper's match).",
+            "",
+            0.0,
+            1.0,
         ),
-    ] = 0.003
+    ] = 0.02
+    blind_share: Annotated[
+        float,
+        Param(
+            "A direction that less than this share of the beams fixes, as along a bare corridor, is left to the"
+            " prediction (0: never).",
+            "",
+            0.0,
+            0.2,
+        ),
+    ] = 0.005
     prior_weight: Annotated[
         float,
         Param("How much the predicted pose counts in the match (0: the paper's plain match).", "", 0.0, 10.0),
@@ -165,7 +174,7 @@ class NavigationConfig:
     ] = 5.0
     zero_velocity_threshold: Annotated[
         float, Param("A velocity less certain than this is pulled to zero.", "m/s", 0.1, 20.0, log=True)
-    ] = 2.0
+    ] = 10.0
     zero_velocity_sigma: Annotated[
         float, Param("Noise of that pseudo measurement.", "m/s", 0.05, 20.0, log=True)
     ] = 1.0
@@ -281,6 +290,9 @@ class FusionConfig:
             "With an IMU, a match further from the prediction than this is not fused (0: none).", "σ", 0.0, 100.0
         ),
     ] = 0.0
+    observed_only: Annotated[
+        bool, Param("Widen only what hangs on the pose that is observed (off: the whole state, as in the paper).")
+    ] = True
 
 
 @dataclass(frozen=True, slots=True)

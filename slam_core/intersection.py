@@ -17,10 +17,21 @@ RULES: dict[FusionMethod, int] = {
     "determinant": fusion.MIN_DETERMINANT,
     "kalman": fusion.KALMAN,
 }
+NOWHERE = np.zeros(2)
+NOTHING = np.zeros((0, 0))
 
 
 def intersect(
-    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, omega: float, method: FusionMethod = "fixed"
+    P: Float64s,
+    C: Float64s,
+    R: Float64s,
+    innovation: Float64s,
+    omega: float,
+    method: FusionMethod = "fixed",
+    *,
+    blind: Float64s = NOWHERE,
+    held: Float64s = NOTHING,
+    observed_only: bool = False,
 ) -> tuple[Float64s, Float64s]:
     """Eqs. (18)-(20): the correction K (xi - C x) to add to x, and P+.
 
@@ -28,8 +39,16 @@ def intersect(
     K = P C^T ((1 - omega) / omega R + C P C^T)^-1 and P+ = (P - K C P) / (1 - omega). Other methods than "fixed"
     do not ask for omega: they choose it anew, so that P+ has the least trace (relative to P, as the units differ)
     or determinant, or they trust that the errors are independent, which is the Kalman update.
+
+    observed_only: apply this to the part of P that hangs on C x, P C^T (C P C^T)^-1 C P, and leave the rest alone.
+    K is the same. The match knows of the state through C x alone, so that nothing else in it can be correlated
+    with the error of the match, and has to be widened for that.
+    blind: (2,) unit vector in the plane about which the match says nothing, or zero; held: (k, n) combinations of
+    the state that it leaves alone then, with all that hangs on them. C x is (x, y, psi) in that case.
     """
-    fused: tuple[Float64s, Float64s] = fusion.fuse(P, C, R, innovation, RULES[method], omega)
+    fused: tuple[Float64s, Float64s] = fusion.fuse_part(
+        P, C, R, innovation, RULES[method], omega, blind, held, observed_only
+    )
     return fused
 
 

@@ -18,6 +18,7 @@ from slam_core.surfaces import Beams
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
 NO_TRACE = np.empty((0, 4))
+NOWHERE = np.zeros(2)  # in the place of a blind direction
 NOTHING_KNOWN = np.eye(3)  # in the place of a prior's covariance, with a weight of 0
 
 
@@ -34,8 +35,9 @@ def coarse_to_fine(
 
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
-    config.prior_weight; R stays what the scan alone says. The paper's whole gradient is used where that fixes the
-    position, else only what lies across the surfaces (see config.weak_sigma).
+    config.prior_weight; R stays what the scan alone says. Where few beams fix some direction of the position, only
+    the map's gradient across the surfaces counts (config.weak_share); where next to none do, the pose stays there
+    as it was at the start (config.blind_share).
     """
     levels = pyramid.levels
     residuals = np.empty(len(points), np.float32)
@@ -55,17 +57,19 @@ def coarse_to_fine(
         config.converged_step,
         config.max_yaw_step,
         config.sigma,
-        config.weak_sigma,
+        config.weak_share,
+        config.blind_share,
         residuals,
         steps,
     )
-    pose, hessian, covariance = found[0], found[1:4], found[4:]
+    pose, blind, weakest_share = found[0], found[1, :2], float(found[1, 2])
+    hessian, covariance = found[2:5], found[5:]
     pose[2] = wrap(pose[2])
     if config.covariance == "sampled":
-        covariance = sampled_covariance(levels[0], points, pose, config.sigma)
+        covariance = sampled_covariance(levels[0], points, pose, config.sigma, blind)
     iterations = tuple(taken.tolist())
     iterates = _in_order(steps, iterations) if trace else NO_TRACE
-    return MatchResult(pose, covariance, hessian, residuals, iterations, converged, iterates)
+    return MatchResult(pose, covariance, hessian, residuals, iterations, converged, iterates, blind, weakest_share)
 
 
 def _in_order(steps: Float64s, taken: tuple[int, ...]) -> Float64s:
@@ -84,21 +88,25 @@ def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Fl
     return hessian, np.array([b0, b1, b2]), float(cost)
 
 
-def hessian_covariance(hessian: Float64s, sigma: float) -> Float64s:
-    """R = sigma^2 H^-1, eq. (15), bounded where H is (nearly) singular by LARGEST_SIGMA."""
-    covariance: Float64s = climbing.hessian_covariance(hessian, sigma)
+def hessian_covariance(hessian: Float64s, sigma: float, blind: Float64s = NOWHERE) -> Float64s:
+    """R = sigma^2 H^-1, eq. (15), by LARGEST_SIGMA along `blind` (2,) and where H is (nearly) singular."""
+    covariance: Float64s = climbing.hessian_covariance(hessian, sigma, blind)
     return covariance
 
 
-def sampled_covariance(level: GridLevel, points: Float32s, pose: Float64s, sigma: float) -> Float64s:
+def sampled_covariance(
+    level: GridLevel, points: Float32s, pose: Float64s, sigma: float, blind: Float64s = NOWHERE
+) -> Float64s:
     """The sampled alternative of section IV-B: poses near the match, weighted by how well they fit.
 
     Samples lie on the axes of the Hessian's ellipsoid, as sigma points do; each weighs exp(-dE / (2 sigma^2)) with
-    dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more. (3, 3), metres and radians.
+    dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more; a blind direction, in which
+    the cost tells nothing, is left as it is. (3, 3), metres and radians.
     """
     beams = Beams.plain(points)
     hessian, _, best = normal_equations(level, beams, pose)
-    variances, axes = np.linalg.eigh(hessian_covariance(hessian, sigma))
+    variances, axes = np.linalg.eigh(hessian_covariance(hessian, sigma, blind))
+    blinded = np.abs(blind @ axes[:2]) > 0.5
     expected = np.exp(-0.5 * SAMPLED_SIGMAS**2)
     wanted = np.sum(expected * SAMPLED_SIGMAS**2) / (1.0 + 2.0 * np.sum(expected)) * 2.0
     scales = np.empty(3)
@@ -108,5 +116,6 @@ def sampled_covariance(level: GridLevel, points: Float32s, pose: Float64s, sigma
         extra = np.array([normal_equations(level, beams, p)[2] for p in poses]) - best
         weights = np.exp(-np.maximum(extra, 0.0) / (2.0 * sigma**2))
         scales[j] = np.sum(weights * offsets**2) / (1.0 + np.sum(weights)) / wanted
+    scales[blinded] = 1.0
     covariance: Float64s = (axes * (variances * scales)) @ axes.T
     return covariance

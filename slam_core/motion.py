@@ -14,7 +14,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import FusionConfig, MotionConfig
-from slam_core.intersection import intersect
+from slam_core.intersection import NOWHERE, intersect
 from slam_core.kernels.fusion import KALMAN, fuse
 from slam_core.kernels.inertial import FASTEST
 from slam_core.kernels.navigation import SLIP_SIGMA
@@ -85,13 +85,21 @@ class PlanarMotion:
         self._advance(time_ns, config)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
-    def fuse(self, match: PlanarGaussian, config: FusionConfig) -> PlanarGaussian:
-        """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose."""
+    def fuse(self, match: PlanarGaussian, config: FusionConfig, blind: Float64s = NOWHERE) -> PlanarGaussian:
+        """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose.
+
+        blind: (2,) direction of the plane about which the match says nothing, or zero.
+        """
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
+        c, s = math.cos(self._mean[2]), math.sin(self._mean[2])
+        held = np.zeros((2, 6))
+        held[0, :2] = blind
+        held[1, 3:5] = c * blind[0] + s * blind[1], c * blind[1] - s * blind[0]
         step, covariance = intersect(
-            self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method
-        )
+            self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
+            blind=blind, held=held, observed_only=config.observed_only,
+        )  # fmt: skip
         self._mean = self._mean + step
         self._mean[2] = geometry.wrap(self._mean[2])
         self._set_covariance(covariance)

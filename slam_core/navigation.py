@@ -13,6 +13,7 @@ from slam_core.aiding import BodyVelocity, Correction, HeightAid, PlanarPose, pr
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
 from slam_core.history import Belief, History
 from slam_core.inertial import Intake
+from slam_core.intersection import NOWHERE
 from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import sandwich
 from slam_core.kernels.passage import MAX_GAP_NS
@@ -149,13 +150,18 @@ class NavigationFilter:
         omega: float,
         method: FusionMethod = "fixed",
         gate: float = 0.0,
+        *,
+        blind: Float64s = NOWHERE,
+        observed_only: bool = False,
     ) -> tuple[NavigationState, NavigationState]:
         """Eqs. (18)-(20) with a match at an instant: the belief there before and after; it must be `ready`.
 
-        xi: (3,) x, y, psi in metres and radians. R: (3, 3). The same belief twice if the match is of no use.
+        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, observed_only: see PlanarPose. The same belief
+        twice if the match is of no use.
         """
         before = self.at(time_ns)
-        taken = self.correct(time_ns, PlanarPose(np.array(xi), np.array(R), omega, method, gate))
+        match = PlanarPose(np.array(xi), np.array(R), omega, method, gate, np.array(blind), observed_only)
+        taken = self.correct(time_ns, match)
         return before, self.at(time_ns) if taken else before
 
     def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:

@@ -29,6 +29,8 @@ class MatchResult:
     and radians. hessian: (3, 3) H of eq. (13) at the finest level, per metre and radian.
     residuals: (n,) 1 - M(S_i(xi*)) of every endpoint, at the finest level. iterations: finest level first.
     trace: (k, 4) level, x, y, psi after each Gauss-Newton step, coarse to fine; (0, 4) when not asked for.
+    weakest_share: share of the beams that fix the position in the direction that the scan's shape fixes worst.
+    blind: (2,) that direction in the map, where the pose is the start estimate's because too few do; else zero.
     """
 
     pose: Float64s
@@ -38,6 +40,8 @@ class MatchResult:
     iterations: tuple[int, ...]
     converged: bool
     trace: Float64s
+    blind: Float64s = field(default_factory=lambda: np.zeros(2))
+    weakest_share: float = 1.0
 
     @property
     def mean_residual(self) -> float:

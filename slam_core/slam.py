@@ -35,7 +35,9 @@ from slam_core.stabilise import StabilisedScan, stabilise
 from slam_core.tracking import Tracker, Verdict, disagreement, fit, search_window
 
 # Where the map begins is where the first scan was taken: this sure.
-ORIGIN = PlanarGaussian(np.zeros(3), np.diag([1e-6, 1e-6, 1e-6]))
+FIRST = MatchResult(
+    np.zeros(3), np.diag([1e-6, 1e-6, 1e-6]), np.zeros((3, 3)), np.empty(0, np.float32), (), True, np.empty((0, 4))
+)
 
 
 class HectorSlam:
@@ -50,7 +52,7 @@ class HectorSlam:
     ) -> None:
         self.config = config
         self.pyramid = given.pyramid(config.map) if given else Pyramid(config.map)
-        self._lookout = Lookout(given.start if given else ORIGIN.mean)
+        self._lookout = Lookout(given.start if given else FIRST.pose)
         self._placed = given is None
         self._writes = given is None or given.write
         self.skipped: Counter[str] = Counter()
@@ -174,8 +176,7 @@ class HectorSlam:
         if match and verdict.believed:
             self._doubt(leveled, scan.mid_ns)
         lap("update")
-        matched = match.gaussian if match else ORIGIN
-        fused, navigation = self._fuse(scan.mid_ns, matched if verdict.believed else None)
+        fused, navigation = self._fuse(scan.mid_ns, match or FIRST, verdict.believed)
         if verdict.believed:
             self._aids.believe(scan.mid_ns)
         T_map_base = self._estimate(scan.mid_ns)
@@ -274,6 +275,7 @@ class HectorSlam:
         if not reason:
             return match, tracker.believe(seen, reason)
         start = find_pose(level, points, prior.mean, search_window(prior, config))
+        start[:2] -= match.blind * (match.blind @ (start - prior.mean)[:2])  # there any place fits as well
         other = coarse_to_fine(self.pyramid, points, start, self.config.matcher, trace=self.trace)
         for candidate in (other, match):
             seen = fit(level, points, candidate.pose)
@@ -321,17 +323,20 @@ class HectorSlam:
             self._doubted_ns = time_ns
             self.pyramid.doubt(leveled.points, leveled.laser, self._pose, self.config.map)
 
-    def _fuse(self, time_ns: int, match: PlanarGaussian | None) -> tuple[PlanarGaussian, NavigationState | None]:
-        """Covariance intersection of the motion with the match, eqs. (18)-(20); without one, the motion alone."""
-        config = self.config.fusion
-        if match is None:
+    def _fuse(
+        self, time_ns: int, match: MatchResult, believed: bool
+    ) -> tuple[PlanarGaussian, NavigationState | None]:
+        """Covariance intersection of the motion with the match, eqs. (18)-(20); not believed, the motion alone."""
+        config, blind = self.config.fusion, match.blind
+        if not believed:
             fused, navigation = self._prior(time_ns), self._filter.at(time_ns) if self._inertial else None
         elif not self._inertial:
-            fused, navigation = self._planar.fuse(match, config), None
+            fused, navigation = self._planar.fuse(match.gaussian, config, blind), None
         else:
             _, navigation = self._filter.fuse_planar(
-                time_ns, match.mean, match.covariance, config.omega, config.method, config.gate
-            )
+                time_ns, match.pose, match.covariance, config.omega, config.method, config.gate,
+                blind=blind, observed_only=config.observed_only,
+            )  # fmt: skip
             fused = self._filter.planar(time_ns)
         self._fused = fused.mean
         return fused, navigation

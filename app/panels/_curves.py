@@ -47,6 +47,7 @@ PAGES: dict[str, tuple[Chart, ...]] = {
         columns("Iterations", 1.0, "iterations"),
         columns("Beams used", 1.0, "beams"),
         columns("Unexpected beams, %", 100.0, "unexpected"),
+        columns("Beams that fix the weakest direction, %", 100.0, "weakest_share:share"),
     ),
     "Attitude": (
         columns("Roll and pitch, °", DEGREES, "roll", "pitch"),

@@ -48,6 +48,9 @@ def match_html(result: StepResult, snapshot: Snapshot) -> str:
     tracking = figure("", result.tracking, "good" if result.tracking in {"tracking", "recovered"} else "bad")
     unexpected = figure("unexpected %", fixed(100.0 * float(np.mean(result.unexpected)), 1))
     weakest = figure("weakest σ mm", fixed(1e3 * match.weakest_sigma, 1))
+    share = figure(
+        "fixed by", f"{100 * match.weakest_share:.1f} % of beams", "bad" if match.blind.any() else "good"
+    )
     steps = figure("iterations", " · ".join(str(n) for n in match.iterations))
     return readout(
         [
@@ -59,6 +62,7 @@ def match_html(result: StepResult, snapshot: Snapshot) -> str:
             *cells,
             weakest,
             unexpected,
+            share,
         ]
     )
 

@@ -8,10 +8,12 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.matching import gauss_newton, normal_equations
+from slam_core.kernels.matching import gauss_newton, normal_equations, without
 from slam_core.kernels.planar import inverse3
-from slam_core.kernels.surfaces import tangents
+from slam_core.kernels.surfaces import tangents, weakest_direction
 
+# Of the beams, evenly, this many at least show how well the shape of the scan fixes its position.
+SURVEYED = 360
 # A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
 LARGEST_SIGMA = (10.0, 10.0, math.pi)
 
@@ -31,25 +33,29 @@ def climb(
     converged_step,
     max_yaw_step,
     sigma,
-    weak_sigma,
+    weak_share,
+    blind_share,
     residuals,
     trace,
 ):
-    """The match (7, 3): pose, Hessian (13), covariance (15); steps of each level; whether the finest converged.
+    """The match (8, 3), steps of each level, and whether the finest converged.
 
     cells, corners: tuples over the levels, finest first, whose cells are `resolution` metres, then twice that.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
-    trace: (levels, k, 3) takes the first k iterates of each level.
+    trace: (levels, k, 3) takes the first k iterates of each level. The match is the pose, the direction that the
+    scan leaves open, if any, with the share of beams that fix it, the Hessian (13) and the covariance (15).
     """
-    found = np.empty((7, 3))
-    pose = found[0]
+    found = np.zeros((8, 3))
+    pose, blind = found[0], found[1, :2]
     pose[:] = start
     xs, ys = points[:, 0].copy(), points[:, 1].copy()
     along_x, along_y = np.zeros_like(xs), np.zeros_like(xs)
     beams = (xs, ys, along_x, along_y)
-    at_start = hessian(cells[0], corners[0], 1.0 / resolution, beams, pose, residuals)
-    if weakest_variance(hessian_covariance(at_start, sigma)) > weak_sigma * weak_sigma:
+    found[1] = survey(xs, ys, start[2])
+    if found[1, 2] < weak_share:
         tangents(xs, ys, along_x, along_y)
+    if found[1, 2] >= blind_share:
+        blind[:] = 0.0
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
     taken = np.zeros(len(cells), np.int64)
     converged = False
@@ -62,15 +68,27 @@ def climb(
             *beams,
             pose,
             prior,
+            blind,
             allowed,
             converged_step,
             max_yaw_step,
             residuals,
             trace[i],
         )
-    found[1:4] = hessian(cells[0], corners[0], 1.0 / resolution, beams, pose, residuals)
-    found[4:] = hessian_covariance(found[1:4], sigma)
+    found[2:5] = hessian(cells[0], corners[0], 1.0 / resolution, beams, pose, residuals)
+    found[5:] = hessian_covariance(found[2:5], sigma, blind)
     return found, taken, converged
+
+
+@njit(cache=True, error_model="numpy")
+def survey(xs, ys, psi):
+    """The direction in the map that the scan's shape fixes worst, and the share of beams that fix it."""
+    step = max(1, len(xs) // SURVEYED)
+    xs, ys = xs[::step].copy(), ys[::step].copy()
+    along_x, along_y = np.empty_like(xs), np.empty_like(xs)
+    tangents(xs, ys, along_x, along_y)
+    share, x, y = weakest_direction(xs, ys, along_x, along_y)
+    return np.array([math.cos(psi) * x - math.sin(psi) * y, math.sin(psi) * x + math.cos(psi) * y, share])
 
 
 @njit(cache=True, error_model="numpy")
@@ -84,19 +102,17 @@ def hessian(cells, corner, inverse, beams, pose, residuals):
 
 
 @njit(cache=True, error_model="numpy")
-def hessian_covariance(matrix, sigma):
-    """R = sigma^2 H^-1, eq. (15), bounded where H is (nearly) singular by LARGEST_SIGMA."""
-    information = matrix / sigma**2
+def hessian_covariance(matrix, sigma, blind):
+    """R = sigma^2 H^-1, eq. (15), by LARGEST_SIGMA along `blind` and where H is (nearly) singular."""
+    h00, h01, h02, h11, h12, h22, _, _, _ = without(
+        blind, matrix[0, 0], matrix[0, 1], matrix[0, 2], matrix[1, 1], matrix[1, 2], matrix[2, 2], 0.0, 0.0, 0.0
+    )
+    information = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]]) / sigma**2
     for j in range(3):
         information[j, j] += LARGEST_SIGMA[j] ** -2.0
-    return inverse3(information)
-
-
-@njit(cache=True, error_model="numpy")
-def weakest_variance(covariance):
-    """Of the position along the direction that is determined worst: the larger eigenvalue."""
-    xx, xy, yy = covariance[0, 0], covariance[0, 1], covariance[1, 1]
-    return 0.5 * (xx + yy + math.hypot(xx - yy, 2.0 * xy))
+    covariance = inverse3(information)
+    covariance[:2, :2] += LARGEST_SIGMA[0] ** 2.0 * blind.reshape(2, 1) * blind
+    return covariance
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.linear import cholesky, gain, is_sound, multiply, solve_lower, squared_length
+from slam_core.kernels.linear import cholesky, gain, is_sound, multiply, sandwich, solve_lower, squared_length
 from slam_core.kernels.navigation import ERRORS, inject
 from slam_core.measurements import Float64s
 
@@ -44,12 +44,30 @@ def correct(
 
 @njit(cache=True, error_model="numpy")
 def correct_planar(
-    x: Float64s, P: Float64s, xi: Float64s, R: Float64s, rule: int, omega: float, bound: float
+    x: Float64s,
+    P: Float64s,
+    xi: Float64s,
+    R: Float64s,
+    rule: int,
+    omega: float,
+    blind: Float64s,
+    observed_only: bool,
+    bound: float,
 ) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
-    """`correct` by a match xi (3,): C x = (p_x, p_y, psi). Also the innovation, as the third."""
+    """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate. As `correct`, with the innovation."""
     innovation = np.array([xi[0] - x[4], xi[1] - x[5], xi[2] - 2.0 * math.atan2(x[3], x[0])])
     innovation[2] -= 2.0 * math.pi * round(innovation[2] / (2.0 * math.pi))
-    better, reduced, S, nis = correct(x, P, innovation, planar_observer(x), R, rule, omega, bound)
+    C = planar_observer(x)
+    S = sandwich(C, P) + R
+    nis = squared_length(S, innovation)
+    if not nis <= bound:
+        return x, P, innovation, S, nis
+    held = np.zeros((2, ERRORS))
+    held[0, 3:5] = held[1, 6:8] = blind
+    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only)
+    better = inject(x, error)
+    if not is_sound(better, reduced):
+        return x, P, innovation, S, math.nan
     return better, reduced, innovation, S, nis
 
 
@@ -76,6 +94,55 @@ def body_velocity(x: Float64s, n: int) -> tuple[Float64s, Float64s]:
             C[i, j] = R[a, i] * v[b] - R[b, i] * v[a]
             C[i, 6 + j] = R[j, i]
     return predicted, C
+
+
+@njit(cache=True, error_model="numpy")
+def fuse_part(
+    P: Float64s,
+    C: Float64s,
+    R: Float64s,
+    innovation: Float64s,
+    rule: int,
+    omega: float,
+    blind: Float64s,
+    held: Float64s,
+    observed_only: bool,
+) -> tuple[Float64s, Float64s]:
+    """`fuse` on a part of P: see slam_core.intersection.intersect. What is held counts as any other error."""
+    if blind[0] == 0.0 and blind[1] == 0.0:
+        return _fuse_observed(P, C, R, innovation, rule, omega, observed_only)
+    across = np.array([[-blind[1], blind[0], 0.0], [0.0, 0.0, 1.0]])
+    innovation = np.array([blind[0] * innovation[1] - blind[1] * innovation[0], innovation[2]])
+    C, R = multiply(across, C), sandwich(across, R)
+    kept = hanging(P, held)
+    rest = P - multiply(kept.T.copy(), kept)
+    error, reduced = _fuse_observed(rest, C, R, innovation, rule, omega, observed_only)
+    seen = multiply(C, kept.T.copy())
+    for k in range(len(kept)):
+        kept[k] -= _fuse_observed(rest, C, R, seen[:, k].copy(), rule, omega, observed_only)[0]
+    return error, reduced + multiply(kept.T.copy(), kept)
+
+
+@njit(cache=True, error_model="numpy")
+def _fuse_observed(
+    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float, observed_only: bool
+) -> tuple[Float64s, Float64s]:
+    if not observed_only:
+        return fuse(P, C, R, innovation, rule, omega)
+    projected = sandwich(C, P)
+    if rule in (MIN_TRACE, MIN_DETERMINANT):
+        omega, rule = lightest(projected, projected, projected, R, rule == MIN_TRACE), FIXED
+    W = hanging(P, C)
+    observed = multiply(W.T.copy(), W)
+    error, reduced = fuse(observed, C, R, innovation, rule, omega)
+    return error, P - observed + reduced
+
+
+@njit(cache=True, error_model="numpy")
+def hanging(P: Float64s, B: Float64s) -> Float64s:
+    """W with W^T W = P B^T (B P B^T)^-1 B P: what of P hangs on B x; the rest is left once that is known."""
+    BP = multiply(B, P)
+    return solve_lower(cholesky(multiply(B, BP.T.copy())), BP)
 
 
 @njit(cache=True, error_model="numpy")

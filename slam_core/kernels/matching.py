@@ -100,6 +100,18 @@ def solve3(h00, h01, h02, h11, h12, h22, b0, b1, b2):
 
 
 @njit(cache=True, error_model="numpy")
+def without(blind, h00, h01, h02, h11, h12, h22, b0, b1, b2):
+    """The same equations for a step that has no part along `blind`, a unit vector in the plane or zero."""
+    x, y = -blind[1], blind[0]
+    if x == 0.0 and y == 0.0:
+        return h00, h01, h02, h11, h12, h22, b0, b1, b2
+    across = x * x * h00 + 2.0 * x * y * h01 + y * y * h11
+    with_turn, right = x * h02 + y * h12, x * b0 + y * b1
+    # In the blind direction, too, the equations say `across`, which makes them well posed, and that the step is 0.
+    return across, 0.0, x * with_turn, across, y * with_turn, h22, x * right, y * right, b2
+
+
+@njit(cache=True, error_model="numpy")
 def gauss_newton(
     cells,
     corner,
@@ -110,6 +122,7 @@ def gauss_newton(
     along_y,
     pose,
     prior,
+    blind,
     iterations,
     converged_step,
     max_yaw_step,
@@ -119,6 +132,7 @@ def gauss_newton(
     """Iterate (12) on one level; `pose` (3,) is updated in place and every iterate goes to `trace` (k, 3).
 
     prior: (4, 3), information of a predicted pose in units of the cost, and below it that pose; zeros for none.
+    blind: (2,) unit vector in which no step is taken, zeros for none.
     Ends early when a step is shorter than `converged_step` metres (its yaw counted at one metre's arm).
     Returns the number of steps taken and whether the last one was that short.
     """
@@ -129,15 +143,18 @@ def gauss_newton(
         )
         e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
         dx, dy, dpsi, solved = solve3(
-            h00 + prior[0, 0],
-            h01 + prior[0, 1],
-            h02 + prior[0, 2],
-            h11 + prior[1, 1],
-            h12 + prior[1, 2],
-            h22 + prior[2, 2],
-            b0 + prior[0, 0] * e0 + prior[0, 1] * e1 + prior[0, 2] * e2,
-            b1 + prior[1, 0] * e0 + prior[1, 1] * e1 + prior[1, 2] * e2,
-            b2 + prior[2, 0] * e0 + prior[2, 1] * e1 + prior[2, 2] * e2,
+            *without(
+                blind,
+                h00 + prior[0, 0],
+                h01 + prior[0, 1],
+                h02 + prior[0, 2],
+                h11 + prior[1, 1],
+                h12 + prior[1, 2],
+                h22 + prior[2, 2],
+                b0 + prior[0, 0] * e0 + prior[0, 1] * e1 + prior[0, 2] * e2,
+                b1 + prior[1, 0] * e0 + prior[1, 1] * e1 + prior[1, 2] * e2,
+                b2 + prior[2, 0] * e0 + prior[2, 1] * e1 + prior[2, 2] * e2,
+            )
         )
         if not solved:
             return steps, False

@@ -1,56 +1,116 @@
-"""Directions of the surfaces that a scan saw, from the neighbours of each endpoint, in one pass."""
+"""The surfaces that a scan saw, from the neighbours of each endpoint, and how well they fix the position."""
 
 import math
 
 import numpy as np
 from numba import njit
 
-# A spread across the surface this share of the one along it, or more, makes it no line at all.
-ROUND = 1.0 / 9.0
-# Neighbours on either side of an endpoint, and how far apart they may lie: a wall seen at a glance, not a room.
-WINDOW = 8
+from slam_core.kernels.memory import lane
+
+get, _ = lane(0)
+_, put = lane(1)
+
+# Surface on either side of an endpoint that gives its direction: enough of it that the noise of the ranges does
+# not turn it. In metres, or this many neighbours: where beams graze a wall these lie metres apart.
+REACH = 0.5
+NEIGHBOURS = 3
+FEWEST = 4  # endpoints that make a surface
+# Neighbours this near (metres) lie on one surface; and further ones, where two steps from one to the next differ
+# by no more than this factor and go the same way (cosine of the angle between them).
 GAP = 0.3
+GROWTH = 2.5
+STRAIGHT = 0.95
+# A spread across the surface this share of the one along it, or more, makes it no line at all, but for the noise
+# of the ranges (metres).
+ROUND = 1.0 / 9.0
+NOISE = 0.02
 
 
 @njit(cache=True, error_model="numpy")
 def tangents(xs, ys, along_x, along_y):
     """Unit vectors along the surface, times the root of how straight it is; zero for a lone or round one.
 
-    The neighbours are up to WINDOW beams on either side, each within GAP metres of the one before.
+    xs, ys: (n,) endpoints in the order of the sweep.
     """
     n = len(xs)
-    sums = np.zeros((n + 1, 5))
-    first = np.zeros(n, np.int64)
-    last = np.full(n, n - 1, np.int64)
+    first, end = np.empty(n, np.int32), np.empty(n, np.int32)
+    _neighbours(xs, ys, first, end)
+    sums = np.zeros((5, n + 1))
     for i in range(n):
         x, y = float(xs[i]), float(ys[i])
-        sums[i + 1, 0] = sums[i, 0] + x
-        sums[i + 1, 1] = sums[i, 1] + y
-        sums[i + 1, 2] = sums[i, 2] + x * x
-        sums[i + 1, 3] = sums[i, 3] + x * y
-        sums[i + 1, 4] = sums[i, 4] + y * y
-        if i > 0:
-            dx, dy = xs[i] - xs[i - 1], ys[i] - ys[i - 1]
-            first[i] = first[i - 1] if dx * dx + dy * dy <= GAP * GAP else i
-    for i in range(n - 2, -1, -1):
-        last[i] = last[i + 1] if first[i + 1] == first[i] else i
-    for i in range(n):
-        a, b = max(first[i], i - WINDOW), min(last[i], i + WINDOW) + 1
-        along_x[i] = along_y[i] = 0.0
-        if b - a >= 4:
-            along_x[i], along_y[i] = _direction(sums[b] - sums[a], b - a)
+        sums[0, i + 1] = sums[0, i] + x
+        sums[1, i + 1] = sums[1, i] + y
+        sums[2, i + 1] = sums[2, i] + x * x
+        sums[3, i + 1] = sums[3, i] + x * y
+        sums[4, i + 1] = sums[4, i] + y * y
+    _directions(sums[0], sums[1], sums[2], sums[3], sums[4], first, end, along_x, along_y)
 
 
 @njit(cache=True, error_model="numpy")
-def _direction(s, n):
-    """The long axis of the scatter with these sums, shortened by its roundness."""
-    mx, my = s[0] / n, s[1] / n
-    xx, xy, yy = s[2] / n - mx * mx, s[3] / n - mx * my, s[4] / n - my * my
-    difference = math.sqrt((xx - yy) ** 2 + 4.0 * xy * xy)
-    long, short = 0.5 * (xx + yy + difference), 0.5 * (xx + yy - difference)
-    straight = 1.0 - max(short, 0.0) / (ROUND * long) if long > 1e-9 else 0.0
-    if straight <= 0.0:
-        return 0.0, 0.0
-    double = (xx - yy) / difference  # cosine of twice the direction
-    length = math.sqrt(straight)
-    return length * math.sqrt(0.5 * (1.0 + double)), math.copysign(length * math.sqrt(0.5 * (1.0 - double)), xy)
+def weakest_direction(xs, ys, along_x, along_y):
+    """How the shape of a scan fixes its position: the share of beams that do in the worst direction, and that.
+
+    J_i = (I - a a^T) [I | e_z x p_i] is what beam i on a surface along a tells of x, y, psi, as in a match of
+    points to lines; sum J_i^T J_i without what may be a turn has the smallest eigenvalue n times the share. The
+    map has no part in it: the texture of its cells is no landmark. (Censi 2009; Zhang, Kaess, Singh 2016.)
+    """
+    xx = xy = yy = xp = yp = pp = 0.0
+    for i in range(len(xs)):
+        ax, ay = along_x[i], along_y[i]
+        k = 2.0 - ax * ax - ay * ay
+        a, b, c = 1.0 - k * ax * ax, -k * ax * ay, 1.0 - k * ay * ay
+        u, v = b * xs[i] - a * ys[i], c * xs[i] - b * ys[i]
+        xx, xy, yy = xx + a, xy + b, yy + c
+        xp, yp, pp = xp + u, yp + v, pp + xs[i] * v - ys[i] * u
+    if pp > 0.0:
+        xx, xy, yy = xx - xp * xp / pp, xy - xp * yp / pp, yy - yp * yp / pp
+    smallest = 0.5 * (xx + yy - math.hypot(xx - yy, 2.0 * xy))
+    angle = 0.5 * math.atan2(2.0 * xy, xx - yy)
+    return smallest / max(len(xs), 1), -math.sin(angle), math.cos(angle)
+
+
+@njit(cache=True, error_model="numpy")
+def _neighbours(xs, ys, first, end):
+    """The endpoints on the surface around each: from `first` up to before `end`."""
+    n = len(xs)
+    way = np.zeros(n)
+    joined = np.zeros(n, np.bool_)  # with the one before
+    ux = uy = before = 0.0
+    for i in range(1, n):
+        dx, dy = float(xs[i] - xs[i - 1]), float(ys[i] - ys[i - 1])
+        step = math.sqrt(dx * dx + dy * dy)
+        way[i] = way[i - 1] + step
+        joined[i] = step <= GAP
+        if max(step, before) <= GROWTH * min(step, before) and dx * ux + dy * uy >= STRAIGHT * step * before:
+            joined[i] = joined[i - 1] = True
+        ux, uy, before = dx, dy, step
+    low = high = begin = 0
+    for i in range(n):
+        if not joined[i]:
+            begin = i
+        while low < begin or (low < i - NEIGHBOURS and way[i] - way[low] > REACH):
+            low += 1
+        high = max(high, i + 1)
+        while high < n and joined[high] and (high - i <= NEIGHBOURS or way[high] - way[i] <= REACH):
+            high += 1
+        first[i], end[i] = low, high
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def _directions(sx, sy, sxx, sxy, syy, first, end, along_x, along_y):
+    """The long axis of the scatter of the endpoints around each, shortened by its roundness; without branches."""
+    for i in range(len(first)):
+        j = np.int32(i)
+        a, b = get(first, j), get(end, j)
+        share = 1.0 / (b - a)
+        mx, my = (get(sx, b) - get(sx, a)) * share, (get(sy, b) - get(sy, a)) * share
+        xx = (get(sxx, b) - get(sxx, a)) * share - mx * mx
+        xy = (get(sxy, b) - get(sxy, a)) * share - mx * my
+        yy = (get(syy, b) - get(syy, a)) * share - my * my
+        difference = math.sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)
+        long, short = 0.5 * (xx + yy + difference), 0.5 * (xx + yy - difference)
+        straight = 1.0 - max(short - NOISE * NOISE, 0.0) / (ROUND * long + 1e-12)
+        straight = max(straight, 0.0) if b - a >= FEWEST else 0.0
+        double = (xx - yy) / (difference + 1e-12)  # cosine of twice the direction
+        put(along_x, j, np.float32(math.sqrt(0.5 * straight * (1.0 + double))))
+        put(along_y, j, np.float32(math.copysign(math.sqrt(0.5 * straight * (1.0 - double)), xy)))

@@ -37,10 +37,14 @@ def test_seeds_differ_and_repeat() -> None:
 
 def test_a_corridor_is_scored_along_and_across() -> None:
     """Across, the walls leave no doubt; the claim and the share that it holds are figures of the same run."""
-    for outcome in corridor(replace(SHORT, duration=6.0), seed=1).values():
+    outcomes = corridor(replace(SHORT, duration=6.0), seed=1)
+    for outcome in outcomes.values():
         assert outcome.across < 0.05
         assert outcome.sigma_end > 0.0
         assert 0.0 <= outcome.held <= 1.0
+    assert outcomes["full"].held_open == outcomes["full, with wheels"].held_open == 1.0
+    assert outcomes["full"].along < 0.3 < 1.0 < outcomes["plain"].along
+    assert outcomes["full, with wheels"].along < 0.1
 
 
 def test_an_error_along_shows_as_such() -> None:

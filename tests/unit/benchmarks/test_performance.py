@@ -38,7 +38,7 @@ def leaning(angle: float) -> Ride:
 
 def accuracy() -> Accuracy:
     near = Outcome(0.01, 0.005)
-    end = CorridorOutcome(1.0, 0.01, 2.0, 0.5, 0.9)
+    end = CorridorOutcome(1.0, 0.01, 2.0, 0.5, 1.0, 0.9)
     return Accuracy(
         {
             Drive("40 Hz", SceneOptions(), 0.02): [

@@ -59,11 +59,11 @@ def test_lost_runs_are_counted() -> None:
 
 def test_the_corridor_shows_the_seed_that_held_least() -> None:
     """Errors: the largest is the worst. Share within the claim: the smallest is."""
-    runs = [CorridorOutcome(1.0 + i, 0.01, 2.0 + i, 0.5, 0.9 - 0.1 * i) for i in range(3)]
+    runs = [CorridorOutcome(1.0 + i, 0.01, 2.0 + i, 0.5, 1.0, 0.9 - 0.1 * i) for i in range(3)]
     plain, full = cells(tables.corridor([{"plain": run, "full": run} for run in runs]))
     assert plain[1:] == full[1:]
-    assert full == ["full", "2.000 / 3.000 m", "3.000 / 4.000 m", "0.500 / 0.500 m", "0.010 / 0.010 m",
-                    "80 / 70 % of the scans"]  # fmt: skip
+    assert full == ["full", "2.000 / 3.000 m", "3.000 / 4.000 m", "0.010 / 0.010 m", "0.500 / 0.500 m",
+                    "100 / 100 %", "80 / 70 %"]  # fmt: skip
 
 
 def test_a_single_ghost_misses_the_goal() -> None:

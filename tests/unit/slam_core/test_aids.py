@@ -55,7 +55,8 @@ class Drive:
     def __init__(self, ride: Ride, *measures: Measure, config: AidingConfig = ON, blind_s: float = 1e9) -> None:
         self.ride, self.measures, self.config, self.blind_s = ride, measures, config, blind_s
         self.drift = np.zeros(3)  # of the gyros once there are no more matches
-        self.estimator, self.aids = NavigationFilter(NavigationConfig()), Aids()
+        walk = NavigationConfig(zero_velocity_threshold=2.0)  # it comes to no more
+        self.estimator, self.aids = NavigationFilter(walk), Aids()
 
     def run(self, seconds: float, bias: np.ndarray | None = None, seed: int = 0) -> Iterator[float]:
         """Yields the time after every tenth of a second."""

@@ -136,7 +136,7 @@ def test_pyramid_reaches_further_than_one_level(room):
     start, points = truth + np.array([0.3, 0.25, 0.2]), room_points(truth)
     fine = Pyramid(ROOM)
     fine.levels = room.levels[:1]
-    config = MatcherConfig(iterations_fine=12, iterations_coarse=12, weak_sigma=10.0)
+    config = MatcherConfig(iterations_fine=12, iterations_coarse=12, weak_share=0.0)
     assert np.hypot(*(coarse_to_fine(room, points, start, config).pose - truth)[:2]) < 0.02
     assert np.hypot(*(coarse_to_fine(fine, points, start, config).pose - truth)[:2]) > 0.05
 
@@ -270,6 +270,13 @@ def test_a_corridor_keeps_to_the_prediction():
     assert result.pose[0] == pytest.approx(0.1, abs=0.005)
     assert abs(result.pose[1]) < 0.02
     assert math.sqrt(result.covariance[0, 0]) > 10 * math.sqrt(result.covariance[1, 1])
+    np.testing.assert_allclose(np.abs(result.blind), [1.0, 0.0], atol=1e-3)
+    for method in ("hessian", "sampled"):
+        alone = coarse_to_fine(pyramid, walls(0.1), prior.mean, MatcherConfig(covariance=method))
+        assert alone.pose[0] == pytest.approx(0.1, abs=1e-4)
+        assert alone.weakest_sigma > 9.0
+    plain = MatcherConfig(blind_share=0.0)
+    assert not coarse_to_fine(pyramid, walls(0.1), prior.mean, plain, prior=prior).blind.any()
 
 
 @pytest.mark.parametrize("sides", [(0, 8, 0, 8), (400, 0, 1200, 0), (4, 4000, 4, 4)])

@@ -164,7 +164,7 @@ def test_nothing_grows_without_end_when_only_matches_come() -> None:
 
 def test_without_any_aid_velocity_and_tilt_stay_bounded() -> None:
     """Pseudo measurements alone keep a biased filter level and slow for a minute."""
-    estimator = NavigationFilter(CONFIG)
+    estimator = NavigationFilter(NavigationConfig(zero_velocity_threshold=2.0))
     ride = still()
     for sample in ride.samples(60.0, noise=1.0, bias=np.array([0.005, -0.005, 0.0, 0.03, -0.03, 0.03])):
         estimator.predict(sample)
