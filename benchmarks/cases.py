@@ -30,7 +30,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "tracking.relocalise": False,
     "navigation.height_gate": 0.0,
     "motion.odometry_gate": 0.0,
-    "fusion.observed_only": False,
+    "motion.observed_only": False,
 }
 
 

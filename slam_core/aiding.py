@@ -81,7 +81,7 @@ class PlanarPose(Correction):
     """Section V-B: a match xi (3,) with covariance R (3, 3), fused by a method, if fixed with weight omega.
 
     blind: (2,) direction of the plane about which the match says nothing, or zero: along it, place and velocity
-    stay as they are. observed_only: see `slam_core.intersection.intersect`.
+    stay as they are.
     """
 
     xi: Float64s
@@ -90,7 +90,6 @@ class PlanarPose(Correction):
     method: FusionMethod = "fixed"
     gate: float = 0.0
     blind: Float64s = field(default_factory=lambda: NOWHERE)
-    observed_only: bool = False
     source: ClassVar[str] = "scan"
     measures: ClassVar[tuple[int, ...]] = (2, 3, 4)
 
@@ -108,7 +107,7 @@ class PlanarPose(Correction):
     def update(self, x: Float64s, P: Float64s) -> Update:
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
-        rule = RULES[self.method], self.omega, self.blind, self.observed_only
+        rule = RULES[self.method], self.omega, self.blind
         return Update(*fusion.correct_planar(x, P, self.xi, self.R, *rule, limit), limit)
 
 

@@ -174,7 +174,7 @@ class NavigationConfig:
     ] = 5.0
     zero_velocity_threshold: Annotated[
         float, Param("A velocity less certain than this is pulled to zero.", "m/s", 0.1, 20.0, log=True)
-    ] = 10.0
+    ] = 2.0
     zero_velocity_sigma: Annotated[
         float, Param("Noise of that pseudo measurement.", "m/s", 0.05, 20.0, log=True)
     ] = 1.0
@@ -268,6 +268,9 @@ class MotionConfig:
             100.0,
         ),
     ] = 5.0
+    observed_only: Annotated[
+        bool, Param("A match widens only what hangs on the pose (off: the velocities too, as in the paper).")
+    ] = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,9 +293,6 @@ class FusionConfig:
             "With an IMU, a match further from the prediction than this is not fused (0: none).", "σ", 0.0, 100.0
         ),
     ] = 0.0
-    observed_only: Annotated[
-        bool, Param("Widen only what hangs on the pose that is observed (off: the whole state, as in the paper).")
-    ] = True
 
 
 @dataclass(frozen=True, slots=True)

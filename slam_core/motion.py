@@ -85,10 +85,13 @@ class PlanarMotion:
         self._advance(time_ns, config)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
-    def fuse(self, match: PlanarGaussian, config: FusionConfig, blind: Float64s = NOWHERE) -> PlanarGaussian:
+    def fuse(
+        self, match: PlanarGaussian, config: FusionConfig, blind: Float64s = NOWHERE, observed_only: bool = False
+    ) -> PlanarGaussian:
         """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose.
 
         blind: (2,) direction of the plane about which the match says nothing, or zero.
+        observed_only: see `intersect`.
         """
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
@@ -98,7 +101,7 @@ class PlanarMotion:
         held[1, 3:5] = c * blind[0] + s * blind[1], c * blind[1] - s * blind[0]
         step, covariance = intersect(
             self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
-            blind=blind, held=held, observed_only=config.observed_only,
+            blind=blind, held=held, observed_only=observed_only,
         )  # fmt: skip
         self._mean = self._mean + step
         self._mean[2] = geometry.wrap(self._mean[2])

@@ -331,11 +331,11 @@ class HectorSlam:
         if not believed:
             fused, navigation = self._prior(time_ns), self._filter.at(time_ns) if self._inertial else None
         elif not self._inertial:
-            fused, navigation = self._planar.fuse(match.gaussian, config, blind), None
+            observed_only = self.config.motion.observed_only
+            fused, navigation = self._planar.fuse(match.gaussian, config, blind, observed_only), None
         else:
             _, navigation = self._filter.fuse_planar(
-                time_ns, match.pose, match.covariance, config.omega, config.method, config.gate,
-                blind=blind, observed_only=config.observed_only,
+                time_ns, match.pose, match.covariance, config.omega, config.method, config.gate, blind=blind
             )  # fmt: skip
             fused = self._filter.planar(time_ns)
         self._fused = fused.mean

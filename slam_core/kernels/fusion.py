@@ -51,7 +51,6 @@ def correct_planar(
     rule: int,
     omega: float,
     blind: Float64s,
-    observed_only: bool,
     bound: float,
 ) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
     """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate. As `correct`, with the innovation."""
@@ -64,7 +63,7 @@ def correct_planar(
         return x, P, innovation, S, nis
     held = np.zeros((2, ERRORS))
     held[0, 3:5] = held[1, 6:8] = blind
-    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only)
+    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, False)
     better = inject(x, error)
     if not is_sound(better, reduced):
         return x, P, innovation, S, math.nan
