@@ -24,8 +24,8 @@ from benchmarks import navigation
 from benchmarks.kernels import microseconds
 from benchmarks.tables import table
 from slam_core import geometry
-from slam_core.aiding import BodyVelocity, Correction, HeightAid, PlanarPose
-from slam_core.chi_square import quantile
+from slam_core.aiding.chi_square import quantile
+from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig, SlamConfig
 from slam_core.kernels.navigation import STATES
 from slam_core.measurements import Float64s, Imu

@@ -11,7 +11,7 @@ TARGET = Path(__file__).with_suffix(".md")
 
 HEAD = """# Settings
 
-Written by `make docs` from `slam_core/config.py`; do not edit.
+Written by `make docs` from `slam_core/config/tree.py`; do not edit.
 
 Every setting stands in one tree. Its name is the same everywhere:
 

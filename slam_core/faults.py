@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from slam_core.gates import LEAST_STREAK
+from slam_core.aiding.gates import LEAST_STREAK
 from slam_core.inertial import AT_RANGE
 from slam_core.navigation import LEAPT, SET_BACK, NavigationFilter
 from slam_core.results import AidingStatus

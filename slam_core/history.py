@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slam_core.aiding import Correction
+from slam_core.aiding.corrections import Correction
+from slam_core.aiding.gates import fuse
 from slam_core.config import NavigationConfig, PlatformConfig
-from slam_core.gates import fuse
 from slam_core.leveling import turned_to
 from slam_core.measurements import Float64s
 from slam_core.results import AidingStatus, PlanarGaussian

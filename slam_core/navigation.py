@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slam_core.aiding import BodyVelocity, Correction, HeightAid, PlanarPose, project
+from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose, project
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
 from slam_core.history import Belief, History
 from slam_core.inertial import Intake

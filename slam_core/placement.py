@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slam_core.aiding import PLAUSIBLE, Correction, Update
+from slam_core.aiding.corrections import PLAUSIBLE, Correction, Update
 from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import is_measurement
 from slam_core.leveling import turned_to

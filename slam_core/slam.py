@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from slam_core import geometry
-from slam_core.aids import Aids
+from slam_core.aiding.aids import Aids
 from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.faults import SILENT_NS, faults
 from slam_core.given import GivenMap

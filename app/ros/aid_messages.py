@@ -10,7 +10,7 @@ import numpy as np
 
 from app.ros.messages import BadMessage, finite_vector
 from slam_core import geometry
-from slam_core.geodesy import TangentPlane
+from slam_core.aiding.geodesy import TangentPlane
 from slam_core.measurements import (
     Float64s,
     GpsPosition,

@@ -15,7 +15,7 @@ from app.ros.tf import TfTree
 from app.ros.tf_poses import TfPoses
 from app.snapshot import SourceReport
 from app.sources import Item, SourceOptions
-from slam_core.geodesy import TangentPlane
+from slam_core.aiding.geodesy import TangentPlane
 from slam_core.measurements import (
     Attitude,
     GpsPosition,

@@ -9,7 +9,7 @@ from app.simulation.motion import Motion
 from app.simulation.options import SceneOptions
 from app.simulation.scene import Scene, ease_in
 from app.simulation.sensors import Arrival, nanoseconds, ticks
-from slam_core.geodesy import TangentPlane
+from slam_core.aiding.geodesy import TangentPlane
 from slam_core.measurements import Float64s, GpsPosition, GpsVelocity, GroundDistance, MagneticField
 
 # Where the map's origin lies, and how far its x axis is turned from east: on Claytor Lake, as in the paper.

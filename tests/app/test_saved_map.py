@@ -1,8 +1,6 @@
 """Runs that begin with a saved map: to localise in, or to go on with, headless and on the page."""
 
 import math
-import time
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -20,11 +18,11 @@ from app.snapshot import Configure, Play, Restart, Seek, Snapshot
 from app.sources import Item, SourceError
 from slam_core.given import GivenMap, saved_levels
 from slam_core.measurements import Imu, LaserScan
+from tests.engines import until
 from tests.sources import MemoryRecording
 from tests.worlds import same_map
 
 HALF_S = 10.0
-PATIENCE_S = 30.0
 
 
 @cache
@@ -144,17 +142,6 @@ def test_scans_before_the_place_is_known_are_counted_and_leave_nothing():
 
 
 # -------------------------------------------------------------------------------------------- the page
-
-
-def until(engine: Engine, holds: Callable[[Snapshot], bool]) -> Snapshot:
-    """The first snapshot for which something holds."""
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        latest = engine.mailbox.latest
-        if latest is not None and holds(latest):
-            return latest
-        engine.mailbox.take(timeout=0.1)
-    raise AssertionError(f"never happened; at last {engine.mailbox.latest}")
 
 
 def test_the_page_shows_the_saved_map_before_the_first_scan_and_after_every_restart():

@@ -9,7 +9,7 @@ import pytest
 from app.ros import aid_messages
 from app.ros.messages import BadMessage
 from slam_core import geometry
-from slam_core.geodesy import TangentPlane
+from slam_core.aiding.geodesy import TangentPlane
 from slam_core.measurements import Transform
 from tests.ros_messages import Messages
 

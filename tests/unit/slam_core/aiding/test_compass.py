@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from slam_core.compass import LEARNED, PATIENCE_NS, Compass, Field, seen
+from slam_core.aiding.compass import LEARNED, PATIENCE_NS, Compass, Field, seen
 
 EARTH = Field(5e-5, 1.1, 0.3)
 TENTH = 100_000_000

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from slam_core.aiding.stillness import WINDOW_NS, Rest, Stillness, at_rest
 from slam_core.measurements import Imu
-from slam_core.stillness import WINDOW_NS, Rest, Stillness, at_rest
 
 
 def samples(rate: np.ndarray, seed: int = 0, n: int = 200) -> np.ndarray:

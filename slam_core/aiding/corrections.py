@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from slam_core import geometry
-from slam_core.chi_square import bound
+from slam_core.aiding.chi_square import bound
 from slam_core.config import FusionMethod
 from slam_core.intersection import NOWHERE, RULES
 from slam_core.kernels import fusion
@@ -133,9 +133,7 @@ class HeightAid(Correction):
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = p_z."""
-        C = np.zeros((1, ERRORS))
-        C[0, 5] = 1.0
-        return np.array([self.height - x[6]]), C, np.array([[self.sigma**2]])
+        return np.array([self.height - x[6]]), np.eye(1, ERRORS, 5), np.array([[self.sigma**2]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slam_core.aiding import Correction, Update
+from slam_core.aiding.corrections import Correction, Update
 from slam_core.measurements import Float64s
 from slam_core.results import AidingStatus
 

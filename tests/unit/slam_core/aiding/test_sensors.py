@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from slam_core import geometry
-from slam_core.aiding import Correction
-from slam_core.aiding_sensors import (
+from slam_core.aiding.corrections import Correction
+from slam_core.aiding.sensors import (
     Gravity,
     GroundBeam,
     MagneticHeading,

@@ -4,8 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slam_core.aiding import Correction, HeightAid, PlanarPose
-from slam_core.chi_square import bound
+from slam_core.aiding.chi_square import bound
+from slam_core.aiding.corrections import Correction, HeightAid, PlanarPose
 from slam_core.config import NavigationConfig
 from slam_core.measurements import Float64s, Imu
 from slam_core.navigation import NavigationFilter

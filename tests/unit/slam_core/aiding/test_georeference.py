@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slam_core import geometry
-from slam_core.georeference import Georeference
+from slam_core.aiding.georeference import Georeference
 
 TURN, SHIFT = 2.1, np.array([30.0, -7.0, 4.0])
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slam_core.geodesy import SEMI_MAJOR, TangentPlane, ecef
+from slam_core.aiding.geodesy import SEMI_MAJOR, TangentPlane, ecef
 
 degrees = st.floats(-89.9, 89.9)
 

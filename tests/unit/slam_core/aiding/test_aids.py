@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from slam_core import geometry
-from slam_core.aids import AidingMeasurement, Aids
+from slam_core.aiding.aids import AidingMeasurement, Aids
 from slam_core.config import AidingConfig, NavigationConfig
 from slam_core.measurements import Attitude, GpsPosition, GpsVelocity, GroundDistance, MagneticField
 from slam_core.navigation import NavigationFilter

@@ -11,8 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from slam_core import geometry
-from slam_core.aiding import Correction, Update
-from slam_core.chi_square import bound
+from slam_core.aiding.chi_square import bound
+from slam_core.aiding.corrections import Correction, Update
 from slam_core.kernels.fusion import KALMAN, correct
 from slam_core.kernels.linear import sandwich
 from slam_core.kernels.navigation import ERRORS
@@ -57,9 +57,8 @@ class Place(Lasting):
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = p + R a."""
         arm = geometry.rotate(x[:4], self.antenna)
-        C = np.zeros((3, ERRORS))
+        C = np.eye(3, ERRORS, 3)
         C[:, :3] = -_cross(arm)
-        C[:, 3:6] = np.eye(3)
         return self.place - x[4:7] - arm, C, self.R
 
 
@@ -76,9 +75,7 @@ class Velocity(Lasting):
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = v."""
-        C = np.zeros((3, ERRORS))
-        C[:, 6:9] = np.eye(3)
-        return self.velocity - x[7:10], C, self.R
+        return self.velocity - x[7:10], np.eye(3, ERRORS, 6), self.R
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,8 +139,19 @@ class GroundBeam(Lasting):
         return np.array([self.level - x[6] - arm[2]]), C, np.array([[self.sigma**2]])
 
 
+class Resting(Correction):
+    """What is known of a base that stands still."""
+
+    __slots__ = ()
+
+    @property
+    def usable(self) -> bool:
+        """Always: it is made of samples that were checked."""
+        return True
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class Standstill(Correction):
+class Standstill(Resting):
     """No velocity, with the variance of that."""
 
     variance: float
@@ -151,20 +159,13 @@ class Standstill(Correction):
     source: ClassVar[str] = "standstill"
     measures: ClassVar[tuple[int, ...]] = ()
 
-    @property
-    def usable(self) -> bool:
-        """Always: it is made of samples that were checked."""
-        return True
-
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = v."""
-        C = np.zeros((3, ERRORS))
-        C[:, 6:9] = np.eye(3)
-        return -x[7:10], C, self.variance * np.eye(3)
+        return -x[7:10], np.eye(3, ERRORS, 6), self.variance * np.eye(3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ZeroRate(Correction):
+class ZeroRate(Resting):
     """The rate (3,) of a base that does not turn, and its variance: it is the bias of the gyros."""
 
     rate: Float64s
@@ -173,20 +174,13 @@ class ZeroRate(Correction):
     source: ClassVar[str] = "zero rate"
     measures: ClassVar[tuple[int, ...]] = ()
 
-    @property
-    def usable(self) -> bool:
-        """Always: it is made of samples that were checked."""
-        return True
-
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = the gyro bias."""
-        C = np.zeros((3, ERRORS))
-        C[:, 9:12] = np.eye(3)
-        return self.rate - x[10:13], C, self.variance * np.eye(3)
+        return self.rate - x[10:13], np.eye(3, ERRORS, 9), self.variance * np.eye(3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Gravity(Correction):
+class Gravity(Resting):
     """The specific force (3,) of a base that does not accelerate, and its variance: it points up."""
 
     force: Float64s
@@ -194,11 +188,6 @@ class Gravity(Correction):
     gate: float
     source: ClassVar[str] = "gravity"
     measures: ClassVar[tuple[int, ...]] = (0, 1)
-
-    @property
-    def usable(self) -> bool:
-        """Always: it is made of samples that were checked."""
-        return True
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """What is left of the force in the plane, which tilt and the accelerometers' biases explain."""

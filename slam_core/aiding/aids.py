@@ -9,7 +9,9 @@ import math
 import numpy as np
 
 from slam_core import geometry
-from slam_core.aiding_sensors import (
+from slam_core.aiding.compass import Compass, seen
+from slam_core.aiding.georeference import Georeference
+from slam_core.aiding.sensors import (
     Gravity,
     GroundBeam,
     MagneticHeading,
@@ -19,9 +21,8 @@ from slam_core.aiding_sensors import (
     Velocity,
     ZeroRate,
 )
-from slam_core.compass import Compass, seen
+from slam_core.aiding.stillness import Stillness
 from slam_core.config import AidingConfig
-from slam_core.georeference import Georeference
 from slam_core.measurements import (
     Attitude,
     Float64s,
@@ -33,7 +34,6 @@ from slam_core.measurements import (
 )
 from slam_core.navigation import NavigationFilter
 from slam_core.results import AidingStatus, PlanarGaussian
-from slam_core.stillness import Stillness
 
 AidingMeasurement = Attitude | GroundDistance | MagneticField | GpsPosition | GpsVelocity
 

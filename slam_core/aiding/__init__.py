@@ -1,0 +1,1 @@
+"""Section V: what aids the filter besides the match: sensors, their corrections, and the gates before them."""

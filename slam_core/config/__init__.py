@@ -1,0 +1,41 @@
+"""All settings of the pipeline: the tree, what is known of each leaf, and changes of it."""
+
+from slam_core.config.changes import needs_restart, with_value
+from slam_core.config.leaves import ConfigError, Leaf, Param, leaves
+from slam_core.config.tree import (
+    AidingConfig,
+    CovarianceMethod,
+    FusionConfig,
+    FusionMethod,
+    MapConfig,
+    MatcherConfig,
+    MotionConfig,
+    NavigationConfig,
+    PlatformConfig,
+    ScanConfig,
+    SlamConfig,
+    StartEstimate,
+    TrackingConfig,
+)
+
+__all__ = [
+    "AidingConfig",
+    "ConfigError",
+    "CovarianceMethod",
+    "FusionConfig",
+    "FusionMethod",
+    "Leaf",
+    "MapConfig",
+    "MatcherConfig",
+    "MotionConfig",
+    "NavigationConfig",
+    "Param",
+    "PlatformConfig",
+    "ScanConfig",
+    "SlamConfig",
+    "StartEstimate",
+    "TrackingConfig",
+    "leaves",
+    "needs_restart",
+    "with_value",
+]

@@ -1,0 +1,81 @@
+"""One setting at a time: what a person needs to know about it, and whether a value fits.
+
+Each leaf of the tree is annotated with a `Param`: what it does, its unit, its range, and whether changing it means
+rebuilding the map from the start (`restart`) or simply acting from the next scan.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from slam_core.errors import SlamError
+
+
+class ConfigError(SlamError):
+    """A setting is unknown, has the wrong type, or lies outside its range."""
+
+
+@dataclass(frozen=True, slots=True)
+class Param:
+    """What a person needs to know about one setting. `log` asks for a logarithmic slider."""
+
+    help: str
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    restart: bool = False
+    log: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """One setting: its dotted name ("matcher.sigma"), type, value and description."""
+
+    name: str
+    type: Any
+    value: Any
+    param: Param
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The words a choice accepts; empty for numbers and switches."""
+        return get_args(self.type) if get_origin(self.type) is Literal else ()
+
+    def check(self, value: Any) -> Any:
+        """The value, converted without loss; ConfigError if it does not fit."""
+        if self.choices:
+            if value not in self.choices:
+                raise ConfigError(f"{self.name} is {value!r}: choose one of {', '.join(self.choices)}")
+            return value
+        if self.type is bool:
+            if not isinstance(value, bool):
+                raise ConfigError(f"{self.name} is {value!r}: give true or false")
+            return value
+        return self._check_number(value)
+
+    def _check_number(self, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise ConfigError(f"{self.name} is {value!r}: give a finite number")
+        if self.type is int and value != int(value):
+            raise ConfigError(f"{self.name} is {value!r}: give a whole number")
+        low, high = self.param.low, self.param.high
+        if (low is not None and value < low) or (high is not None and value > high):
+            raise ConfigError(f"{self.name} is {value:g}{_space(self.param.unit)}: give {low:g} to {high:g}")
+        return int(value) if self.type is int else float(value)
+
+
+def _space(unit: str) -> str:
+    return f" {unit}" if unit else ""
+
+
+def leaves(config: Any, prefix: str = "") -> Iterator[Leaf]:
+    """Every setting below `config`, in the order of the tree."""
+    hints = get_type_hints(type(config), include_extras=True)
+    for f in fields(config):
+        value = getattr(config, f.name)
+        if is_dataclass(value):
+            yield from leaves(value, f"{prefix}{f.name}.")
+        else:
+            kind, param = get_args(hints[f.name])
+            yield Leaf(f"{prefix}{f.name}", kind, value, param)

@@ -1,0 +1,22 @@
+"""A short drive through the simulated rooms, and what the headless run makes of it."""
+
+import numpy as np
+import pytest
+
+from app.runner import run_headless
+from app.simulation import SceneOptions, Simulation
+from app.sources import Item
+from tests.engines import START
+from tests.sources import MemoryRecording
+
+
+@pytest.fixture(scope="session")
+def drive() -> list[Item]:
+    """Four seconds through the simulated rooms, with inertial data and truth."""
+    return list(Simulation("rooms", SceneOptions(duration=4.0, scan_rate=20.0, beams=181)).items())
+
+
+@pytest.fixture(scope="session")
+def reference(drive: list[Item]) -> np.ndarray:
+    """The trajectory of the headless run."""
+    return run_headless(MemoryRecording(drive), START)[0].trajectory

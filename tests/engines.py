@@ -1,0 +1,58 @@
+"""Engines for tests: run, told what to do, and waited for."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from app.engine import Engine
+from app.settings import Settings
+from app.snapshot import Command, Snapshot
+from app.sources import Item, Source
+from slam_core.config import SlamConfig, with_value
+from slam_core.measurements import LaserScan
+
+START = Settings(with_value(SlamConfig(), "map.size", 512))
+PATIENCE_S = 20.0
+
+
+@contextmanager
+def running(source: Source, settings: Settings = START, **options: float) -> Iterator[Engine]:
+    """An engine that is stopped in any case."""
+    engine = Engine(source, settings, **options)  # type: ignore[arg-type]
+    engine.start()
+    try:
+        yield engine
+    finally:
+        engine.stop()
+
+
+def until(engine: Engine, holds: Callable[[Snapshot], bool]) -> Snapshot:
+    """The first snapshot for which something holds."""
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        latest = engine.mailbox.latest
+        if latest is not None and holds(latest):
+            return latest
+        engine.mailbox.take(timeout=0.1)
+    assert latest is not None
+    raise AssertionError(f"never happened; at last {latest.playback}, {latest.report}, {latest.log}")
+
+
+def state(word: str) -> Callable[[Snapshot], bool]:
+    """A condition for `until`."""
+    return lambda snapshot: snapshot.playback.state == word
+
+
+def after(engine: Engine, *commands: Command) -> Snapshot:
+    """The snapshot once the commands were obeyed and the engine rests."""
+    seen = engine.mailbox.latest
+    assert seen is not None
+    for command in commands:
+        engine.send(command)
+    resting = ("paused", "ended", "failed")
+    return until(engine, lambda now: now.sequence > seen.sequence and now.playback.state in resting)
+
+
+def scan_times(items: list[Item]) -> list[int]:
+    """Stamps of the scans."""
+    return [item.stamp_ns for item in items if isinstance(item, LaserScan)]
