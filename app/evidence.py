@@ -69,6 +69,11 @@ class Evidence:
         """Whether anything but the scans tells of turns."""
         return bool(self._imu or self._wheels)
 
+    def at_rest(self) -> Measures:
+        """What can be told before anything turns, and without matching a scan."""
+        forces = np.array(self._imu)[:, 4:7] if len(self._imu) >= FEWEST_SAMPLES else None
+        return Measures() if forces is None else Measures(gravity=gravity(forces))
+
     def measures(self) -> Measures:
         """All that can be told so far. Scans are matched as they are, without the sensors that are in doubt."""
         headings = self._turns_of_scans()

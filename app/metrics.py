@@ -36,7 +36,7 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort) -> dict[st
         "tracking": dict(pipeline.states),
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
         "inertial": dict(pipeline.slam.unused),
-        "notes": [*report.notes, *pipeline.slam.notes, *pipeline.slam.warnings],
+        "notes": [*report.notes, *pipeline.slam.notes, *pipeline.warned],
         "recording_s": round(effort.recording_s, 6),
         "wall_s": round(effort.wall_s, 3),
         "realtime_factor": round(effort.recording_s / max(effort.wall_s, 1e-9), 2),

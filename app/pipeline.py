@@ -12,6 +12,7 @@ from app.series import series_row
 from app.settings import Settings
 from app.snapshot import SERIES_FIELDS, Mode
 from app.sources import Item, SourceError
+from slam_core.arrivals import Arrivals
 from slam_core.evaluation import Trajectory, first_on_first, interpolate
 from slam_core.given import GivenMap
 from slam_core.measurements import Imu, LaserScan, Measurement, Transform, TruthPose
@@ -25,7 +26,7 @@ class Pipeline:
 
     start_ns: what the seconds in the rows count from; None takes the first measurement's time. given: the map to
     begin with. The outcome is a function of these, the items and the settings alone: changes act between scans, at
-    their times.
+    their times. warned: every warning so far, and when it came up first.
     """
 
     def __init__(self, settings: Settings, start_ns: int | None = None, given: GivenMap | None = None) -> None:
@@ -37,6 +38,8 @@ class Pipeline:
         self.scans_read = 0
         self.result: StepResult | None = None
         self.states: Counter[Tracking] = Counter()
+        self.warned: dict[str, int] = {}
+        self._arrivals = Arrivals()
         self._sequencer = Sequencer()
         self._passed_over: Counter[str] = Counter()
         self._changes = 0
@@ -54,6 +57,7 @@ class Pipeline:
             self._truth.append(self._row(item.stamp_ns, item.T_map_base))
             return []
         self.scans_read += isinstance(item, LaserScan)
+        self._arrivals.take(item)
         return self._sequencer.push(item)
 
     def flush(self) -> list[Measurement]:
@@ -81,7 +85,15 @@ class Pipeline:
         result = self.slam.step(measurement)
         if result is not None:
             self._keep(result)
+        self.warnings()
         return result
+
+    def warnings(self) -> tuple[str, ...]:
+        """What is wrong at this moment, a sentence each; `warned` keeps it with the time when it was first so."""
+        wrong = (*self.slam.warnings, *self._arrivals.warnings)
+        for text in wrong:
+            self.warned.setdefault(text, self.time_ns)
+        return wrong
 
     def _apply_changes(self, stamp_ns: int) -> None:
         due = sum(change.time_ns <= stamp_ns for change in self.settings.changes)

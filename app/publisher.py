@@ -66,6 +66,7 @@ class Publisher:
     def publish(self, run: Run, *, complete: bool) -> None:
         """Put a snapshot into the mailbox. complete: show the map as it is now, however recently it was drawn."""
         pipeline = run.pipeline
+        warnings = (*run.report.warnings, *pipeline.warnings())
         self._log_notes(run)
         self._published = time.monotonic()
         self._news = False
@@ -90,16 +91,25 @@ class Publisher:
             log=self._log,
             mode=pipeline.mode,
             searching=pipeline.slam.searching,
+            warnings=warnings,
+            unused=dict(pipeline.slam.unused),
         )
         self.mailbox.put(snapshot)
 
     def _log_notes(self, run: Run) -> None:
         """What the source and the pipeline found, and what holds the pipeline back, each once."""
-        warnings = run.pipeline.slam.warnings
-        for note in (*run.report.notes, *run.pipeline.slam.notes, *warnings):
-            if note not in self._noted:
-                self._noted.add(note)
-                self.log(run.pipeline.time_ns, note, "warning" if note in warnings else "info")
+        pipeline = run.pipeline
+        for note in (*run.report.notes, *pipeline.slam.notes):
+            self._note(pipeline.time_ns, note, "info")
+        for warning in run.report.warnings:
+            self._note(pipeline.time_ns, warning, "warning")
+        for warning, time_ns in pipeline.warned.items():
+            self._note(time_ns, warning, "warning")
+
+    def _note(self, time_ns: int, text: str, level: LogLevel) -> None:
+        if text not in self._noted:
+            self._noted.add(text)
+            self.log(time_ns, text, level)
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
         state = (epoch, pipeline.slam.pyramid.revision)

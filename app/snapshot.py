@@ -97,7 +97,8 @@ class SourceReport:
 
     skipped: reason (with the topic's name and the remedy) -> how often. dropped: scans given up to keep up with a
     live stream. waiting: why nothing flows at this moment, and the remedy; empty while all is well.
-    notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file).
+    notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file). warnings: sentences
+    on what is wrong, with the remedies.
     """
 
     read: Mapping[str, int] = field(default_factory=dict)
@@ -105,6 +106,7 @@ class SourceReport:
     dropped: int = 0
     waiting: str = ""
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,7 +158,8 @@ class Snapshot:
     truth: the columns of the trajectory. truth_in_map: (4,) x, y, z, yaw that carry truth into the map frame
     (first pose on first pose). series: structured (n,) of SERIES_DTYPE, one row a scan. maps: finest level first.
     mode: whether the map is new, given and left as it is, or given and going on. searching: why the robot's place
-    in the map is unknown, empty while it is known.
+    in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the remedies.
+    unused: what was not used of inertial data and aids as it came, by reason.
     """
 
     sequence: int = 0
@@ -177,3 +180,5 @@ class Snapshot:
     log: tuple[LogEntry, ...] = ()
     mode: Mode = "map"
     searching: str = ""
+    warnings: tuple[str, ...] = ()
+    unused: Mapping[str, int] = field(default_factory=dict)

@@ -1,36 +1,90 @@
-"""What is wrong with the sources of the motion at this moment: a sentence each, with its remedy."""
+"""What is wrong with the sources of the motion: a sentence each, while it lasts and a little longer."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 
 from slam_core.aiding.gates import LEAST_STREAK
-from slam_core.inertial import AT_RANGE
-from slam_core.navigation import LEAPT, SET_BACK, NavigationFilter
+from slam_core.inertial import AT_RANGE, NO_NUMBER
+from slam_core.navigation import LEAPT, SET_BACK, TOO_OLD, UNUSABLE, NavigationFilter
 from slam_core.results import AidingStatus
 
 SILENT_NS = 500_000_000
+CONTRADICTED_NS = 1_000_000_000  # a source that is rejected for longer is named
+TOLD_FOR_NS = 5_000_000_000  # what is over is shown for so long
+NO_BEAM = "scan without a beam in range"
+
+WEIGHTLESS = (
+    "the accelerometers show no gravity: of the IMU only the yaw rate is used; its driver must publish the"
+    " specific force in m/s², gravity included"
+)
+SILENT = "no inertial data comes: the motion is predicted from the matches alone; check the IMU"
+# Of what is counted, by its reason; of a source, with its name.
+COUNTED = {
+    AT_RANGE: "the gyro was clipped: turn slower, or set a wider range in the IMU and in navigation.gyro_range",
+    SET_BACK: "the clock of the IMU was set back: the filter went on from where it was; restart if that is wrong",
+    LEAPT: "the clock of the IMU leapt ahead: the filter went on from where it was; restart if that is wrong",
+    NO_NUMBER: "the IMU gives values that are no plausible numbers: they are left out; check its driver",
+    NO_BEAM: "scans come without a beam in range: the pose is carried on without them; check the laser",
+}
+OF_SOURCE = {
+    UNUSABLE: "{} gives values that are no plausible numbers: they are left out; check that sensor",
+    TOO_OLD: "{} comes too late to be used: check the link and the clocks, or raise navigation.history",
+}
 
 
-def faults(estimator: NavigationFilter, time_ns: int, patience: float) -> Iterator[str]:
-    """For the filter as it is at the time of a scan; patience in seconds, see `navigation.gate_patience`."""
+class Recent:
+    """Sentences with the time when each was true last."""
+
+    def __init__(self) -> None:
+        self._told: dict[str, int] = {}
+
+    def tell(self, sentences: Iterable[str], time_ns: int) -> None:
+        """They are true at this moment."""
+        self._told.update(dict.fromkeys(sentences, time_ns))
+
+    def at(self, time_ns: int) -> tuple[str, ...]:
+        """What is or was true a little while ago; by any clock, as that may have been set."""
+        return tuple(text for text, told_ns in self._told.items() if abs(time_ns - told_ns) < TOLD_FOR_NS)
+
+
+class Watch:
+    """Looks at a filter at every scan; one for each run."""
+
+    def __init__(self) -> None:
+        self._recent = Recent()
+        self._counted: dict[str, int] = {}
+
+    def look(self, estimator: NavigationFilter, skipped: Counter[str], time_ns: int) -> None:
+        """The filter as it is at the time of a scan; skipped: scans that gave no result, by reason."""
+        sentences = [*_states(estimator, time_ns), *self._news(COUNTED, estimator.counts | skipped)]
+        for status in estimator.aiding:
+            sentences += _of_source(status)
+            if status.dropped:
+                texts = {reason: text.format(status.source) for reason, text in OF_SOURCE.items()}
+                sentences += self._news(texts, status.dropped)
+        self._recent.tell(sentences, time_ns)
+
+    def warnings(self, time_ns: int) -> tuple[str, ...]:
+        """What is wrong at the time of the last scan, or was a moment before."""
+        return self._recent.at(time_ns)
+
+    def _news(self, texts: Mapping[str, str], counts: Mapping[str, int]) -> list[str]:
+        """The sentences whose counts have grown."""
+        now = {text: counts[reason] for reason, text in texts.items() if counts.get(reason)}
+        grown = [text for text, count in now.items() if count > self._counted.get(text, 0)]
+        self._counted.update(now)
+        return grown
+
+
+def _states(estimator: NavigationFilter, time_ns: int) -> Iterator[str]:
     if estimator.weightless:
-        yield (
-            "the accelerometers show no gravity: of the IMU only the yaw rate is used; its driver must publish the"
-            " specific force in m/s², gravity included"
-        )
+        yield WEIGHTLESS
     if estimator.ready and time_ns - estimator.sample_ns > SILENT_NS:
-        yield "no inertial data comes: the motion is predicted from the matches alone; check the IMU"
-    if estimator.counts[AT_RANGE]:
-        yield "the gyro was clipped: turn slower, or set a wider range in the IMU and in navigation.gyro_range"
-    if estimator.counts[SET_BACK]:
-        yield "the clock of the IMU was set back: the filter went on from where it was; restart if that is wrong"
-    if estimator.counts[LEAPT]:
-        yield "the clock of the IMU leapt ahead: the filter went on from where it was; restart if that is wrong"
-    for status in estimator.aiding:
-        yield from _of_source(status, patience)
+        yield SILENT
 
 
-def _of_source(status: AidingStatus, patience: float) -> Iterator[str]:
+def _of_source(status: AidingStatus) -> Iterator[str]:
     if status.frozen:
         yield f"{status.source} repeats one value while the robot moves and is not used: check that sensor"
-    elif status.streak >= LEAST_STREAK and status.stamp_ns - status.streak_ns >= patience * 1e9:
+    elif status.streak >= LEAST_STREAK and status.stamp_ns - status.streak_ns >= CONTRADICTED_NS:
         yield f"{status.source} contradicts the other sensors and is not used: check its frame, units and noise"

@@ -10,6 +10,7 @@ from slam_core.measurements import Float64s, Imu
 # While a gyro is clipped the true rate is beyond what it says, nobody knows how far.
 CLIPPED_NOISE = 1.0  # rad/s/√Hz
 AT_RANGE = "gyro at the end of its range"
+NO_NUMBER = "inertial sample without a plausible value"
 BACK_FOR_NS = 200_000_000  # of samples in order, all of them in the past
 
 
@@ -32,7 +33,7 @@ class Intake:
         sample[:3], sample[3:6], sample[6] = imu.angular_velocity, imu.linear_acceleration, 0.0
         found = check(sample, self._memory, config.gyro_range)
         if found == BROKEN:
-            return None, "inertial sample without a plausible value"
+            return None, NO_NUMBER
         if found == CLIPPED:
             sample[6] = CLIPPED_NOISE**2
             return sample, AT_RANGE

@@ -27,6 +27,9 @@ LEAP_NS = 10_000_000_000
 WEIGHTLESS = "start without gravity in the accelerometers"
 SET_BACK = "clock set back"
 LEAPT = "clock leapt ahead"
+UNUSABLE = "correction without a usable value"
+TOO_OLD = "correction older than the history"
+TOO_EARLY = "correction before the attitude was known"
 
 
 class NavigationFilter:
@@ -43,7 +46,7 @@ class NavigationFilter:
         self._intake = Intake()
         self._first: list[tuple[int, Float64s]] = []
         self._history: History | None = None
-        self._doubted_ns = 0
+        self._doubted_ns = self._begin_ns = 0
 
     def configure(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
         """Change settings from the next measurement on."""
@@ -59,7 +62,7 @@ class NavigationFilter:
         other._intake = self._intake.copy()
         other._first = self._first.copy()
         other._history = self._history.copy() if self._history else None
-        other._doubted_ns = self._doubted_ns
+        other._doubted_ns, other._begin_ns = self._doubted_ns, self._begin_ns
         return other
 
     @property
@@ -218,19 +221,20 @@ class NavigationFilter:
         if belief is None:
             self.counts[WEIGHTLESS] += 1
         else:
+            self._begin_ns = stamp_ns
             self._history = History(stamp_ns, sample, *belief)
             self._history.configure(self._config, self._platform)
 
     def _refusal(self, time_ns: int, correction: Correction) -> str:
         """Why a correction cannot be applied; empty once it is."""
         if self._history is None:
-            return "correction before the attitude was known"
+            return TOO_EARLY
         if not correction.usable:
-            return "correction without a usable value"
+            return UNUSABLE
         if not self._believes(time_ns):
             return "stamp far ahead"
         if not self._belief.add_correction(time_ns, correction):
-            return "correction older than the history"
+            return TOO_EARLY if time_ns < self._begin_ns else TOO_OLD
         return ""
 
     def _believes(self, stamp_ns: int) -> bool:

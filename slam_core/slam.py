@@ -9,7 +9,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.aiding.aids import Aids
 from slam_core.config import ConfigError, SlamConfig, needs_restart
-from slam_core.faults import SILENT_NS, faults
+from slam_core.faults import NO_BEAM, SILENT_NS, Watch
 from slam_core.given import GivenMap
 from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
@@ -62,6 +62,7 @@ class HectorSlam:
         self._tracker = Tracker()
         self._filter = NavigationFilter(config.navigation, config.platform)
         self._aids = Aids()
+        self._watch = Watch()
         self._felt = self._inertial = False
         self._scan_ns = 0
         self._index = 0
@@ -103,10 +104,10 @@ class HectorSlam:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What holds the pipeline back at this moment, a sentence each with its remedy."""
-        limit, patience = self.pyramid.stopped_at, self.config.navigation.gate_patience
+        """What holds the pipeline back at the time of the last scan, a sentence each with its remedy."""
+        limit = self.pyramid.stopped_at
         full = f"the map stopped growing at its limit of {limit:g} MB: raise map.limit or map.resolution"
-        return (*([full] if limit else []), *faults(self._filter, self._scan_ns, patience))
+        return (*([full] if limit else []), *self._watch.warnings(self._scan_ns))
 
     @property
     def unused(self) -> Counter[str]:
@@ -150,6 +151,7 @@ class HectorSlam:
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
         self._scan_ns = scan.end_ns
+        self._watch.look(self._filter, self.skipped, scan.end_ns)
         if self._awaits_filter():
             self.skipped["scan before the attitude was known"] += 1
             return None
@@ -157,7 +159,7 @@ class HectorSlam:
         leveled = stabilise(scan, self._motion, self.config.scan)
         lap("stabilise")
         if not len(leveled.points):
-            self.skipped["scan without a beam in range"] += 1
+            self.skipped[NO_BEAM] += 1
             return None
         if not self._placed and not self._begin(leveled, scan.mid_ns):
             self.skipped["scan before the robot was found in the map"] += 1

@@ -1,6 +1,7 @@
-"""The navigation filter: which sources aid it, what their gates say, its biases, and the last fusion."""
+"""The navigation filter: what is wrong, which sources aid it, their gates, its biases, and the last fusion."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,12 +44,16 @@ class NavigationPanel:
         gui = stage.server.gui
         with _workspace.tab(stage, "Filter", Icon.COMPASS):
             self._turn = gui.add_html("")
+            self._faults = gui.add_html("")
             self._fusion = gui.add_html(NO_FILTER)
             self._sources = gui.add_html("")
             self._biases = gui.add_html("")
+            self._unused = gui.add_html("")
 
     def draw(self, snapshot: Snapshot) -> None:
         """Bring the tables up to date."""
+        put(self._faults, faults_html(snapshot.warnings))
+        put(self._unused, unused_html(snapshot.unused))
         result = snapshot.result
         state = result.navigation if result else None
         if result is None or state is None:
@@ -59,6 +64,17 @@ class NavigationPanel:
         put(self._fusion, fusion_html(result, state))
         put(self._sources, sources_html(result, snapshot.config.aiding))
         put(self._biases, biases_html(state, snapshot.config.navigation))
+
+
+def faults_html(warnings: Sequence[str]) -> str:
+    """What is wrong at this moment, a line each; nothing if all is well."""
+    return "".join(f'<p class="hs-fault">{text(warning)}</p>' for warning in warnings)
+
+
+def unused_html(unused: Mapping[str, int]) -> str:
+    """How much was not used as it came, by reason; nothing if all was."""
+    lines = "".join(f"<li>{count} × {text(reason)}</li>" for reason, count in unused.items())
+    return f'<ul class="hs-unused">{lines}</ul>' if lines else ""
 
 
 def fusion_html(result: StepResult, state: NavigationState) -> str:

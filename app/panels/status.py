@@ -34,7 +34,7 @@ class StatusPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Assign what changed."""
         put(self._run, run_html(snapshot.source, snapshot.playback, snapshot.mode, snapshot.searching))
-        put(self._losses, losses_html(snapshot.report, self._stage.failures))
+        put(self._losses, losses_html(snapshot.report, self._stage.failures, snapshot.warnings))
         label, icon = ("Light theme", Icon.SUN) if self._stage.display.dark else ("Dark theme", Icon.MOON)
         if self._theme.label != label:
             self._theme.label, self._theme.icon = label, icon
@@ -63,18 +63,20 @@ def run_html(source: str, playback: PlaybackStatus, mode: Mode = "map", searchin
     )
 
 
-def losses_html(report: SourceReport, failures: Mapping[str, str]) -> str:
-    """Dropped and skipped; the reasons unfold under the pointer."""
+def losses_html(report: SourceReport, failures: Mapping[str, str], warnings: tuple[str, ...] = ()) -> str:
+    """What is wrong at this moment, dropped and skipped; the reasons unfold under the pointer."""
     skipped = sum(report.skipped.values())
     reasons = [f"{count} × {text(reason)}" for reason, count in report.skipped.items()]
     hidden = len(reasons) - REASONS_SHOWN
     broken = [f"{text(title)} is switched off: {text(why)}" for title, why in failures.items()]
-    lines = reasons[:REASONS_SHOWN] + ([f"and {hidden} more reasons"] if hidden > 0 else []) + broken
+    lines = [text(warning) for warning in warnings]
+    lines += reasons[:REASONS_SHOWN] + ([f"and {hidden} more reasons"] if hidden > 0 else []) + broken
     fold = f'<ul class="hs-tip">{"".join(f"<li>{line}</li>" for line in lines)}</ul>' if lines else ""
     dropped = figure("dropped", str(report.dropped), "bad" if report.dropped else "")
     shown = figure("skipped", str(skipped), "bad" if skipped else "")
     failed = figure("failed", str(len(broken)), "bad") if broken else ""
-    return f'<div class="hs-losses" tabindex="0">{dropped}{shown}{failed}{fold}</div>'
+    wrong = figure("warnings", str(len(warnings)), "bad") if warnings else ""
+    return f'<div class="hs-losses" tabindex="0">{wrong}{dropped}{shown}{failed}{fold}</div>'
 
 
 BRAND = (

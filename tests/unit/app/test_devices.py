@@ -228,7 +228,21 @@ def test_a_stream_ends_when_its_devices_contradict_each_other() -> None:
         came.extend(watched.items())
     assert 0 < len(came) < len(honest())
     watched.close()
+    assert came[-1].stamp_ns - came[0].stamp_ns < 2 * SECOND
     honest_stream = MemoryStream()
     honest_stream.send(honest())
     honest_stream.close()
     assert len(list(examined(honest_stream, SourceOptions()).items())) == len(honest())
+
+
+def test_a_stream_whose_imu_hangs_upside_down_is_warned_of_at_rest_and_ended_by_a_turn() -> None:
+    """Within two seconds the report says which way is up; once the scans turn too it is sure."""
+    stream = MemoryStream()
+    stream.send([LIES["upside down"][0](item) for item in honest()])
+    watched = examined(stream, SourceOptions())
+    warned = next(item.stamp_ns for item in watched.items() if watched.report.warnings)
+    assert warned - honest()[0].stamp_ns < 2 * SECOND
+    assert "mounted upside down: run again with --imu-rotation 3.1416 0 0" in watched.report.warnings[0]
+    with pytest.raises(DeviceError, match="upside down"):
+        list(watched.items())
+    watched.close()

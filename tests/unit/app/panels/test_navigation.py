@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.panels._ellipses import SIGMAS, ellipses_svg
-from app.panels.navigation import biases_html, fusion_html, sources_html, standing
+from app.panels.navigation import biases_html, faults_html, fusion_html, sources_html, standing, unused_html
 from slam_core.config import AidingConfig, NavigationConfig
 from slam_core.results import AidingStatus, NavigationState, PlanarGaussian, StepResult
 from tests.page import AIDING, planar_gaussian, step_result
@@ -102,3 +102,11 @@ def test_nothing_is_drawn_of_what_is_no_covariance() -> None:
         layer = planar_gaussian(0.0, 0.0, sigma, sigma)
         assert ellipses_svg({"fused": layer}, layer) == ""
     assert ellipses_svg({}, planar_gaussian(0.0, 0.0, 1.0, 1.0)) == ""
+
+
+def test_faults_and_what_was_not_used_are_named() -> None:
+    """A line for each, escaped; nothing at all while there is none."""
+    assert faults_html(()) == unused_html({}) == ""
+    assert faults_html(("the gyro was clipped", "<b>")).count("<p") == 2
+    assert "3 × gap in the inertial data" in unused_html({"gap in the inertial data": 3})
+    assert all("<b>" not in html for html in (faults_html(("<b>",)), unused_html({"<b>": 1})))

@@ -55,6 +55,14 @@ def test_losses_are_counted_and_explained() -> None:
     assert "<ul" not in losses_html(SourceReport(), {})
 
 
+def test_warnings_come_first_among_the_losses() -> None:
+    """What is wrong at this moment is counted, and told before what was skipped; escaped."""
+    html = losses_html(SourceReport({}, {"/scan: all NaN": 3}, 0), {}, ("no inertial data comes", "<b>"))
+    assert ">warnings</small>2<" in html
+    assert html.index("no inertial data comes") < html.index("/scan: all NaN")
+    assert "<b>" not in html
+
+
 def test_a_view_that_broke_is_named() -> None:
     """What was switched off is told on the page."""
     assert "Scan is switched off: ValueError" in losses_html(SourceReport(), {"Scan": "ValueError"})
