@@ -114,6 +114,7 @@ INERTIAL = (
     Recording("razor", BESIDE / "imu_only/sparkfun_razor.bag"),
 )
 TIMED = (*DEMOS, *REAL[:2])
+COMPARED = (*DEMOS, *REAL[:3], REAL[4])  # with others
 
 
 def present(recordings: tuple[Recording, ...]) -> list[Recording]:

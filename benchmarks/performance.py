@@ -20,9 +20,10 @@ from app.runner import run_headless
 from app.settings import Settings
 from app.sources import open_source
 from app.warmup import warm_up
-from benchmarks import kernels, returning, tables, whole_map
+from benchmarks import kernels, others, returning, tables, whole_map
 from benchmarks.accuracy import CorridorOutcome, Outcomes, Replay, corridor, drive, replay
 from benchmarks.cases import (
+    COMPARED,
     CORRIDOR,
     DEMOS,
     DRIVES,
@@ -40,6 +41,7 @@ from benchmarks.cases import (
 )
 from benchmarks.ghosts import SIGHT_S, HallOutcome, halls
 from benchmarks.inertial import Ride, ride
+from benchmarks.others import Judged
 from benchmarks.outage import OUTAGE_SEEDS, OUTAGES, Outage
 from benchmarks.whole_map import BEAMS, STARTS, Finding
 from tests.conftest import ROOT
@@ -58,6 +60,7 @@ class Accuracy:
     halls: list[dict[str, HallOutcome]]
     outages: dict[str, list[Outage]]
     replays: dict[Recording, dict[str, Replay]]
+    others: dict[Recording, dict[str, Judged]]
     inertial: dict[Recording, Ride]
 
 
@@ -75,6 +78,8 @@ def measure_speed() -> dict[str, dict[str, Any]]:
 def measure_accuracy() -> Accuracy:
     """All cases by both methods."""
     with ProcessPoolExecutor(PROCESSES) as pool:
+        compared = present(COMPARED) if others.INSTALLED else []
+        beside = {recording: pool.submit(others.compare, recording) for recording in compared}
         drives = {case: [pool.submit(drive, case.options, seed) for seed in SEEDS] for case in DRIVES}
         bare = [pool.submit(corridor, CORRIDOR, seed) for seed in SEEDS]
         crowded = [pool.submit(halls, HALLS, seed) for seed in HALL_SEEDS]
@@ -84,6 +89,7 @@ def measure_accuracy() -> Accuracy:
         names |= {future: name for name, futures in lost.items() for future in futures}
         names |= dict.fromkeys(bare, "corridor") | dict.fromkeys(crowded, "halls")
         names |= {future: each.name for each, future in replays.items()}
+        names |= {future: f"{each.name}, side by side" for each, future in beside.items()}
         for done, future in enumerate(as_completed(names), start=1):
             print(f"accuracy {done}/{len(names)}: {names[future]}", flush=True)
         return Accuracy(
@@ -92,6 +98,7 @@ def measure_accuracy() -> Accuracy:
             [future.result() for future in crowded],
             {name: [future.result() for future in futures] for name, futures in lost.items()},
             {recording: future.result() for recording, future in replays.items()},
+            {recording: future.result() for recording, future in beside.items()},
             {recording: ride(recording) for recording in present(INERTIAL)},
         )
 
@@ -107,6 +114,20 @@ def machine() -> str:
     """What the times hold for."""
     libraries = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba", "rosbags", "mcap"))
     return f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, {libraries}"
+
+
+def side_by_side(results: dict[Recording, dict[str, Judged]]) -> str:
+    """What the others did on the same recordings, or how to find out."""
+    if not results:
+        return "Not measured: kiss-icp and evo are missing. Install them with `pip install -e '.[bench]'`.\n"
+    return f"""By kiss-icp {version("kiss-icp")} and evo {version("evo")}. Metres, root mean squares in the plane:
+evo's absolute pose error after its own alignment, which our own metric has to meet, and its relative error over
+{others.STRETCH:g} m. kiss-icp gets each scan as a flat cloud with the times of its beams; it is made for clouds in
+three dimensions, and has no inertial data. Its settings, the best of those that were tried on these recordings:
+{others.SETTINGS}. Two processes measure at once, so that times
+are for comparison only.
+
+{tables.others(results)}"""
 
 
 def document(
@@ -197,6 +218,9 @@ drives through the hallway and the kitchen are said to end near their start. Uni
 kitchen's devices are given by options.
 
 {tables.returns(accuracy.replays)}
+## Side by side with kiss-icp, judged by evo
+
+{side_by_side(accuracy.others)}
 ## Inertial units alone
 
 Three devices in somebody's hands or on a turntable, with nothing to help the filter but gravity: degrees between

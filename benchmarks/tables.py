@@ -9,6 +9,7 @@ from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import METHODS, Drive, Recording
 from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
+from benchmarks.others import Judged
 from benchmarks.outage import Outage
 from benchmarks.whole_map import Finding
 
@@ -169,6 +170,35 @@ def _return_row(recording: Recording, methods: Mapping[str, Replay]) -> Iterator
         returned = methods[method].returned
         yield "-" if returned is None else f"{100 * returned:.0f} %"
     yield "; ".join(methods["full"].left_out) or "-"
+
+
+def others(results: Mapping[Recording, Mapping[str, Judged]]) -> str:
+    """What evo says of our trajectories and of another's, a row each, and the medians over those with a truth."""
+    head = ("recording", "by", "absolute, aligned", "by our own metric", "relative", "start to end", "ms a scan")
+    rows = [(recording.name, by, each) for recording, runs in results.items() for by, each in runs.items()]
+    methods = dict.fromkeys(by for _, by, _ in rows)
+    return table(
+        head,
+        [
+            *((name, by, *_judged_cells(each)) for name, by, each in rows),
+            *(("median", by, *_median_cells([each for _, who, each in rows if who == by])) for by in methods),
+        ],
+    )
+
+
+def _judged_cells(run: Judged) -> Iterator[str]:
+    for error in (run.ape, run.own, run.rpe):
+        yield "-" if error is None else f"{error:.4f}"
+    yield f"{run.start_to_end:.2f} m"
+    yield f"{run.ms:.2f}"
+
+
+def _median_cells(runs: Sequence[Judged]) -> Iterator[str]:
+    for name in ("ape", "own", "rpe"):
+        errors = [getattr(run, name) for run in runs if run.ape is not None]
+        yield f"{median(errors):.4f}" if errors else "-"
+    yield "-"
+    yield f"{median(run.ms for run in runs):.2f}"
 
 
 def inertial(results: Mapping[Recording, Ride]) -> str:

@@ -11,8 +11,9 @@ from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
 from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
+from benchmarks.others import INSTALLED, OURS, Judged
 from benchmarks.outage import Outage
-from benchmarks.performance import MARKS, Accuracy, document, processor
+from benchmarks.performance import MARKS, Accuracy, document, processor, side_by_side
 from benchmarks.whole_map import Finding
 from slam_core.measurements import Transform
 from slam_core.results import NavigationState
@@ -49,6 +50,7 @@ def accuracy() -> Accuracy:
         [dict.fromkeys(METHODS, HallOutcome(near, near, near, 0, 2.5))],
         {"satellites": [Outage(0.03, 0.04, 0.01)]},
         {Recording("jackal", Path("a"), 0.0143): dict.fromkeys(METHODS, Replay(414, near, 1.0, ()))},
+        {Recording("jarvis", Path("c")): {OURS: Judged(0.0141, 0.03, 0.0142, 1.6, 0.43)}} if INSTALLED else {},
         {Recording("razor", Path("b")): leaning(2.5)},
     )
 
@@ -69,10 +71,16 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
         "| satellites | 0.030",
         "| jackal | 414 |",
         "| razor | 3 | 2.5° | - | - |",
+        "| jarvis | Hectorscope | 0.0141 |" if INSTALLED else "Not measured",
     ):
         assert row in text
     assert processor() in text
     assert all(f"`{name}`" in text for name in PLAIN_SETTINGS)
+
+
+def test_without_the_others_the_document_says_how_to_get_them() -> None:
+    """Where nothing was compared there is no table, but the command that installs what is missing."""
+    assert "pip install -e '.[bench]'" in side_by_side({})
 
 
 def test_the_readme_has_one_place_for_results() -> None:

@@ -7,6 +7,7 @@ from benchmarks import tables
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import Drive, Recording
 from benchmarks.ghosts import HallOutcome
+from benchmarks.others import KISS, OURS, Judged
 
 DRIVE = Drive("40 Hz", SceneOptions(), 0.02)
 
@@ -87,4 +88,21 @@ def test_recordings_with_and_without_truth_are_apart() -> None:
     assert cells(tables.replays(results)) == [expected]
     assert cells(tables.returns(results)) == [
         ["without", "7", *["1.25 m", "91 %"] * 2, "12 x /imu: not in SI units"]
+    ]
+
+
+def test_medians_of_errors_are_over_the_recordings_with_a_truth() -> None:
+    """A row a recording and method, then one a method; without a truth only time and way count."""
+    runs = [Judged(0.01 * k, 0.02, 0.01 * k, 0.5, 1.0 * k) for k in (1, 3)]
+    free = Judged(None, None, None, 0.25, 9.0)
+    results = {
+        Recording(name, Path(name)): {OURS: ours, KISS: free}
+        for name, ours in zip("abc", [*runs, free], strict=True)
+    }
+    rows = cells(tables.others(results))
+    assert rows[0] == ["a", OURS, "0.0100", "0.0100", "0.0200", "0.50 m", "1.00"]
+    assert rows[1] == ["a", KISS, "-", "-", "-", "0.25 m", "9.00"]
+    assert rows[6:] == [
+        ["median", OURS, "0.0200", "0.0200", "0.0200", "-", "3.00"],
+        ["median", KISS, "-", "-", "-", "-", "9.00"],
     ]
