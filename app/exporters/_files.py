@@ -1,7 +1,13 @@
-"""Files that are whole or not there at all."""
+"""Files that are whole or not there at all, and the times in them."""
 
 import os
 from pathlib import Path
+
+
+def exact_seconds(start_ns: int, seconds: float) -> str:
+    """A time in seconds with all its nanoseconds, which the float of a date could not hold."""
+    stamp_ns = start_ns + round(seconds * 1e9)
+    return f"{stamp_ns // 10**9}.{stamp_ns % 10**9:09d}"
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from app.exporters import Exporter, Run
-from app.exporters._files import write_whole
+from app.exporters._files import exact_seconds, write_whole
 
 HEAD = "t,x,y,z,qx,qy,qz,qw,vx,vy,vz\n"
 
@@ -11,9 +11,8 @@ HEAD = "t,x,y,z,qx,qy,qz,qw,vx,vy,vz\n"
 def _write(run: Run, folder: Path) -> None:
     lines = [HEAD]
     for seconds, x, y, z, qw, qx, qy, qz, *velocity in run.navigation.tolist():
-        stamp_ns = run.start_ns + round(seconds * 1e9)
         values = ",".join(f"{value:.6f}" for value in (x, y, z, qx, qy, qz, qw, *velocity))
-        lines.append(f"{stamp_ns // 10**9}.{stamp_ns % 10**9:09d},{values}\n")
+        lines.append(f"{exact_seconds(run.start_ns, seconds)},{values}\n")
     write_whole(folder / "navigation.csv", "".join(lines).encode())
 
 

@@ -3,16 +3,15 @@
 from pathlib import Path
 
 from app.exporters import Exporter, Run
-from app.exporters._files import write_whole
+from app.exporters._files import exact_seconds, write_whole
 
 
 def tum_lines(run: Run) -> str:
-    """The whole file. Times are exact nanoseconds, not rounded to what a float of a date can hold."""
+    """The whole file."""
     lines = []
     for seconds, x, y, z, qw, qx, qy, qz in run.trajectory.tolist():
-        stamp_ns = run.start_ns + round(seconds * 1e9)
         pose = " ".join(f"{value:.9f}" for value in (x, y, z, qx, qy, qz, qw))
-        lines.append(f"{stamp_ns // 10**9}.{stamp_ns % 10**9:09d} {pose}\n")
+        lines.append(f"{exact_seconds(run.start_ns, seconds)} {pose}\n")
     return "".join(lines)
 
 
