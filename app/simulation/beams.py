@@ -9,9 +9,8 @@ from slam_core.geometry import rotation_matrix
 from slam_core.measurements import Float64s
 
 PANES = 4  # that a beam passes at most
-HEAD_ON = float(
-    np.radians(12.0)
-)  # from the normal: there the share of the beams that glass returns has fallen to 1/e
+# From the normal: there the share of the beams that glass returns has fallen to 1/e.
+HEAD_ON = float(np.radians(12.0))
 STRAY = 0.03  # share of the beams that glass returns at any angle: dirt
 _BEHIND = 1e-6  # m
 
