@@ -142,7 +142,12 @@ def parts(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> list
 
 def parts_table() -> str:
     """`parts` as Markdown."""
-    return table(("part", "cost"), ((name, f"{value:.1f} {unit}") for name, value, unit in parts()))
+    return table(("part", "cost"), ((name, f"{shown(value)} {unit}".rstrip()) for name, value, unit in parts()))
+
+
+def shown(value: float) -> str:
+    """With one decimal, unless it is a count."""
+    return str(value) if isinstance(value, int) else f"{value:.1f}"
 
 
 def main() -> None:
@@ -153,7 +158,7 @@ def main() -> None:
     args = parser.parse_args()
     warm_up()
     for name, value, unit in parts(args.seconds, args.seed, args.only_pose):
-        print(f"{name:50} {value:9.1f} {unit}")
+        print(f"{name:50} {shown(value):>9} {unit}")
     print(scaling(args.seed))
 
 
