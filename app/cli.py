@@ -107,16 +107,21 @@ def _examined(uri: str, flags: Any) -> Source:
 
 def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
     from app.engine import Engine  # noqa: PLC0415
+    from app.runner import prepare  # noqa: PLC0415
     from app.warmup import warm_up  # noqa: PLC0415
     from app.web.server import serve  # noqa: PLC0415
 
     chosen = settings.settings()
-    engine = Engine(source, chosen, saved.given(chosen), prepare=warm_up)
+    if page.out is not None:
+        prepare(page.out)
+    engine = Engine(source, chosen, saved.given(chosen), prepare=warm_up, out=page.out)
     engine.start()
     try:
         serve(engine, host=page.host, port=page.port, token=page.token)
     finally:
         engine.stop()
+    if page.out is not None:
+        print(engine.save())
     sys.exit(INTERRUPTED)  # nothing else ends the serving
 
 

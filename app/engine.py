@@ -5,12 +5,14 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from app.feeder import Feeder
 from app.mailbox import Mailbox
 from app.pipeline import Pipeline, nothing_used
-from app.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, merged
+from app.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking, merged
+from app.runner import save
 from app.settings import Setting, Settings, value_of
 from app.snapshot import (
     Command,
@@ -20,9 +22,11 @@ from app.snapshot import (
     PlayPause,
     Quit,
     Restart,
+    Save,
     Seek,
     SetSpeed,
     Snapshot,
+    SourceReport,
     StepScan,
 )
 from app.sources import Source
@@ -40,7 +44,8 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
-    given: the map that every run begins with. prepare: called on the engine's thread before anything is read.
+    given: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
+    before anything is read.
     A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
     or Seek begin again.
@@ -58,10 +63,12 @@ class Engine:
         *,
         autoplay: bool = True,
         speed: float = 1.0,
+        out: Path | None = None,
         prepare: Callable[[], None] = lambda: None,
     ) -> None:
         self._source = source
         self._given = given
+        self._out = out
         self._prepare = prepare
         self._commands: SimpleQueue[Command] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
@@ -89,6 +96,10 @@ class Engine:
         self.send(Quit())
         if self._thread.ident is not None:
             self._thread.join(timeout=10.0)
+
+    def save(self) -> str:
+        """Leave the results so far, and say so; SlamError if that cannot be. Only once it has stopped."""
+        return save(self._pipeline, self._source.report, self._out)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -159,16 +170,13 @@ class Engine:
         if result is None and self._pipeline.slam.searching and not self._sought:
             self._sought = True
             self._log(f"The robot is not found in the map yet: {self._pipeline.slam.searching}", "warning")
-        if before is not None and result is not None and result.tracking not in {before.tracking, "tracking"}:
-            because = f": {result.reason}" if result.reason else ""
-            found = result.tracking == "recovered"
-            self._log(f"The pose is {result.tracking}{because}", "info" if found else "warning")
+        if change := change_of_tracking(before, result):
+            self._log(*change)
 
     def _end(self, feeder: Feeder) -> None:
         feeder.check()
         if not self._pipeline.scans:
-            skipped = merged(self._source.report, self._pipeline.skipped, 0).skipped
-            raise nothing_used(self._source.name, skipped, self._pipeline.slam.searching)
+            raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam.searching)
         self._transport.end()
         self._log(f"The recording ended after {self._pipeline.scans} scans")
 
@@ -199,12 +207,20 @@ class Engine:
                 self._seek(time_ns)
             case Configure(name, value):
                 self._configure(name, value)
+            case Save():
+                self._save()
 
     def _set_speed(self, speed: float) -> None:
         if valid_speed(speed):
             self._transport.speed = speed
         else:
             self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning")
+
+    def _save(self) -> None:
+        try:
+            self._log(self.save())
+        except SlamError as error:
+            self._log(str(error), "warning")
 
     def _restart(self) -> None:
         self._begin(self._settings_again())
@@ -277,13 +293,16 @@ class Engine:
         """The time that a change made now belongs to: right after the last scan."""
         return self._pipeline.time_ns + (self._pipeline.last_scan_ns is not None)
 
+    @property
+    def _report(self) -> SourceReport:
+        dropped = self._feeder.dropped if self._feeder else 0
+        return merged(self._source.report, self._pipeline.skipped, dropped)
+
     def _log(self, text: str, level: LogLevel = "info") -> None:
         self._publisher.log(self._pipeline.time_ns, text, level)
 
     def _publish(self, resting: bool) -> None:
         if self._publisher.due(resting):
-            report = merged(
-                self._source.report, self._pipeline.skipped, self._feeder.dropped if self._feeder else 0
-            )
-            run = Run(self._pipeline, self._transport, self._settings.at(self._now_ns), report, self._epoch)
+            config, saves = self._settings.at(self._now_ns), self._out is not None
+            run = Run(self._pipeline, self._transport, config, self._report, self._epoch, saves)
             self._publisher.publish(run, complete=resting)

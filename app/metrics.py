@@ -24,8 +24,8 @@ class Effort:
     wall_s: float
 
 
-def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort) -> dict[str, Any]:
-    """Everything that is worth a number. report: the source's own counters."""
+def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = None) -> dict[str, Any]:
+    """Everything that is worth a number. report: the source's own counters. effort: unless a hand played it."""
     maps = map_images(pipeline)
     return {
         "scans": {
@@ -35,22 +35,30 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort) -> dict[st
         },
         "tracking": dict(pipeline.states),
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
-        "inertial": dict(pipeline.slam.unused),
+        "filter_unused": dict(pipeline.slam.unused),
+        "filter_sources": sources(pipeline.result),
         "notes": [*report.notes, *pipeline.slam.notes, *pipeline.warned],
-        "recording_s": round(effort.recording_s, 6),
-        "wall_s": round(effort.wall_s, 3),
-        "realtime_factor": round(effort.recording_s / max(effort.wall_s, 1e-9), 2),
+        **(spent(effort) if effort else {}),
         "median_us": medians(pipeline.series.view(SERIES_DTYPE).reshape(-1)),
         "map_updates": pipeline.slam.pyramid.updates,
         "occupied_cells": int(np.count_nonzero(maps[0].cells == 2)) if maps else 0,
-        "aiding": aiding(pipeline.result),
         "map_in_world": map_in_world(pipeline.result),
         "truth": truth_errors(pipeline),
     }
 
 
-def aiding(result: StepResult | None) -> dict[str, dict[str, Any]]:
-    """What became of the measurements of each source that aids the filter."""
+def spent(effort: Effort) -> dict[str, float]:
+    """Lengths, and how many times faster than it was recorded."""
+    factor = effort.recording_s / max(effort.wall_s, 1e-9)
+    return {
+        "recording_s": round(effort.recording_s, 6),
+        "wall_s": round(effort.wall_s, 3),
+        "realtime_factor": round(factor, 2),
+    }
+
+
+def sources(result: StepResult | None) -> dict[str, dict[str, Any]]:
+    """What became of the measurements of each source that corrects the filter, the match among them."""
     return {
         status.source: {"used": status.used, "rejected": status.rejected, "dropped": dict(status.dropped)}
         for status in (result.aiding if result else ())

@@ -113,7 +113,7 @@ def _source_flags() -> type[Any]:
 
 @dataclass
 class PageFlags:
-    """Where the page is served."""
+    """Where the page is served, and what it leaves."""
 
     host: Annotated[str, tyro.conf.arg(help="Address to serve; others than this machine need a token.")] = (
         "127.0.0.1"
@@ -121,6 +121,13 @@ class PageFlags:
     port: Annotated[int, tyro.conf.arg(help="Port to serve.")] = 8080
     token: Annotated[
         str | None, tyro.conf.arg(help="Secret that a browser must bring.", help_behavior_hint="(default: none)")
+    ] = None
+    out: Annotated[
+        Path | None,
+        tyro.conf.arg(
+            help="Folder for the results, as `run` leaves them: by Save on the page, and at the end.",
+            help_behavior_hint="(default: none)",
+        ),
     ] = None
 
 
@@ -135,7 +142,7 @@ class MapFlags:
     map: Annotated[
         Path | None,
         tyro.conf.arg(
-            help="Saved map to begin with: a folder that `run` left, or a map's yaml file.",
+            help="Saved map to begin with: a folder that --out left, or a map's yaml file.",
             help_behavior_hint="(default: none)",
         ),
     ] = None

@@ -13,6 +13,7 @@ from app.snapshot import SERIES_DTYPE, LogEntry, MapImage, PlaybackStatus, Snaps
 from app.sources import Source
 from app.transport import Transport
 from slam_core.config import SlamConfig
+from slam_core.results import StepResult
 
 SNAPSHOT_S = 1 / 60
 MAPS_S = 1 / 5
@@ -24,13 +25,14 @@ LogLevel = Literal["info", "warning", "error"]
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What a snapshot is composed of. config: the one in force now."""
+    """What a snapshot is composed of. config: the one in force now. saves: whether there is a folder for Save."""
 
     pipeline: Pipeline
     transport: Transport
     config: SlamConfig
     report: SourceReport
     epoch: int
+    saves: bool
 
 
 class Publisher:
@@ -93,6 +95,7 @@ class Publisher:
             searching=pipeline.slam.searching,
             warnings=warnings,
             unused=dict(pipeline.slam.unused),
+            saves=run.saves,
         )
         self.mailbox.put(snapshot)
 
@@ -139,6 +142,14 @@ def status(source: Source, pipeline: Pipeline, transport: Transport) -> Playback
         scan_rate=transport.meter.scan_rate,
         detail=detail,
     )
+
+
+def change_of_tracking(before: StepResult | None, result: StepResult | None) -> tuple[str, LogLevel] | None:
+    """What to log when the pose is lost or found between two scans; None if that did not change."""
+    if before is None or result is None or result.tracking in {before.tracking, "tracking"}:
+        return None
+    because = f": {result.reason}" if result.reason else ""
+    return f"The pose is {result.tracking}{because}", "info" if result.tracking == "recovered" else "warning"
 
 
 def map_images(pipeline: Pipeline, revision: int = 0) -> tuple[MapImage, ...]:

@@ -10,6 +10,7 @@ from app.metrics import Effort, metrics
 from app.pipeline import Pipeline, nothing_used
 from app.publisher import map_images, merged
 from app.settings import Settings
+from app.snapshot import SourceReport
 from app.sources import Source, SourceError
 from slam_core.errors import SlamError
 from slam_core.given import GivenMap, saved_levels
@@ -78,6 +79,16 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
     except OSError as error:
         raise OutputError(f"{folder} cannot be written to ({error.strerror}): give another --out") from error
     return [folder / name for exporter in exporters() for name in exporter.files if (folder / name).exists()]
+
+
+def save(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> str:
+    """Write every format of a run that need not be at its end, and say so; OutputError if that cannot be."""
+    if folder is None:
+        raise OutputError("there is no folder to save to: start the program with --out DIR")
+    if not pipeline.scans:
+        raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
+    files = export(pipeline, metrics(pipeline, report), folder)
+    return f"Saved {', '.join(file.name for file in files)} in {folder}"
 
 
 def run(

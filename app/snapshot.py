@@ -64,11 +64,16 @@ class Configure:
 
 
 @dataclass(frozen=True, slots=True)
+class Save:
+    """Leave the results so far in the folder that the program was started with."""
+
+
+@dataclass(frozen=True, slots=True)
 class Quit:
     """End the engine."""
 
 
-Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | Quit
+Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | Save | Quit
 
 # ------------------------------------------------------------------------------------------ snapshots
 
@@ -160,6 +165,7 @@ class Snapshot:
     mode: whether the map is new, given and left as it is, or given and going on. searching: why the robot's place
     in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the remedies.
     unused: what was not used of inertial data and aids as it came, by reason.
+    saves: whether there is a folder for Save.
     """
 
     sequence: int = 0
@@ -182,3 +188,4 @@ class Snapshot:
     searching: str = ""
     warnings: tuple[str, ...] = ()
     unused: Mapping[str, int] = field(default_factory=dict)
+    saves: bool = False

@@ -1,4 +1,4 @@
-"""Files that a run leaves. One file a format; each has `EXPORTER`, an `Exporter`."""
+"""Files that a run leaves, at its end or on the way. One file a format; each has `EXPORTER`, an `Exporter`."""
 
 import sys
 from collections.abc import Callable, Mapping
@@ -17,7 +17,7 @@ from slam_core.given import SavedLevel
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """What a finished run has to tell.
+    """What a run has to tell.
 
     trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
     is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of

@@ -11,7 +11,7 @@ from viser import GuiEvent, GuiSliderHandle, Icon, IconName
 from app.panels import _workspace
 from app.panels._format import clock
 from app.panels._handles import put, put_value
-from app.snapshot import PlaybackStatus, PlayPause, Restart, Seek, SetSpeed, Snapshot, StepScan
+from app.snapshot import PlaybackStatus, PlayPause, Restart, Save, Seek, SetSpeed, Snapshot, StepScan
 from app.web.stage import Stage
 
 SPEEDS = {"0.1×": 0.1, "0.25×": 0.25, "0.5×": 0.5, "1×": 1.0, "2×": 2.0, "5×": 5.0, "10×": 10.0, "max": math.inf}
@@ -36,6 +36,7 @@ class TransportPanel:
             self._restart = gui.add_button("Restart · R", icon=Icon.PLAYER_SKIP_BACK_FILLED)
             self._toggle = gui.add_button("Play · space", icon=Icon.PLAYER_PLAY_FILLED)
             self._step = gui.add_button("Step one scan · .", icon=Icon.PLAYER_TRACK_NEXT_FILLED)
+            self._save = gui.add_button("Save the results", icon=Icon.DEVICE_FLOPPY, visible=False)
             self._clock = gui.add_html("")
             self._timeline = Timeline(gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0))
             self._speed = gui.add_dropdown(
@@ -44,6 +45,7 @@ class TransportPanel:
         self._restart.on_click(lambda _: stage.send(Restart()))
         self._toggle.on_click(lambda _: stage.send(PlayPause()))
         self._step.on_click(lambda _: stage.send(StepScan()))
+        self._save.on_click(lambda _: stage.send(Save()))
         self._speed.on_update(self._choose_speed)
         self._add_hotkeys()
 
@@ -55,6 +57,8 @@ class TransportPanel:
         if self._toggle.label != label:
             self._toggle.label = label
             self._toggle.icon = Icon.PLAYER_PAUSE_FILLED if running else Icon.PLAYER_PLAY_FILLED
+        if self._save.visible != snapshot.saves:
+            self._save.visible = snapshot.saves
         put_value(self._speed, name_of_speed(playback.speed))
         self._timeline.draw(playback, self._stage.send, monotonic())
         put(self._clock, clock_html(playback))

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -54,9 +55,9 @@ def drive() -> list[Item]:
 
 
 @pytest.fixture
-def run(drive: list[Item]) -> Iterator[Run]:
-    """The drive, paused at two seconds."""
-    engine = Engine(MemoryRecording(drive), START, autoplay=False)
+def run(drive: list[Item], tmp_path: Path) -> Iterator[Run]:
+    """The drive, paused at two seconds; results go to the test's own folder."""
+    engine = Engine(MemoryRecording(drive), START, autoplay=False, out=tmp_path)
     server = PageServer(engine, port=0)
     server.start()
     engine.start()
@@ -100,6 +101,16 @@ def test_play_pause_step_and_restart(run: Run, open_page: Open) -> None:
     run.until(lambda s: s.playback.state == "paused")
     button(page, "Restart").click()
     run.until(lambda s: s.epoch > stopped.epoch)
+
+
+def test_the_results_are_saved(run: Run, open_page: Open, tmp_path: Path) -> None:
+    """The button leaves the map for --map, and the log says where."""
+    page = open_page(run.url)
+    button(page, "Save the results").click()
+    run.until(lambda s: str(tmp_path) in s.log[-1].text)
+    assert (tmp_path / "map.npz").exists()
+    open_tab(page, "Log")
+    expect(page.locator(".hs-log-list")).to_contain_text("Saved map.npz")
 
 
 def test_hotkeys(run: Run, open_page: Open) -> None:

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.metrics import aiding, map_in_world, medians
+from app.metrics import map_in_world, medians, sources
 from app.snapshot import SERIES_DTYPE
 from app.warmup import warm_up
 from slam_core.results import PlanarGaussian
@@ -31,10 +31,10 @@ def test_the_warm_up_runs_through():
 
 def test_what_aids_the_filter_is_counted() -> None:
     """Every source with its counters; a run without results has none."""
-    found = aiding(step_result())
+    found = sources(step_result())
     assert found["gps"] == {"used": 60, "rejected": 7, "dropped": {}}
     assert found["compass"]["dropped"] == {"<metal>": 4}
-    assert aiding(None) == {}
+    assert sources(None) == {}
 
 
 def test_the_place_of_the_map_in_the_world_is_told_once_it_is_known() -> None:

@@ -1,0 +1,75 @@
+"""What a run on the page leaves on the disk: by the button, and at the end of the program."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli import main
+from app.runner import run_headless
+from app.saved_map import load_map
+from app.simulation import SimulateOptions, simulate
+from app.snapshot import Save
+from app.sources import Item
+from app.web import server
+from slam_core.given import saved_levels
+from tests.engines import START, after, running, state, until
+from tests.sources import MemoryRecording
+
+FILES = {"trajectory.tum", "map.npz", "map.pgm", "map.yaml", "config.toml", "metrics.json", "navigation.csv"}
+
+
+def test_save_leaves_what_a_run_leaves(drive: list[Item], tmp_path: Path):
+    """Every file, named in the log; the map is that of the run to the last bit, and --map can read it."""
+    with running(MemoryRecording(drive), speed=math.inf, out=tmp_path) as engine:
+        assert until(engine, state("ended")).saves
+        saved = after(engine, Save())
+    assert {path.name for path in tmp_path.iterdir()} == FILES
+    assert all(name in saved.log[-1].text for name in (*FILES, str(tmp_path)))
+    pipeline, _ = run_headless(MemoryRecording(drive), START)
+    given = load_map(tmp_path, START.start.map)
+    for ours, theirs in zip(given.levels, saved_levels(pipeline.slam.pyramid), strict=True):
+        np.testing.assert_array_equal(ours.corner, theirs.corner)
+        np.testing.assert_array_equal(ours.log_odds, theirs.log_odds)
+    figures = json.loads((tmp_path / "metrics.json").read_text())
+    assert figures["scans"]["used"] == saved.scans
+    assert "realtime_factor" not in figures
+
+
+def test_save_without_a_folder_or_a_scan_says_so(drive: list[Item], tmp_path: Path):
+    """A warning in the log with the remedy, no file, and the run goes on."""
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        assert not until(engine, state("paused")).saves
+        refused = after(engine, Save())
+    assert (refused.log[-1].level, refused.playback.state) == ("warning", "paused")
+    assert "--out DIR" in refused.log[-1].text
+    with running(MemoryRecording(drive), autoplay=False, out=tmp_path) as engine:
+        until(engine, state("paused"))
+        refused = after(engine, Save())
+    assert "no scan has been used yet" in refused.log[-1].text
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_folder_that_went_away_does_not_stop_the_run(drive: list[Item], tmp_path: Path):
+    """The reason is a warning in the log."""
+    with running(MemoryRecording(drive), speed=math.inf, out=tmp_path / "gone") as engine:
+        until(engine, state("ended"))
+        refused = after(engine, Save())
+    assert "gone cannot be written to" in refused.log[-1].text
+    assert refused.playback.state == "ended"
+
+
+def test_the_end_of_the_program_saves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+):
+    """`view --out` leaves the results when the serving ends, and prints where."""
+    bag, out = tmp_path / "short.bag", tmp_path / "out"
+    simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91))
+    monkeypatch.setattr(server, "serve", lambda engine, **_: until(engine, state("ended")))
+    with pytest.raises(SystemExit) as ended:
+        main(["view", str(bag), "--out", str(out), "--map.size", "512"])
+    assert ended.value.code == 130
+    assert {path.name for path in out.iterdir()} == FILES
+    assert str(out) in capsys.readouterr().out
