@@ -54,10 +54,16 @@ class Watch:
         self._recent = Recent()
         self._counted: dict[str, int] = {}
 
-    def look(self, estimator: NavigationFilter, skipped: Counter[str], time_ns: int) -> None:
-        """The filter as it is at the time of a scan; skipped: scans that gave no result, by reason."""
+    def look(
+        self,
+        estimator: NavigationFilter,
+        aiding: Iterable[AidingStatus],
+        skipped: Counter[str],
+        time_ns: int,
+    ) -> None:
+        """The filter and the sources as they are when a scan comes; skipped: scans without a result, by reason."""
         sentences = [*_states(estimator, time_ns), *self._news(COUNTED, estimator.counts | skipped)]
-        for status in estimator.aiding:
+        for status in aiding:
             sentences += _of_source(status)
             if status.dropped:
                 texts = {reason: text.format(status.source) for reason, text in OF_SOURCE.items()}

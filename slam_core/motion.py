@@ -85,6 +85,17 @@ class PlanarMotion:
         self._advance(time_ns, config)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
+    def belief(self, time_ns: int, config: MotionConfig) -> tuple[Float64s, Float64s]:
+        """Mean (6,) at an instant, also one a little before the last known; covariance (6, 6) of the later one."""
+        self._advance(time_ns, config)
+        return np.concatenate((self._extrapolated(time_ns), self._mean[3:])), self._covariance
+
+    def shift(self, step: Float64s, covariance: Float64s) -> None:
+        """Correct the last belief by a step (6,); its covariance (6, 6) after that."""
+        self._mean = self._mean + step
+        self._mean[2] = geometry.wrap(self._mean[2])
+        self._set_covariance(covariance)
+
     def fuse(
         self, match: PlanarGaussian, config: FusionConfig, blind: Float64s = NOWHERE, observed_only: bool = False
     ) -> PlanarGaussian:
@@ -103,9 +114,7 @@ class PlanarMotion:
             self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
             blind=blind, held=held, observed_only=observed_only,
         )  # fmt: skip
-        self._mean = self._mean + step
-        self._mean[2] = geometry.wrap(self._mean[2])
-        self._set_covariance(covariance)
+        self.shift(step, covariance)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
     def place(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:

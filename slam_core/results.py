@@ -143,7 +143,7 @@ class StepResult:
     match: None on the first scan, which only makes the map.
     tracking: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
     "lost" when that lasts); reason: what spoke against the match, else empty.
-    aiding: what became of every source's measurements so far; without an IMU there are none. world: the pose of
+    aiding: what became of every source's measurements so far. world: the pose of
     the map in the tangent plane of the satellites (east, north, heading from east); None while not known.
     """
 

@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from slam_core import geometry
-from slam_core.aiding.aids import Aids
+from slam_core.aiding.aids import AidingMeasurement, Aids
+from slam_core.aiding.planar import PlanarEstimator
 from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.faults import NO_BEAM, SILENT_NS, Watch
 from slam_core.given import GivenMap
@@ -17,6 +18,7 @@ from slam_core.measurements import (
     Attitude,
     Float32s,
     Float64s,
+    GroundDistance,
     Height,
     Imu,
     Int64s,
@@ -26,9 +28,9 @@ from slam_core.measurements import (
     Transform,
 )
 from slam_core.motion import PlanarMotion, odometry_sigmas
-from slam_core.navigation import NavigationFilter
+from slam_core.navigation import UNUSABLE, NavigationFilter
 from slam_core.pyramid import Pyramid
-from slam_core.results import Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
+from slam_core.results import AidingStatus, Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
 from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
@@ -59,6 +61,7 @@ class HectorSlam:
         self.trace = False
         self._clock = clock
         self._planar = PlanarMotion()
+        self._plane = PlanarEstimator(self._planar)
         self._tracker = Tracker()
         self._filter = NavigationFilter(config.navigation, config.platform)
         self._aids = Aids()
@@ -112,7 +115,12 @@ class HectorSlam:
     @property
     def unused(self) -> Counter[str]:
         """Inertial data, and what aids it, that was not used as it came, by reason."""
-        return self._filter.counts
+        return self._filter.counts + self._plane.counts
+
+    @property
+    def _aiding(self) -> tuple[AidingStatus, ...]:
+        """What became of every source; sensors that only the filter can use are dropped without it."""
+        return self._filter.aiding if self._inertial else (*self._plane.aiding, *self._filter.aiding)
 
     def step(self, measurement: Measurement) -> StepResult | None:
         """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
@@ -125,10 +133,8 @@ class HectorSlam:
             self._filter.update_height(measurement.stamp_ns, measurement.height)
         elif isinstance(measurement, Odometry):
             self._wheels(measurement)
-        elif self._filter.ready:
-            self._aids.take(measurement, self._filter, self.config.aiding)
-        elif isinstance(measurement, Attitude):
-            self._planar.add_attitude(measurement)
+        else:
+            self._aid(measurement)
         self._waiting_ns += self._clock() - begin
         return None
 
@@ -146,12 +152,24 @@ class HectorSlam:
             motion = self.config.motion
             sigma = float(odometry_sigmas(odometry, motion)[0])
             self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma, motion.odometry_gate)
-        else:
+        elif np.isfinite([*odometry.velocity, odometry.yaw_rate]).all():
             self._planar.add_odometry(odometry, self.config.motion)
+        else:
+            self._plane.drop("wheels", UNUSABLE)
+
+    def _aid(self, aid: AidingMeasurement) -> None:
+        """The other sensors, to whichever motion is believed; in the plane there is no distance to the ground."""
+        if self._filter.ready:
+            self._aids.take(aid, self._filter, self.config.aiding)
+        elif isinstance(aid, Attitude):
+            self._planar.add_attitude(aid)
+        elif not isinstance(aid, GroundDistance):
+            self._plane.configure(self.config.motion, self.config.navigation.gate_patience)
+            self._aids.take(aid, self._plane, self.config.aiding)
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
         self._scan_ns = scan.end_ns
-        self._watch.look(self._filter, self.skipped, scan.end_ns)
+        self._watch.look(self._filter, self._aiding, self.skipped, scan.end_ns)
         if self._awaits_filter():
             self.skipped["scan before the attitude was known"] += 1
             return None
@@ -201,7 +219,7 @@ class HectorSlam:
             durations=lap.durations(),
             tracking=verdict.state,
             reason=verdict.reason,
-            aiding=self._filter.aiding,
+            aiding=self._aiding,
             world=self._aids.world,
         )
 
@@ -281,7 +299,7 @@ class HectorSlam:
         other = coarse_to_fine(self.pyramid, points, start, self.config.matcher, trace=self.trace)
         for candidate in (other, match):
             seen = fit(level, points, candidate.pose)
-            if tracker.convinces(seen, config):
+            if tracker.convinces(seen, disagreement(candidate, prior), config):
                 return candidate, tracker.believe(seen, reason)
         return match, tracker.miss(reason, config)
 
@@ -335,6 +353,7 @@ class HectorSlam:
         elif not self._inertial:
             observed_only = self.config.motion.observed_only
             fused, navigation = self._planar.fuse(match.gaussian, config, blind, observed_only), None
+            self._plane.matched(time_ns)
         else:
             _, navigation = self._filter.fuse_planar(
                 time_ns, match.pose, match.covariance, config.omega, config.method, config.gate, blind=blind

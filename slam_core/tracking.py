@@ -12,6 +12,8 @@ from slam_core.results import MatchResult, PlanarGaussian, Tracking
 
 USUAL_FIT = 0.9  # before any match was believed
 MEMORY = 0.05  # weight of the newest match in the running level
+# A scan of which less than this lies on known map proves little: it is not believed this far from the prediction.
+MOSTLY, NEAR = 0.6, 5.0
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: a prediction that failed may be too sure of itself
 
 
@@ -67,13 +69,15 @@ class Tracker:
             return f"{seen.known:.0%} of the scan on known map, less than {config.min_overlap:.0%}"
         if seen.hit < config.min_fit * self._usual:
             return f"{seen.hit:.0%} of the known endpoints on walls, usually {self._usual:.0%}"
-        if sigmas > config.max_sigmas:
+        if sigmas > config.max_sigmas or _astray(seen, sigmas):
             return f"{sigmas:.0f} sigmas from the prediction"
         return ""
 
-    def convinces(self, seen: Fit, config: TrackingConfig) -> bool:
+    def convinces(self, seen: Fit, sigmas: float, config: TrackingConfig) -> bool:
         """Whether a pose that was searched for is right: it must fit clearly better than one in doubt."""
-        return seen.known >= config.min_overlap and seen.hit >= 0.5 * (1.0 + config.min_fit) * self._usual
+        if seen.known < config.min_overlap or _astray(seen, sigmas):
+            return False
+        return seen.hit >= 0.5 * (1.0 + config.min_fit) * self._usual
 
     def believe(self, seen: Fit, reason: str) -> Verdict:
         """Go on with a match; `reason` is why it had to be searched for, if it had."""
@@ -86,3 +90,8 @@ class Tracker:
         """Go on with the prediction."""
         self._missed += 1
         return Verdict("degraded" if self._missed < config.lost_after else "lost", reason)
+
+
+def _astray(seen: Fit, sigmas: float) -> bool:
+    """Whether the little that is known has drawn a match away from the prediction."""
+    return seen.known < MOSTLY and sigmas > NEAR

@@ -57,8 +57,10 @@ class NavigationPanel:
         result = snapshot.result
         state = result.navigation if result else None
         if result is None or state is None:
-            for handle in (self._fusion, self._sources, self._biases):
-                put(handle, NO_FILTER if handle is self._fusion else "")
+            put(self._fusion, NO_FILTER)
+            aided = result is not None and bool(result.aiding)
+            put(self._sources, sources_html(result, snapshot.config.aiding) if result and aided else "")
+            put(self._biases, "")
             return
         put(self._turn, turn_css("hs-fusion", *to_euler(state.T_map_base.rotation)))
         put(self._fusion, fusion_html(result, state))

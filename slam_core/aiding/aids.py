@@ -5,11 +5,13 @@ All of it is learned while scan matches can be trusted, and used against drift w
 """
 
 import math
+from typing import Protocol
 
 import numpy as np
 
 from slam_core import geometry
 from slam_core.aiding.compass import Compass, seen
+from slam_core.aiding.corrections import Correction
 from slam_core.aiding.georeference import Georeference
 from slam_core.aiding.sensors import (
     Gravity,
@@ -30,12 +32,39 @@ from slam_core.measurements import (
     GpsVelocity,
     GroundDistance,
     Imu,
+    Int64s,
     MagneticField,
+    Transform,
 )
 from slam_core.navigation import NavigationFilter
 from slam_core.results import AidingStatus, PlanarGaussian
 
 AidingMeasurement = Attitude | GroundDistance | MagneticField | GpsPosition | GpsVelocity
+
+
+class Estimator(Protocol):
+    """What aids correct: the navigation filter, or the planar motion without an IMU."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is a belief."""
+
+    @property
+    def aiding(self) -> tuple[AidingStatus, ...]:
+        """What became of every source."""
+
+    def pose(self, time_ns: int, /) -> Transform:
+        """T_map_base at an instant."""
+
+    def motion_at(self, times_ns: Int64s, /) -> Float64s:
+        """(k, 10) position, attitude, velocity in the map at instants (k,)."""
+
+    def correct(self, time_ns: int, correction: Correction, /) -> bool:
+        """A measurement at its own time. Whether it came to its gate."""
+
+    def drop(self, source: str, reason: str, /) -> None:
+        """Count a measurement that is of no use."""
+
 
 # Seconds over which the error of a source is much the same.
 LASTING = {"gps": 30.0, "gps velocity": 1.0, "compass": 10.0, "attitude": 2.0, "ground": 0.5}
@@ -83,7 +112,7 @@ class Aids:
         if not self._trusted(imu.stamp_ns):
             estimator.correct(imu.stamp_ns, ZeroRate(rest.rate, rest.rate_variance + REST_RATE**2, config.gate))
 
-    def take(self, measurement: AidingMeasurement, estimator: NavigationFilter, config: AidingConfig) -> None:
+    def take(self, measurement: AidingMeasurement, estimator: Estimator, config: AidingConfig) -> None:
         """One measurement, to the filter if it is of use."""
         if not estimator.ready:
             return
@@ -108,12 +137,12 @@ class Aids:
         self._last_ns[source] = max(time_ns, last_ns or time_ns)
         return 1.0 if last_ns is None else min(max((time_ns - last_ns) * 1e-9 / LASTING[source], 0.0), 1.0)
 
-    def _tilt(self, attitude: Attitude, estimator: NavigationFilter, config: AidingConfig) -> None:
+    def _tilt(self, attitude: Attitude, estimator: Estimator, config: AidingConfig) -> None:
         up = geometry.rotation_matrix(attitude.rotation)[2]
         share = self._share("attitude", attitude.stamp_ns)
         estimator.correct(attitude.stamp_ns, Tilt(up, config.attitude_sigma, share, config.gate))
 
-    def _beam(self, beam: GroundDistance, estimator: NavigationFilter, config: AidingConfig) -> None:
+    def _beam(self, beam: GroundDistance, estimator: Estimator, config: AidingConfig) -> None:
         """A ground that jumped is a step of the ground: the height is kept, and the ground's level moves."""
         status = _status("ground", estimator)
         stepped = status is not None and status.streak > 2 and status.stamp_ns - status.streak_ns > STEP_NS
@@ -125,7 +154,7 @@ class Aids:
         sigma, parts = config.ground_sigma, (beam.distance, beam.origin, beam.direction)
         estimator.correct(beam.stamp_ns, GroundBeam(*parts, self._ground, sigma, share, config.gate))
 
-    def _heading(self, magnetic: MagneticField, estimator: NavigationFilter, config: AidingConfig) -> None:
+    def _heading(self, magnetic: MagneticField, estimator: Estimator, config: AidingConfig) -> None:
         compass, time_ns = self._compass, magnetic.stamp_ns
         field = seen(geometry.rotate(estimator.pose(time_ns).rotation, magnetic.field))
         doubt = compass.doubt(field, time_ns, config.compass_tolerance)
@@ -142,7 +171,7 @@ class Aids:
             turn = math.pi / 2 - config.declination - compass.north
             self._georeference.set_compass(turn, config.compass_sigma)
 
-    def _place(self, fix: GpsPosition, estimator: NavigationFilter, config: AidingConfig) -> None:
+    def _place(self, fix: GpsPosition, estimator: Estimator, config: AidingConfig) -> None:
         """Fuse it if it is known where the map lies; learn that from it if the map is trusted."""
         R = np.eye(3) * config.gps_sigma**2 if fix.covariance is None else fix.covariance
         share, georeference, accepted = self._share("gps", fix.stamp_ns), self._georeference, True
@@ -156,7 +185,7 @@ class Aids:
             antenna = pose.translation + geometry.rotate(pose.rotation, fix.antenna)
             georeference.add_place(antenna, fix.position, share / float(max(R[0, 0], R[1, 1])))
 
-    def _velocity(self, gps: GpsVelocity, estimator: NavigationFilter, config: AidingConfig) -> None:
+    def _velocity(self, gps: GpsVelocity, estimator: Estimator, config: AidingConfig) -> None:
         share, georeference, accepted = self._share("gps velocity", gps.stamp_ns), self._georeference, True
         variance = config.gps_velocity_sigma**2
         if share and georeference.turn_known:
@@ -165,10 +194,10 @@ class Aids:
             estimator.correct(gps.stamp_ns, Velocity(velocity, noise, share, config.gate))
             accepted = self._agrees("gps velocity", estimator)
         if share and accepted and self._trusted(gps.stamp_ns):
-            moving = estimator.at(gps.stamp_ns).velocity
+            moving = estimator.motion_at(np.array([gps.stamp_ns]))[0, 7:]
             georeference.add_vector(moving, gps.velocity, share / variance)
 
-    def _agrees(self, source: str, estimator: NavigationFilter) -> bool:
+    def _agrees(self, source: str, estimator: Estimator) -> bool:
         """Whether the last measurement passed; a long contradiction makes forget where the map lies."""
         status = _status(source, estimator)
         if status is None or status.accepted:
@@ -188,7 +217,7 @@ def _may_rest(estimator: NavigationFilter) -> bool:
     return math.hypot(state.velocity[0], state.velocity[1]) < min(3.0 * (sigma + REST_SPEED), DRIFT_SPEED)
 
 
-def _status(source: str, estimator: NavigationFilter) -> AidingStatus | None:
+def _status(source: str, estimator: Estimator) -> AidingStatus | None:
     return next((status for status in estimator.aiding if status.source == source), None)
 
 

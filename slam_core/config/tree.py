@@ -173,7 +173,7 @@ class NavigationConfig:
 
 @dataclass(frozen=True, slots=True)
 class AidingConfig:
-    """Section V: other sensors that aid the filter, where there are any; each needs an IMU beside it."""
+    """Section V: other sensors that aid; without an IMU those that tell place, velocity and heading do."""
 
     gate: Annotated[
         float, Param("An aid further from the prediction than this is rejected (0: none).", "σ", 0.0, 100.0)

@@ -1,5 +1,7 @@
 """The paper's second scenario: the map carries a boat through an outage of satellites, and the other way round."""
 
+from dataclasses import replace
+
 from app.simulation import SceneOptions
 from benchmarks.outage import ALONE, laser_fails, satellites_fail
 
@@ -18,3 +20,8 @@ def test_satellites_and_compass_carry_the_boat_without_a_laser() -> None:
     """Ten seconds without a scan: never 0.4 m off, where dead reckoning strays over half a metre."""
     assert laser_fails(FEW_BEAMS).after < 0.4
     assert laser_fails(FEW_BEAMS, ALONE).at_return > 0.5
+
+
+def test_satellites_and_compass_carry_a_boat_that_has_no_imu() -> None:
+    """The same ten seconds in the plane: within half a metre at the end, where guessing strays over ten."""
+    assert laser_fails(replace(FEW_BEAMS, imu=False)).at_return < 0.5

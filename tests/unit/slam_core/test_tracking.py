@@ -59,9 +59,18 @@ def test_a_pose_that_was_searched_for_must_convince():
     """What is just good enough to go on with is not good enough to jump to."""
     tracker = Tracker()
     assert not tracker.doubt(WORSE, 0.0, CONFIG)
-    assert not tracker.convinces(WORSE, CONFIG)
-    assert tracker.convinces(GOOD, CONFIG)
-    assert not tracker.convinces(Fit(0.1, 1.0), CONFIG)
+    assert not tracker.convinces(WORSE, 0.0, CONFIG)
+    assert tracker.convinces(GOOD, 90.0, CONFIG)
+    assert not tracker.convinces(Fit(0.1, 1.0), 0.0, CONFIG)
+
+
+def test_little_known_map_proves_little_far_from_the_prediction() -> None:
+    """Four tenths of a scan that fit are believed near the prediction, and not ten sigmas away."""
+    tracker, little = Tracker(), Fit(0.4, 0.95)
+    assert tracker.doubt(little, 3.0, CONFIG) == ""
+    assert tracker.convinces(little, 3.0, CONFIG)
+    assert "10 sigmas" in tracker.doubt(little, 10.0, CONFIG)
+    assert not tracker.convinces(little, 10.0, CONFIG)
 
 
 def test_disagreement_is_in_sigmas_of_both_and_across_the_seam_of_the_heading():
