@@ -3,8 +3,7 @@
 import math
 from collections import Counter, deque
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from app.ros import aid_messages, messages
 from app.ros.messages import BadMessage
@@ -31,8 +30,7 @@ from slam_core.measurements import (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Pending:
+class _Pending(NamedTuple):
     """A message on its way. stamp_ns: its own time. receive_ns: when it was recorded or received."""
 
     duty: "_Duty"

@@ -9,6 +9,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from app.ros.layouts import quick_reader
 from app.ros.messages import BadMessage
 
 Generation = Literal["ros1", "ros2"]
@@ -49,7 +50,8 @@ def decoder(
         except (SerdeError, ValueError, IndexError) as error:
             raise BadMessage(f"bytes that are no {msgtype}") from error
 
-    return decode
+    quick = quick_reader(msgtype, ros1=generation == "ros1") if _same(store, standard, msgtype) else None
+    return decode if quick is None else lambda raw: quick(raw) or decode(raw)
 
 
 def _defined(msgtype: str, definition: str, form: DefinitionFormat) -> Typestore | None:
@@ -65,6 +67,15 @@ def _defined(msgtype: str, definition: str, form: DefinitionFormat) -> Typestore
     except (TypesysError, KeyError):
         return None
     return store
+
+
+def _same(one: Typestore, other: Typestore, msgtype: str) -> bool:
+    """Whether two stores agree about a type, down to the numbers it is made of."""
+    if one is other:
+        return True
+    fields = one.fielddefs[msgtype][1]
+    names = re.findall(r"[\w]+/msg/[\w]+", str(fields))
+    return fields == other.fielddefs[msgtype][1] and all(_same(one, other, name) for name in names)
 
 
 def _field_names(store: Typestore, msgtype: str) -> set[str]:

@@ -36,7 +36,9 @@ def stamp_ns(message: Any, receive_ns: int) -> int:
     header = getattr(message, "header", None)
     if header is None:
         return receive_ns
-    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec) or receive_ns
+    stamp = header.stamp
+    own_ns: int = stamp.sec * 1_000_000_000 + stamp.nanosec
+    return own_ns or receive_ns
 
 
 def frame_id(message: Any) -> str:
@@ -139,7 +141,7 @@ def quaternion(what: str, q: Any) -> Float64s:
     norm = math.sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z)
     if not (math.isfinite(norm) and norm > 1e-6):
         raise BadMessage(f"{what} with a zero or NaN quaternion")
-    return geometry.normalise(np.array([q.w, q.x, q.y, q.z]))
+    return np.array([q.w, q.x, q.y, q.z]) / math.copysign(norm, q.w)
 
 
 def finite_vector(what: str, x: float, y: float, z: float) -> Float64s:

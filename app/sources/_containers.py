@@ -13,6 +13,7 @@ from app.ros.decode import Generation
 from app.sources import SourceError
 from app.sources._mcap_scan import scan_mcap
 from app.sources._recording import Channel, Raw, Recording, by_scanning, joined
+from app.sources._rosbag_index import indexed_messages
 from app.sources._rosbag_scan import scan_rosbag
 
 SUFFIXES = (".bag", ".active", ".mcap", ".db3")
@@ -95,7 +96,8 @@ def _indexed(path: Path, container: str) -> Recording:
             known = {c.id: _channel(c, generation) for c in reader.connections}
             wanted = [c for c in reader.connections if known[c.id] in channels]
             if wanted:
-                for connection, log_ns, data in reader.messages(connections=wanted):
+                found = indexed_messages(reader, wanted) if generation == "ros1" else reader.messages(wanted)
+                for connection, log_ns, data in found:
                     yield Raw(known[connection.id], log_ns, data)
 
     return Recording(path, container, messages, span_ns, read)
