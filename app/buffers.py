@@ -18,12 +18,22 @@ class GrowingRows:
 
     def append(self, row: tuple[float, ...]) -> None:
         """One more row; views taken before keep their length and their values."""
-        if self._count == len(self._rows):
-            grown = np.empty((2 * self._count, self._rows.shape[1]))
-            grown[: self._count] = self._rows
-            self._rows = grown
+        self._make_room(self._count + 1)
         self._rows[self._count] = row
         self._count += 1
+
+    def extend(self, rows: Rows) -> None:
+        """More rows (n, columns)."""
+        end = self._count + len(rows)
+        self._make_room(end)
+        self._rows[self._count : end] = rows
+        self._count = end
+
+    def _make_room(self, count: int) -> None:
+        if count > len(self._rows):
+            grown = np.empty((2 * count, self._rows.shape[1]))
+            grown[: self._count] = self._rows[: self._count]
+            self._rows = grown
 
     @property
     def view(self) -> Rows:

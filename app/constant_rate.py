@@ -30,8 +30,11 @@ class ConstantRate:
             return
         if self._next_ns is None or not -LONGEST_NS <= now_ns - self._next_ns <= LONGEST_NS:
             self._next_ns = start_ns + -(-(now_ns - start_ns) // PERIOD_NS) * PERIOD_NS
+        if self._next_ns > now_ns:
+            return
         times = np.arange(self._next_ns, now_ns + 1, PERIOD_NS)
-        if len(times):
-            self._next_ns = int(times[-1]) + PERIOD_NS
-            for time_ns, state in zip(times.tolist(), slam.motion_at(times).tolist(), strict=True):
-                self._rows.append(((time_ns - start_ns) / 1e9, *state))
+        self._next_ns = int(times[-1]) + PERIOD_NS
+        rows = np.empty((len(times), COLUMNS))
+        rows[:, 0] = (times - start_ns) / 1e9
+        rows[:, 1:] = slam.motion_at(times)
+        self._rows.extend(rows)

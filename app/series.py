@@ -26,10 +26,13 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
         result.beams,
         map_updates,
         match.weakest_sigma if match else _NAN,
-        float(np.mean(result.unexpected)),
+        np.count_nonzero(result.unexpected) / len(result.unexpected),
         match.weakest_share if match else _NAN,
         *_navigation(result.navigation),
-        *(ns / 1e6 for ns in (durations.stabilise, durations.match, durations.update, durations.filter)),
+        durations.stabilise / 1e6,
+        durations.match / 1e6,
+        durations.update / 1e6,
+        durations.filter / 1e6,
     )
     assert len(row) == len(SERIES_FIELDS)
     return row
@@ -38,8 +41,8 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
 def _sigmas(gaussian: PlanarGaussian | None) -> tuple[float, float, float]:
     if gaussian is None:
         return _NAN, _NAN, _NAN
-    x, y, yaw = (math.sqrt(max(0.0, variance)) for variance in gaussian.covariance.diagonal().tolist())
-    return x, y, yaw
+    (xx, _, _), (_, yy, _), (_, _, turn) = gaussian.covariance.tolist()
+    return math.sqrt(max(0.0, xx)), math.sqrt(max(0.0, yy)), math.sqrt(max(0.0, turn))
 
 
 def _navigation(state: NavigationState | None) -> tuple[float, ...]:

@@ -137,7 +137,7 @@ def from_euler(roll: float, pitch: float, yaw: float) -> Float64s:
 
 def to_euler(q: Float64s) -> tuple[float, float, float]:
     """Roll, pitch, yaw in radians, for display; roll and yaw are not separate at 90 degrees of pitch."""
-    w, x, y, z = (float(c) for c in q)
+    w, x, y, z = q.tolist()
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -32,16 +32,16 @@ class Stillness:
 
     def __init__(self) -> None:
         self._begin_ns: int | None = None
-        self._samples: list[Float64s] = []
+        self._samples: list[tuple[Float64s, Float64s]] = []
 
     def feel(self, imu: Imu) -> Rest | None:
         """Take in a sample; what was measured at rest, when a window ends in which nothing moved."""
         if self._begin_ns is None or not 0 <= imu.stamp_ns - self._begin_ns <= 2 * WINDOW_NS:
             self._begin_ns, self._samples = imu.stamp_ns, []
-        self._samples.append(np.concatenate([imu.angular_velocity, imu.linear_acceleration]))
+        self._samples.append((imu.angular_velocity, imu.linear_acceleration))
         if imu.stamp_ns - self._begin_ns < WINDOW_NS:
             return None
-        rest = at_rest(np.array(self._samples))
+        rest = at_rest(np.array(self._samples).reshape(-1, 6))
         self._begin_ns, self._samples = imu.stamp_ns, []
         return rest
 
