@@ -50,8 +50,10 @@ def decoder(
         except (SerdeError, ValueError, IndexError) as error:
             raise BadMessage(f"bytes that are no {msgtype}") from error
 
-    quick = quick_reader(msgtype, ros1=generation == "ros1") if _same(store, standard, msgtype) else None
-    return decode if quick is None else lambda raw: quick(raw) or decode(raw)
+    quick = quick_reader(msgtype, ros1=generation == "ros1")
+    if quick is None or not _same(store, standard, msgtype):
+        return decode
+    return lambda raw: quick(raw) or decode(raw)
 
 
 def _defined(msgtype: str, definition: str, form: DefinitionFormat) -> Typestore | None:

@@ -1,7 +1,7 @@
-"""The messages that come by the thousand, read in one go: their layout is known but for a frame's name and the beams.
+"""The messages that come by the thousand, read in one go: the frame's name and the beams alone vary in length.
 
-What is read has those attributes of the library's objects that are asked for. Whatever lies otherwise than expected
-is left to the library.
+What is read has those attributes of the library's objects that are asked for. Whatever is not as expected is left
+to the library.
 """
 
 from collections.abc import Callable
@@ -21,22 +21,30 @@ _LITTLE_ENDIAN = b"\x00\x01"
 
 
 class Stamp(NamedTuple):
+    """builtin_interfaces/Time, or time in ROS 1."""
+
     sec: int
     nanosec: int
 
 
 class Header(NamedTuple):
+    """std_msgs/Header."""
+
     stamp: Stamp
     frame_id: str
 
 
 class Vector(NamedTuple):
+    """geometry_msgs/Vector3 or Point."""
+
     x: float
     y: float
     z: float
 
 
 class Quaternion(NamedTuple):
+    """geometry_msgs/Quaternion."""
+
     x: float
     y: float
     z: float
@@ -44,7 +52,7 @@ class Quaternion(NamedTuple):
 
 
 class Imu(NamedTuple):
-    """Of the covariances only the first value, which may say that the rest is absent."""
+    """sensor_msgs/Imu; of its covariances the first value, which may say that the rest is absent."""
 
     header: Header
     orientation: Quaternion
@@ -56,16 +64,22 @@ class Imu(NamedTuple):
 
 
 class Pose(NamedTuple):
+    """geometry_msgs/Pose."""
+
     position: Vector
     orientation: Quaternion
 
 
 class PoseStamped(NamedTuple):
+    """geometry_msgs/PoseStamped."""
+
     header: Header
     pose: Pose
 
 
 class LaserScan(NamedTuple):
+    """sensor_msgs/LaserScan without its intensities, its last angle and the time between two scans."""
+
     header: Header
     angle_min: float
     angle_increment: float
@@ -128,11 +142,10 @@ def _scan(header: Header, v: list[Any], raw: bytes | memoryview, end: int) -> La
     rest = end + 4 * beams
     if len(raw) != rest + 4 + 4 * _LENGTH.unpack_from(raw, rest)[0]:
         return None
-    return LaserScan(header, *v[:5], np.frombuffer(raw, "<f4", beams, end))
+    return LaserScan(header, v[0], v[1], v[2], v[3], v[4], np.frombuffer(raw, "<f4", beams, end))
 
 
-# Of each type: what follows the header, its alignment, and what is made of it. Of a scan, the last angle and the time
-# between two are left out; of covariances, all but the first value.
+# Of each type: what follows the header, its alignment, and what is made of it.
 _TYPES: dict[str, tuple[str, int, Callable[..., Any]]] = {
     "sensor_msgs/msg/Imu": ("4dd64x3dd64x3dd64x", 8, _imu),
     "geometry_msgs/msg/PoseStamped": ("7d", 8, _pose),

@@ -108,7 +108,7 @@ class PlanarPose(Correction):
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
         rule = RULES[self.method], self.omega, self.blind
-        return Update(*fusion.correct_planar(x, P, self.xi, self.R, *rule, limit), limit)
+        return Update(*fusion.correct_planar(x, P, self.xi, self.R, *rule, False, limit), limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -51,9 +51,13 @@ def correct_planar(
     rule: int,
     omega: float,
     blind: Float64s,
+    observed_only: bool,
     bound: float,
 ) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
-    """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate. As `correct`, with the innovation."""
+    """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate. As `correct`, with the innovation.
+
+    observed_only is an argument because a kernel that passes a literal has the other compiled once more for it.
+    """
     innovation = np.array([xi[0] - x[4], xi[1] - x[5], xi[2] - 2.0 * math.atan2(x[3], x[0])])
     innovation[2] -= 2.0 * math.pi * round(innovation[2] / (2.0 * math.pi))
     C = planar_observer(x)
@@ -62,8 +66,9 @@ def correct_planar(
     if not nis <= bound:
         return x, P, innovation, S, nis
     held = np.zeros((2, ERRORS))
-    held[0, 3:5] = held[1, 6:8] = blind
-    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, False)
+    for i in range(2):
+        held[0, 3 + i] = held[1, 6 + i] = blind[i]
+    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only)
     better = inject(x, error)
     if not is_sound(better, reduced):
         return x, P, innovation, S, math.nan
@@ -108,33 +113,44 @@ def fuse_part(
     observed_only: bool,
 ) -> tuple[Float64s, Float64s]:
     """`fuse` on a part of P: see slam_core.intersection.intersect. What is held counts as any other error."""
-    if blind[0] == 0.0 and blind[1] == 0.0:
-        return _fuse_observed(P, C, R, innovation, rule, omega, observed_only)
-    across = np.array([[-blind[1], blind[0], 0.0], [0.0, 0.0, 1.0]])
-    innovation = np.array([blind[0] * innovation[1] - blind[1] * innovation[0], innovation[2]])
-    C, R = multiply(across, C), sandwich(across, R)
-    kept = hanging(P, held)
-    rest = P - multiply(kept.T.copy(), kept)
-    error, reduced = _fuse_observed(rest, C, R, innovation, rule, omega, observed_only)
+    # Called in one place, as what is called is compiled into this function at each.
+    rest, kept = P, np.zeros((0, len(P)))
+    if blind[0] != 0.0 or blind[1] != 0.0:
+        across = np.array([[-blind[1], blind[0], 0.0], [0.0, 0.0, 1.0]])
+        innovation = np.array([blind[0] * innovation[1] - blind[1] * innovation[0], innovation[2]])
+        C, R = multiply(across, C), sandwich(across, R)
+        kept = hanging(P, held)
+        rest = P - multiply(kept.T.copy(), kept)
     seen = multiply(C, kept.T.copy())
-    for k in range(len(kept)):
-        kept[k] -= _fuse_observed(rest, C, R, seen[:, k].copy(), rule, omega, observed_only)[0]
-    return error, reduced + multiply(kept.T.copy(), kept)
+    error, reduced = innovation, P
+    for k in range(-1, len(kept)):
+        difference = innovation if k < 0 else seen[:, k].copy()
+        shift, spread = _fuse_observed(rest, C, R, difference, rule, omega, observed_only)
+        if k < 0:
+            error, reduced = shift, spread
+        else:
+            for j in range(len(shift)):
+                kept[k, j] -= shift[j]
+    if len(kept):
+        reduced = reduced + multiply(kept.T.copy(), kept)
+    return error, reduced
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def _fuse_observed(
     P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float, observed_only: bool
 ) -> tuple[Float64s, Float64s]:
-    if not observed_only:
-        return fuse(P, C, R, innovation, rule, omega)
-    projected = sandwich(C, P)
-    if rule in (MIN_TRACE, MIN_DETERMINANT):
-        omega, rule = lightest(projected, projected, projected, R, rule == MIN_TRACE), FIXED
-    W = hanging(P, C)
-    observed = multiply(W.T.copy(), W)
+    observed = P
+    if observed_only:
+        projected = sandwich(C, P)
+        if rule in (MIN_TRACE, MIN_DETERMINANT):
+            omega, rule = lightest(projected, projected, projected, R, rule == MIN_TRACE), FIXED
+        W = hanging(P, C)
+        observed = multiply(W.T.copy(), W)
     error, reduced = fuse(observed, C, R, innovation, rule, omega)
-    return error, P - observed + reduced
+    if observed_only:
+        reduced = P - observed + reduced
+    return error, reduced
 
 
 @njit(cache=True, error_model="numpy")
@@ -144,7 +160,7 @@ def hanging(P: Float64s, B: Float64s) -> Float64s:
     return solve_lower(cholesky(multiply(B, BP.T.copy())), BP)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def fuse(
     P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
 ) -> tuple[Float64s, Float64s]:
@@ -153,16 +169,15 @@ def fuse(
     return _weighed(P, CP, multiply(C, CP.T.copy()), R, innovation, rule, omega)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def _weighed(
     P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
 ) -> tuple[Float64s, Float64s]:
-    if rule == KALMAN:
-        return gain(P, CP, projected + R, innovation)
-    if rule != FIXED:
+    if rule in (MIN_TRACE, MIN_DETERMINANT):
         omega = lightest(P, CP, projected, R, rule == MIN_TRACE)
-    error, reduced = gain(P, CP, projected + (1.0 - omega) / omega * R, innovation)
-    return error, reduced / (1.0 - omega)
+    weight, share = (1.0, 1.0) if rule == KALMAN else ((1.0 - omega) / omega, 1.0 - omega)
+    error, reduced = gain(P, CP, projected + weight * R, innovation)
+    return error, reduced / share
 
 
 @njit(cache=True, error_model="numpy")
@@ -192,7 +207,7 @@ def lightest(P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, trace:
     return low if low == LIGHTEST else 0.5 * (low + high)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def _size(omega: float, n: int, G: Float64s, projected: Float64s, R: Float64s, trace: bool) -> float:
     """Trace, or logarithm of the determinant, of P+ for a weight; but for what does not depend on it."""
     m = len(R)

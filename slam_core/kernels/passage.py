@@ -43,12 +43,12 @@ def predict(
         dt = (until - from_ns) * 1e-9
         if not known:
             x, P = coast(x, P, dt, blind, bounds)
-        elif u[6] > 0.0:
-            noisy = model.copy()
-            noisy[2] += u[6]
-            x, P = advance(x, P, u[:6], dt, noisy, bounds)
         else:
-            x, P = advance(x, P, u[:6], dt, model, bounds)
+            noisy = model
+            if u[6] > 0.0:
+                noisy = model.copy()
+                noisy[2] += u[6]
+            x, P = advance(x, P, u[:6], dt, noisy, bounds)
         from_ns, k = until, k + 1
     return x, P
 
@@ -93,7 +93,9 @@ def predict_states(
     out = np.empty((len(times), STATES))
     for i in range(len(times)):
         start = max(int(np.searchsorted(known, times[i], side="right")) - 1, 0)
-        out[i] = _carry(xs[start], known[start], times[i], stamps, samples, begin, end, model)
+        state = _carry(xs[start], known[start], times[i], stamps, samples, begin, end, model)
+        for j in range(STATES):
+            out[i, j] = state[j]
     return out
 
 

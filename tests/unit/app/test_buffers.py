@@ -14,6 +14,16 @@ def test_rows_come_back_in_order_however_many():
     np.testing.assert_array_equal(rows.view[:, 1], -np.arange(5000))
 
 
+def test_many_rows_at_once_are_as_good_as_one_by_one():
+    """Also none, and more than there was room for."""
+    rows = GrowingRows(2)
+    block = np.arange(5000.0).reshape(-1, 2)
+    for part in (block[:1], block[1:1], block[1:]):
+        rows.extend(part)
+    rows.append((1.0, 2.0))
+    np.testing.assert_array_equal(rows.view, [*block, (1.0, 2.0)])
+
+
 def test_a_view_keeps_what_it_showed():
     """What was handed out before neither grows nor changes, also across a growth."""
     rows = GrowingRows(1)

@@ -1,5 +1,7 @@
 """From bytes to messages."""
 
+import struct
+
 import pytest
 
 from app.ros.decode import decoder, ros2_name
@@ -49,6 +51,24 @@ def test_two_definitions_of_one_name_live_side_by_side() -> None:
     assert two is not None
     assert one(b"\x01").x == 1
     assert two(b"\x01\x02").y == 2
+
+
+def test_a_standard_type_that_was_changed_is_read_by_its_definition() -> None:
+    """Other fields first: the definition that came along tells, not the name."""
+    changed = (
+        "geometry_msgs/Vector3 angular_velocity\nstd_msgs/Header header\nfloat32[9] orientation_covariance\n"
+        "geometry_msgs/Quaternion orientation\nfloat64[9] angular_velocity_covariance\n"
+        "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n"
+        f"{'=' * 80}\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+        f"{'=' * 80}\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n"
+        f"{'=' * 80}\nMSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
+    )
+    decode = decoder("ros1", "sensor_msgs/msg/Imu", changed)
+    assert decode is not None
+    doubles = struct.pack("<3d", 1.0, 2.0, 3.0)
+    message = decode(doubles + bytes(16) + bytes(36 + 32 + 72 + 24 + 72))
+    assert message.angular_velocity.z == 3.0
+    assert message.header.frame_id == ""
 
 
 @pytest.mark.parametrize("raw", [b"", b"\x00\x01\x00\x00", b"\xff" * 200])
