@@ -160,7 +160,7 @@ def hanging(P: Float64s, B: Float64s) -> Float64s:
     return solve_lower(cholesky(multiply(B, BP.T.copy())), BP)
 
 
-@njit(error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def fuse(
     P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
 ) -> tuple[Float64s, Float64s]:
