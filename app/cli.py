@@ -1,5 +1,6 @@
 """The command line: hectorscope demo, view, live, run, inspect, simulate."""
 
+import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -79,12 +80,11 @@ def run(
     """Process a recording as fast as it goes; leave trajectory, map, settings and figures."""
     from app.report import show_progress, summary  # noqa: PLC0415
     from app.runner import run as run_to_files  # noqa: PLC0415
-    from app.warmup import warm_up  # noqa: PLC0415
 
     chosen = settings.settings()
     given = saved.given(chosen)
     recording = _examined(str(bag), source)
-    warm_up()
+    _get_ready()
     with show_progress(recording) as progress:
         figures = run_to_files(recording, chosen, out, truth=source.truth_topic, progress=progress, given=given)
     summary(recording.name, figures, out)
@@ -108,21 +108,30 @@ def _examined(uri: str, flags: Any) -> Source:
 def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
     from app.engine import Engine  # noqa: PLC0415
     from app.runner import prepare  # noqa: PLC0415
-    from app.warmup import warm_up  # noqa: PLC0415
-    from app.web.server import serve  # noqa: PLC0415
 
     chosen = settings.settings()
     if page.out is not None:
         prepare(page.out)
-    engine = Engine(source, chosen, saved.given(chosen), prepare=warm_up, out=page.out)
+    engine = Engine(source, chosen, saved.given(chosen), prepare=_get_ready, out=page.out)
     engine.start()
     try:
+        from app.web.server import serve  # noqa: PLC0415  while the engine loads its kernels
+
         serve(engine, host=page.host, port=page.port, token=page.token)
     finally:
         engine.stop()
     if page.out is not None:
         print(engine.save())
     sys.exit(INTERRUPTED)  # nothing else ends the serving
+
+
+def _get_ready(tell: Callable[[str], None] = lambda _: None) -> None:
+    """Load or compile the kernels. What is loaded by now stays: the garbage collector may pass it over."""
+    from app.warmup import warm_up  # noqa: PLC0415
+
+    warm_up(tell)
+    gc.freeze()
+    gc.enable()
 
 
 def demo_bag(scene: Scene) -> Path:
@@ -157,6 +166,7 @@ def _simulate_command(wanted: bool) -> Callable[..., None]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code. Mistakes are one line on stderr and 2, an interruption is 130."""
     keep_compiled(user_cache())
+    gc.disable()  # while the libraries come: it would go through all of them again and again
     arguments = sys.argv[1:] if arguments is None else arguments
     commands: dict[str, Callable[..., Any]] = {
         "demo": demo,
@@ -183,6 +193,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    finally:
+        gc.enable()
     return 0
 
 

@@ -45,7 +45,7 @@ class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
     given: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
-    before anything is read.
+    before anything is read, with what shows on the page how far it is (from any thread, until it returns).
     A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
     or Seek begin again.
@@ -64,7 +64,7 @@ class Engine:
         autoplay: bool = True,
         speed: float = 1.0,
         out: Path | None = None,
-        prepare: Callable[[], None] = lambda: None,
+        prepare: Callable[[Callable[[str], None]], None] = lambda _: None,
     ) -> None:
         self._source = source
         self._given = given
@@ -105,12 +105,21 @@ class Engine:
 
     def _run(self) -> None:
         self._guard(partial(self._publish, resting=True))
-        self._guard(self._prepare)
+        self._guard(self._get_ready)
         while not isinstance(command := self._next_command(), Quit):
             self._guard(self._advance if command is None else partial(self._obey, command))
         self._source.close()
         if self._feeder is not None:
             self._feeder.close()
+
+    def _get_ready(self) -> None:
+        self._prepare(self._preparing)
+        self._preparing("")
+
+    def _preparing(self, how_far: str) -> None:
+        self._transport.preparing = how_far
+        self._publisher.touch()
+        self._publish(resting=True)
 
     def _guard(self, action: Callable[[], None]) -> None:
         try:

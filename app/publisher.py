@@ -127,7 +127,7 @@ class Publisher:
 def status(source: Source, pipeline: Pipeline, transport: Transport) -> PlaybackStatus:
     """Where the run is."""
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
-    detail = transport.failure or source.report.waiting
+    detail = transport.failure or transport.preparing or source.report.waiting
     if transport.target_ns is not None:
         whole_ns = max(1, transport.target_ns - start_ns)
         detail = f"running up to {whole_ns / 1e9:.1f} s: {100 * (time_ns - start_ns) // whole_ns} %"

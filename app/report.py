@@ -4,14 +4,16 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from app.simulation import SimulateOptions, simulate
 from app.sources import Source
+
+if TYPE_CHECKING:
+    from app.simulation import SimulateOptions
 
 REFRESH_S = 0.1
 
@@ -42,8 +44,10 @@ def show_progress(source: Source) -> Iterator[Callable[[int], None]]:
         yield lambda time_ns: show((time_ns - first_ns) / max(1, last_ns - first_ns))
 
 
-def show_simulation(options: SimulateOptions) -> None:
+def show_simulation(options: "SimulateOptions") -> None:
     """Make the recording behind a bar, and say where it is."""
+    from app.simulation import simulate  # noqa: PLC0415  nobody else waits for the simulator
+
     with _bar(options.scenario) as show:
         simulate(options, show)
     print(f"wrote {options.out}")

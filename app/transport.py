@@ -20,6 +20,7 @@ class Transport:
         self, live: bool, autoplay: bool = True, speed: float = 1.0, clock: Clock = time.monotonic
     ) -> None:
         self.live = live
+        self.preparing = ""
         self.failure = ""
         self.meter = RateMeter(clock)
         self._clock = clock

@@ -2,8 +2,11 @@
 
 import sys
 import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 
 from app.pipeline import Pipeline
 from app.settings import Settings
@@ -11,18 +14,55 @@ from slam_core.config import SlamConfig, with_value
 from slam_core.given import GivenMap, saved_levels
 from slam_core.measurements import Height, Imu, LaserScan, Measurement, Odometry
 
-PATIENCE_S = 3.0
+PATIENCE_S = 3.0  # what was compiled before is loaded sooner
+PERIOD_S = 0.25
+
+Tell = Callable[[str], None]
 
 
-def warm_up() -> None:
-    """A few scans of a small made-up room through every branch; says so on stderr when it takes longer."""
-    notice = threading.Timer(PATIENCE_S, lambda: print("Compiling ... (first start only)", file=sys.stderr))
-    notice.start()
-    try:
+def warm_up(tell: Tell = lambda _: None) -> None:
+    """A few scans of a small made-up room through every branch.
+
+    When it takes longer it says how far it is: on stderr, and to `tell` (from another thread, until it returns).
+    """
+    with _watched(tell):
         for inertial in (True, False):
             _run(inertial)
+
+
+@contextmanager
+def _watched(tell: Tell) -> Iterator[None]:
+    done = threading.Event()
+
+    def watch() -> None:
+        if done.wait(PATIENCE_S):
+            return
+        while not done.wait(PERIOD_S):
+            progress = _progress()
+            tell(progress)
+            print(f"\r{progress}", end="", file=sys.stderr, flush=True)
+        print(file=sys.stderr)
+
+    watcher = threading.Thread(target=watch, name="watching the compiler", daemon=True)
+    watcher.start()
+    try:
+        yield
     finally:
-        notice.cancel()
+        done.set()
+        watcher.join()
+
+
+def _progress() -> str:
+    kernels = [kernel for kernel in _kernels() if kernel.targetoptions.get("inline") != "always"]
+    compiled = sum(bool(kernel.signatures) for kernel in kernels)
+    return f"Compiling, on the first start only: {compiled} of {len(kernels)} kernels"
+
+
+def _kernels() -> list[Dispatcher]:
+    """What numba compiles of the core, so far as it is loaded."""
+    modules = [module for name, module in list(sys.modules.items()) if name.startswith("slam_core.kernels.")]
+    values = [value for module in modules for value in vars(module).values()]
+    return list({id(value): value for value in values if isinstance(value, Dispatcher)}.values())
 
 
 def _run(inertial: bool) -> None:

@@ -10,7 +10,8 @@ import logging
 import socket
 import threading
 import time
-from collections.abc import Callable
+import zipfile
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,7 +21,7 @@ import viser
 import websockets
 import websockets.asyncio.server
 import websockets.exceptions
-from viser import _messages
+from viser import _icons, _messages
 from viser.infra import _infra
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
@@ -41,6 +42,19 @@ _starting = threading.Lock()
 
 class UnguardedError(SlamError):
     """The gate cannot be put before the viser that is installed."""
+
+
+@contextlib.contextmanager
+def icons_at_hand() -> Iterator[None]:
+    """Hold viser's archive of icons open: for each icon it would read the names of all the thousands in it."""
+    names = vars(_icons)
+    original = names["zipfile"]
+    with zipfile.ZipFile(_icons.ICONS_DIR / "tabler-icons.zip") as archive:
+        names["zipfile"] = SimpleNamespace(ZipFile=lambda _: contextlib.nullcontext(archive))
+        try:
+            yield
+        finally:
+            names["zipfile"] = original
 
 
 def open_server(listener: socket.socket, gate: Gate) -> viser.ViserServer:

@@ -69,8 +69,10 @@ class PageServer:
         self._port = listener.getsockname()[1]
         self._server = private.open_server(listener, self._gate())
         self.stage = Stage(self._server, self._engine.send)
-        views = made(view_classes(), self.stage)  # before the panels, which list the views' layers
-        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *made(panel_classes(), self.stage)])
+        with private.icons_at_hand():
+            views = made(view_classes(), self.stage)  # before the panels, which list the views' layers
+            panels = made(panel_classes(), self.stage)
+        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *panels])
         self._painter.start()
 
     def stop(self) -> None:

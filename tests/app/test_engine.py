@@ -1,10 +1,12 @@
 """Recordings in the engine: the same outcome however they are played, sought and begun again."""
 
 import math
+import threading
 from dataclasses import replace
 
 import numpy as np
 
+from app.engine import Engine
 from app.runner import run_headless
 from app.snapshot import Pause, Play, PlayPause, Restart, Seek, SetSpeed, StepScan
 from app.sources import Item
@@ -21,6 +23,22 @@ def test_the_page_runs_what_the_headless_run_runs(drive: list[Item], reference: 
     assert ended.scans == len(reference) > 40
     assert ended.playback.end_ns == max(item.stamp_ns for item in drive)
     assert any("ended" in entry.text for entry in ended.log)
+
+
+def test_the_page_is_told_how_far_the_preparation_is(drive: list[Item]):
+    """A loading run shows the words of who prepares it, and no more once it plays."""
+    engine = Engine(MemoryRecording(drive), START, prepare=lambda tell: (tell("3 of 5"), ready.wait(20.0)))
+    ready = threading.Event()
+    engine.start()
+    try:
+        waiting = until(engine, lambda now: now.playback.detail == "3 of 5")
+        ready.set()
+        playing = until(engine, state("playing"))
+    finally:
+        ready.set()
+        engine.stop()
+    assert waiting.playback.state == "loading"
+    assert playing.playback.detail == ""
 
 
 def test_pauses_steps_and_speeds_do_not_change_the_outcome(drive: list[Item], reference: np.ndarray):

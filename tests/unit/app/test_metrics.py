@@ -4,7 +4,6 @@ import numpy as np
 
 from app.metrics import map_in_world, medians, sources
 from app.snapshot import SERIES_DTYPE
-from app.warmup import warm_up
 from slam_core.results import PlanarGaussian
 from tests.page import step_result
 
@@ -22,11 +21,6 @@ def test_medians_are_microseconds_and_the_map_update_only_counts_where_there_was
 def test_medians_of_nothing_are_zero():
     """No map update at all is no reason to fail."""
     assert medians(np.zeros(0, SERIES_DTYPE))["update"] == 0.0
-
-
-def test_the_warm_up_runs_through():
-    """The made-up room exercises the whole pipeline without an error."""
-    warm_up()
 
 
 def test_what_aids_the_filter_is_counted() -> None:

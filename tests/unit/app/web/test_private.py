@@ -1,6 +1,7 @@
 """The private parts of viser that the page leans on are where they were."""
 
 import asyncio
+import zipfile
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 import viser
 import websockets
+from viser import _icons
 from websockets.asyncio.client import ClientConnection, connect
 
 from app.web import private
@@ -83,6 +85,19 @@ def test_images_take_encoded_bytes(server: viser.ViserServer) -> None:
     png = encode(np.ones((2, 2), np.uint8), ((0, 0, 0),) * 3, (0, 255, 255))
     private.set_png(image, png)
     assert (image._impl.props._data, image._impl.props._format) == (png, "png")
+
+
+def test_icons_come_from_one_opened_archive(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same drawings, for one look into the archive; viser's own way is back afterwards."""
+    names = ["sun", "moon", "camera"]
+    plain = [_icons.svg_from_icon.__wrapped__(name) for name in names]
+    opened: list[object] = []
+    real = zipfile.ZipFile
+    monkeypatch.setattr(zipfile, "ZipFile", lambda *args: opened.append(args) or real(*args))
+    with private.icons_at_hand():
+        assert [_icons.svg_from_icon.__wrapped__(name) for name in names] == plain
+    assert len(opened) == 1
+    assert _icons.zipfile is zipfile
 
 
 def test_the_page_of_viser_is_found() -> None:
