@@ -20,7 +20,7 @@ from app.runner import run_headless
 from app.settings import Settings
 from app.sources import open_source
 from app.warmup import warm_up
-from benchmarks import kernels, others, returning, tables, whole_map
+from benchmarks import kernels, others, reading, returning, start, tables, whole_map
 from benchmarks.accuracy import CorridorOutcome, Outcomes, Replay, corridor, drive, replay
 from benchmarks.cases import (
     COMPARED,
@@ -131,16 +131,21 @@ are for comparison only.
 
 
 def document(
-    speed: dict[str, dict[str, Any]], parts: str, growth: str, findings: list[Finding], accuracy: Accuracy
+    speed: dict[str, dict[str, Any]],
+    reading_alone: str,
+    starts: str,
+    parts: str,
+    growth: str,
+    findings: list[Finding],
+    accuracy: Accuracy,
 ) -> str:
     """docs/performance.md."""
     settings = ", ".join(f"`{name}` {str(value).lower()}" for name, value in PLAIN_SETTINGS.items())
     return f"""# Performance
 
 Written by `make bench` (`python -m benchmarks.performance`); do not edit. More measurements are run by hand:
-`python -m benchmarks.page` for what the page costs, `python -m benchmarks.start` for how soon it shows something,
-`python -m benchmarks.reading BAG...` for how long reading takes, and `python -m benchmarks.consistency` for
-[the filter alone](navigation-filter.md).
+`python -m benchmarks.page` for what the page costs, `python -m benchmarks.reading BAG...` for how long it takes to
+read others, and `python -m benchmarks.consistency` for [the filter alone](navigation-filter.md).
 
 Machine: {machine()}.
 
@@ -158,6 +163,13 @@ Median time of each part of a step in microseconds; the update counts only the s
 map.
 
 {tables.times(speed)}
+Of that, to open and to read the file, without mapping; the best of {reading.RUNS}.
+
+{reading_alone}
+How soon the demo `arena` is there, and how long that keeps a core busy: with the kernels compiled before, and on
+the first start of all, when the terminal and the page tell how many are.
+
+{starts}
 What a step is made of, in the rooms below; medians, but for the whole step. A beam evaluation is one endpoint's
 share of eqs. (11) and (13).
 
@@ -233,9 +245,11 @@ def main() -> None:
     """Measure, write, and print the tables."""
     warm_up()
     speed = measure_speed()
+    print("speed: reading and starting", flush=True)
+    reading_alone, starts = reading.table(present(TIMED)), start.measure()
     print("speed: kernels", flush=True)
     parts, growth = kernels.parts_table(), kernels.scaling()
-    text = document(speed, parts, growth, whole_map.measure(), measure_accuracy())
+    text = document(speed, reading_alone, starts, parts, growth, whole_map.measure(), measure_accuracy())
     (ROOT / "docs" / "performance.md").write_text(text, encoding="utf-8")
     readme = ROOT / "README.md"
     shown = f"{tables.speed(speed)}\n{SOURCE}\n"

@@ -1,35 +1,63 @@
 """How long reading takes: from the file to measurements, without mapping.
 
-    python benchmarks/reading.py BAG...
+    python -m benchmarks.reading BAG...
 
-Prints, for each recording, the best of three: CPU seconds to open and to read, messages a second, and how many
-times faster than real time that is.
+For each recording the best of three: seconds of CPU to open and to read, and items a second.
 """
 
 import sys
 import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
 
 from app.sources import SourceOptions, open_source
+from benchmarks import tables
+from benchmarks.cases import TIMED, Recording, present
+
+RUNS = 3
 
 
-def measure(uri: str) -> tuple[float, float, int, float]:
-    """(seconds to open, seconds to read, items, seconds of the recording)."""
+class Reading(NamedTuple):
+    """Seconds to open and to read, items, and seconds of the recording."""
+
+    opening: float
+    reading: float
+    items: int
+    recorded: float
+
+
+def measure(recording: Recording) -> Reading:
+    """One recording, the best of some runs."""
+    return min((_once(recording) for _ in range(RUNS)), key=lambda run: run.opening + run.reading)
+
+
+def _once(recording: Recording) -> Reading:
     begin = time.process_time()
-    source = open_source(uri, SourceOptions())
+    source = open_source(str(recording.path), recording.options)
     opened = time.process_time()
     items = sum(1 for _ in source.items())
-    done = time.process_time()
     first_ns, last_ns = source.span_ns or (0, 0)
-    return opened - begin, done - opened, items, (last_ns - first_ns) * 1e-9
+    return Reading(opened - begin, time.process_time() - opened, items, (last_ns - first_ns) * 1e-9)
+
+
+def table(recordings: list[Recording]) -> str:
+    """Of all of them, in Markdown."""
+    head = ("recording", "items", "open, ms", "read, ms", "items/s", "times real time")
+    return tables.table(head, ([recording.name, *_cells(measure(recording))] for recording in recordings))
+
+
+def _cells(took: Reading) -> Iterator[str]:
+    yield str(took.items)
+    yield f"{1e3 * took.opening:.0f}"
+    yield f"{1e3 * took.reading:.0f}"
+    yield f"{took.items / took.reading:.0f}"
+    yield f"{took.recorded / (took.opening + took.reading):.0f}"
 
 
 def main() -> None:
-    for uri in sys.argv[1:]:
-        runs = [measure(uri) for _ in range(3)]
-        opening, reading = min(run[0] for run in runs), min(run[1] for run in runs)
-        _, _, items, seconds = runs[0]
-        factor = seconds / (opening + reading)
-        print(f"{uri}: open {opening:.3f} s, read {reading:.3f} s, {items / reading:.0f} items/s, {factor:.0f}x")
+    given = [Recording(Path(uri).name, Path(uri), options=SourceOptions()) for uri in sys.argv[1:]]
+    print(table(given or present(TIMED)))
 
 
 if __name__ == "__main__":

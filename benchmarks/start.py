@@ -1,20 +1,25 @@
-"""How long a warm start takes: from the command to the first frame in which a browser shows the robot.
+"""How soon something is there: on the page, at the end of a run, and on the first start of all.
 
     python -m benchmarks.start [--scene arena] [--runs 3]
 
-The command runs in a process of its own, as a person's would; the browser, a real Chromium, is open already and
-asks for the page until it is served. A run before compiles what is not compiled yet and does not count.
+Every command runs in a process of its own, as a person's would. The browser, a real Chromium, is open already and
+asks for the page until it is served; how long it takes to open is told apart. One run before does not count.
 """
 
 import argparse
+import os
+import resource
 import subprocess
 import sys
+import tempfile
 import time
-from typing import get_args
+from statistics import median
+from typing import NamedTuple, get_args
 
 from playwright.sync_api import Browser, Error, Page, sync_playwright
 
-from app.cli import Scene
+from app.cli import Scene, demo_bag
+from benchmarks import tables
 from benchmarks.page import cpu_seconds
 from benchmarks.screenshots import FLAGS, SIZE
 from tests.conftest import chromium_path
@@ -23,24 +28,32 @@ PORT = 8721
 PATIENCE_S = 180.0
 ROBOT = "window.__viserMutable?.nodeRefFromName?.['/robot']"
 NEXT_FRAME = "new Promise(requestAnimationFrame)"
+COMPILE = "from app.warmup import warm_up; warm_up()"
 
 
-def measure(browser: Browser, scene: Scene) -> tuple[float, float, float]:
-    """Seconds until the page is served and until the robot is drawn, and the command's seconds of CPU by then."""
+class Took(NamedTuple):
+    """Seconds of the wall clock, and of the command's CPU by then."""
+
+    wall: float
+    cpu: float
+
+
+def shown(browser: Browser, scene: Scene) -> tuple[Took, Took]:
+    """Until the page of a recording is served, and until the robot is drawn."""
     begin = time.monotonic()
     command = [sys.executable, "-m", "app.cli", "demo", scene, "--port", str(PORT)]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
         try:
             page = browser.new_page(viewport=SIZE)
             _open(page, begin + PATIENCE_S)
-            served = time.monotonic() - begin
+            served = Took(time.monotonic() - begin, cpu_seconds(server.pid))
             page.wait_for_function(ROBOT, timeout=PATIENCE_S * 1000, polling=20)
             page.evaluate(NEXT_FRAME)
-            drawn, work = time.monotonic() - begin, cpu_seconds(server.pid)
+            drawn = Took(time.monotonic() - begin, cpu_seconds(server.pid))
             page.close()
         finally:
             server.terminate()
-    return served, drawn, work
+    return served, drawn
 
 
 def _open(page: Page, until: float) -> None:
@@ -56,21 +69,61 @@ def _open(page: Page, until: float) -> None:
             return
 
 
+def run(scene: Scene) -> Took:
+    """The whole command that processes a recording, from its start to its end."""
+    with tempfile.TemporaryDirectory() as folder:
+        return _finished(["-m", "app.cli", "run", str(demo_bag(scene)), "--out", folder])
+
+
+def cold() -> Took:
+    """Until every kernel is compiled, where none was."""
+    with tempfile.TemporaryDirectory() as folder:
+        return _finished(["-c", COMPILE], NUMBA_CACHE_DIR=folder)
+
+
+def _finished(arguments: list[str], **environment: str) -> Took:
+    begin, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(
+        [sys.executable, *arguments], env={**os.environ, **environment}, check=True, capture_output=True
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    work = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Took(time.monotonic() - begin, work)
+
+
+def measure(scene: Scene = "arena", runs: int = 3) -> str:
+    """The table; without a browser only of what needs none."""
+    rows: list[tuple[str, Took]] = []
+    run(scene)
+    if chromium_path():
+        with sync_playwright() as playwright:
+            begin = time.monotonic()
+            browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
+            opened = time.monotonic() - begin
+            starts = [shown(browser, scene) for _ in range(runs + 1)][1:]
+            browser.close()
+        drawn = _middle([drawn for _, drawn in starts])
+        rows += [
+            ("`demo`: page served", _middle([served for served, _ in starts])),
+            ("`demo`: robot drawn, in an open browser", drawn),
+            ("`demo`: robot drawn, with the start of the browser", Took(drawn.wall + opened, drawn.cpu)),
+        ]
+    rows.append(("`run`: everything written", _middle([run(scene) for _ in range(runs)])))
+    rows.append(("kernels compiled, on the first start", cold()))
+    head = ("from the command to", "wall, s", "its CPU, s")
+    return tables.table(head, ((name, f"{took.wall:.2f}", f"{took.cpu:.2f}") for name, took in rows))
+
+
+def _middle(times: list[Took]) -> Took:
+    return Took(*map(median, zip(*times, strict=True)))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scene", choices=get_args(Scene), default="arena")
     parser.add_argument("--runs", type=int, default=3)
     args = parser.parse_args()
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
-        for run in range(args.runs + 1):
-            served, drawn, work = measure(browser, args.scene)
-            name = f"run {run}" if run else "before"
-            print(
-                f"{name}: served after {served:.2f} s, robot drawn after {drawn:.2f} s, {work:.2f} s of CPU",
-                flush=True,
-            )
-        browser.close()
+    print(measure(args.scene, args.runs))
 
 
 if __name__ == "__main__":
