@@ -118,5 +118,5 @@ class TfTree:
 
 def _same(a: Transform, b: Transform) -> bool:
     """As lists, which for so few numbers are compared ten times faster than arrays."""
-    translation: list[float] = a.translation.tolist()
-    return translation == b.translation.tolist() and a.rotation.tolist() == b.rotation.tolist()
+    there: list[list[float]] = [a.translation.tolist(), a.rotation.tolist()]
+    return there == [b.translation.tolist(), b.rotation.tolist()]
