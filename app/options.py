@@ -54,6 +54,11 @@ _METAVARS = {
 _SWITCH: dict[Any, bool] = {"true": True, "false": False}
 
 
+def _optional(help_text: str, default: str = "none") -> Any:
+    """A flag that may be left out, with words for what holds then."""
+    return tyro.conf.arg(help=help_text, help_behavior_hint=f"(default: {default})")
+
+
 def _flag(leaf: Leaf) -> Any:
     kind: Any = Literal["true", "false"] if leaf.type is bool else leaf.type
     default = str(leaf.value).lower() if leaf.type is bool else leaf.value
@@ -119,15 +124,10 @@ class PageFlags:
         "127.0.0.1"
     )
     port: Annotated[int, tyro.conf.arg(help="Port to serve.")] = 8080
-    token: Annotated[
-        str | None, tyro.conf.arg(help="Secret that a browser must bring.", help_behavior_hint="(default: none)")
-    ] = None
+    token: Annotated[str | None, _optional("Secret that a browser must bring.")] = None
     out: Annotated[
         Path | None,
-        tyro.conf.arg(
-            help="Folder for the results, as `run` leaves them: by Save on the page, and at the end.",
-            help_behavior_hint="(default: none)",
-        ),
+        _optional("Folder for the results of `run`: saved by a button of the page, and at the end."),
     ] = None
 
 
@@ -140,18 +140,11 @@ class MapFlags:
     """A map that was there before."""
 
     map: Annotated[
-        Path | None,
-        tyro.conf.arg(
-            help="Saved map to begin with: a folder that --out left, or a map's yaml file.",
-            help_behavior_hint="(default: none)",
-        ),
+        Path | None, _optional("Saved map to begin with: a folder that --out left, or a map's yaml file.")
     ] = None
     mode: Annotated[
         Mode | None,
-        tyro.conf.arg(
-            help="Make a new map, only localise in the saved one, or continue it.",
-            help_behavior_hint="(default: localise with --map, else map)",
-        ),
+        _optional("Make a new map, localise in the saved one, or continue it.", "localise with --map, else map"),
     ] = None
     start: Annotated[
         Literal["origin", "search"] | tuple[float, float, float],

@@ -1,6 +1,6 @@
 """How well the navigation filter holds attitude and height: simulated inertial data, barometer and noisy matches.
 
-    python benchmarks/navigation.py [--omegas 0.005 0.01 0.02] [--seeds 1 2 3] [--set navigation.accel_noise=0.05]
+    python -m benchmarks.navigation [--omegas 0.005 0.01 0.02] [--seeds 1 2 3] [--set navigation.accel_noise=0.05]
 
 The match is the truth in the plane with noise, 40 times a second, and claims a covariance R that is too small, as
 scan matchers do. Prints root mean squares per scene over the seeds: roll and pitch in degrees (worst of both),
