@@ -61,7 +61,7 @@ def standing_still(shot: Shot) -> Iterator[PageServer]:
     source = open_source(str(demo_bag(shot.scene)), SourceOptions())
     assert source.span_ns is not None
     wanted_ns = min(source.span_ns[0] + round(shot.seconds * 1e9), source.span_ns[1])
-    engine = Engine(source, autoplay=False, prepare=warm_up)
+    engine = Engine(source, autoplay=False)
     page = PageServer(engine, port=0)
     engine.start()
     page.start()
@@ -112,6 +112,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
     chosen = parser.parse_args()
     chosen.out.mkdir(parents=True, exist_ok=True)
+    warm_up()  # the compiler's time is not the run's
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
         for shot in SHOTS:
