@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from app.cli import Scene, demo_bag
 from app.engine import Engine
@@ -35,6 +35,7 @@ FLAGS = [
 ]
 NOTICE = ".mantine-Notification-closeButton"
 PATIENCE_S = 120.0
+PICTURES = 20
 SETTLE_MS = 6000  # textures, plots and the camera's glide, with drawing in software
 
 
@@ -99,10 +100,21 @@ def take(browser: Browser, shot: Shot, folder: Path) -> Path:
         for notice in page.locator(NOTICE).all():  # that drawing is done in software
             notice.click()
         server.stage.camera(shot.camera)
-        page.wait_for_timeout(SETTLE_MS)
-        page.screenshot(path=target)
+        target.write_bytes(settled(page))
         page.close()
     return target
+
+
+def settled(page: Page) -> bytes:
+    """The picture once two in a row are the same: a busy machine glides slowly, and draws coarsely meanwhile."""
+    before = b""
+    for _ in range(PICTURES):
+        page.wait_for_timeout(SETTLE_MS)
+        picture = page.screenshot()
+        if picture == before:
+            return picture
+        before = picture
+    raise RuntimeError("the page does not come to rest: leave it more of the machine")
 
 
 def main() -> None:

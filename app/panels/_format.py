@@ -79,7 +79,8 @@ def text(value: object) -> str:
     return escape(str(value), quote=True)
 
 
-def figure(name: str, value: str, kind: str = "") -> str:
-    """A small caption and a value as HTML; `kind` styles it: "good", "bad", ..."""
+def figure(name: str, value: str, kind: str = "", hint: str = "") -> str:
+    """A small caption and a value as HTML; `kind` styles it: "good", "bad", ...; `hint`: under the pointer."""
     style = f"hs-figure hs-{kind}" if kind else "hs-figure"
-    return f'<span class="{style}"><small>{name}</small>{value}</span>'
+    title = f' title="{hint}"' if hint else ""
+    return f'<span class="{style}"{title}><small>{name}</small>{value}</span>'

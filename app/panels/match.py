@@ -41,34 +41,25 @@ class MatchPanel:
 def match_html(result: StepResult, snapshot: Snapshot) -> str:
     """State of the tracking, residual, iterations, beams, map updates, the weakest direction and surprises."""
     match = result.match
-    cells = [figure("beams", str(result.beams)), figure("map updates", str(snapshot.map_updates))]
+    counts = [
+        figure("scan", str(snapshot.scans)),
+        figure("beams", str(result.beams)),
+        figure("map updates", str(snapshot.map_updates)),
+    ]
     if match is None:
-        return readout([figure("scan", str(snapshot.scans)), *cells, figure("", "first scan")])
-    state = figure("", "converged", "good") if match.converged else figure("", "out of steps", "bad")
+        return readout([*counts, figure("", "first scan")])
     tracking = figure("", result.tracking, "good" if result.tracking in {"tracking", "recovered"} else "bad")
-    unexpected = figure("unexpected %", fixed(100.0 * float(np.mean(result.unexpected)), 1))
-    weakest = figure("weakest σ mm", fixed(1e3 * match.weakest_sigma, 1))
-    share = figure(
-        "fixed by", f"{100 * match.weakest_share:.1f} % of beams", "bad" if match.blind.any() else "good"
-    )
-    steps = figure("iterations", " · ".join(str(n) for n in match.iterations))
-    return readout(
-        [
-            tracking,
-            figure("residual", fixed(match.mean_residual, 3)),
-            steps,
-            state,
-            figure("scan", str(snapshot.scans)),
-            *cells,
-            weakest,
-            unexpected,
-            share,
-        ]
-    )
+    residual = figure("residual", fixed(match.mean_residual, 3))
+    outcome = ("good", "converged") if match.converged else ("bad", "out of steps before it converged")
+    steps = figure("steps", " · ".join(str(n) for n in match.iterations), *outcome)
+    weakest = figure("weakest", fixed(1e3 * match.weakest_sigma, 1) + " mm", hint=WEAKEST)
+    share = figure("fixed by", f"{100 * match.weakest_share:.1f} %", "bad" if match.blind.any() else "", FIXED)
+    unexpected = figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 1) + " %", hint=UNEXPECTED)
+    return readout([tracking, residual, steps, *counts, weakest, share, unexpected])
 
 
 def readout(figures: list[str]) -> str:
-    """Figures that flow over two lines."""
+    """Figures in three columns."""
     return f'<div class="hs-readout">{"".join(figures)}</div>'
 
 
@@ -90,6 +81,8 @@ def ring(colour: str) -> str:
     return f'<i class="hs-ring" style="color:var(--hs-{colour})"></i>'
 
 
+WEAKEST = "Sigma of the position in the direction that the match fixes worst."
+FIXED = "Share of the beams that fix the position in the direction that the shape of the scan fixes worst."
 UNEXPECTED = "Beams that end where the map knows free space: something new, or somebody on the move."
 LEGEND = (
     '<div class="hs-legend"><span><i class="hs-line" style="color:var(--hs-trajectory)"></i>trajectory</span>'

@@ -99,7 +99,7 @@ def test_the_match_says_whether_it_converged_and_is_believed() -> None:
     assert result is not None
     assert result.match is not None
     html = match_html(result, snapshot)
-    for part in ("converged", "3 · 4 · 4", "0.500", 'hs-good"><small></small>tracking', "mm</small>2.0"):
+    for part in ("converged", "3 · 4 · 4", "0.500", 'hs-good"><small></small>tracking', "weakest</small>2.0 mm"):
         assert part in html
     slow = replace(result, match=replace(result.match, converged=False), tracking="lost")
     assert "out of steps" in match_html(slow, snapshot)
