@@ -1,4 +1,4 @@
-"""A short drive through the simulated rooms, and what the headless run makes of it."""
+"""Kernels that are compiled, a short drive through the simulated rooms, and what the headless run makes of it."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,15 @@ import pytest
 from app.runner import run_headless
 from app.simulation import SceneOptions, Simulation
 from app.sources import Item
+from app.warmup import warm_up
 from tests.engines import START
 from tests.sources import MemoryRecording
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _compiled() -> None:
+    """A first start compiles for minutes on a busy machine: no test has to wait for that."""
+    warm_up()
 
 
 @pytest.fixture(scope="session")

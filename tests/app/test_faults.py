@@ -13,7 +13,6 @@ from app.settings import Settings
 from app.simulation import SceneOptions, Simulation
 from app.snapshot import Snapshot
 from app.sources import Item
-from app.warmup import warm_up
 from slam_core.config import SlamConfig, with_value
 from slam_core.geometry import rotation_matrix
 from slam_core.measurements import GpsPosition, Height, Imu, LaserScan, TruthPose
@@ -55,12 +54,6 @@ def voyage() -> Drive:
 def _drive(simulation: Simulation) -> Drive:
     items = tuple(item for item in simulation.items() if not isinstance(item, TruthPose))
     return Drive(simulation, items, min(item.stamp_ns for item in items))
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    """The compiler's time is not the session's."""
-    warm_up()
 
 
 def process(items: Sequence[Item], config: SlamConfig | None = None) -> tuple[Snapshot, set[str]]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from app.web.server import PageServer
 from tests.page import StillEngine, room_snapshot
@@ -17,6 +17,8 @@ FLAGS = (
 SIZE = {"width": 1000, "height": 640}
 READY = "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0'] && !!window.hectorscope"
 PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
+
+expect.set_options(timeout=PATIENCE)
 
 Open = Callable[..., Page]
 

@@ -14,6 +14,7 @@ from app.settings import Settings
 from app.simulation import SceneOptions, Simulation
 from app.snapshot import Seek, Snapshot
 from app.sources import Item
+from app.warmup import warm_up
 from app.web.server import PageServer
 from slam_core.config import SlamConfig, with_value
 from tests.browser.conftest import Open
@@ -22,7 +23,7 @@ from tests.sources import MemoryRecording, MemoryStream
 pytestmark = pytest.mark.browser
 
 START = Settings(with_value(with_value(SlamConfig(), "map.size", 512), "fusion.omega", 0.1))
-PATIENCE_S = 120.0  # a first run compiles the kernels
+PATIENCE_S = 120.0
 
 
 @dataclass
@@ -50,7 +51,8 @@ class Run:
 
 @pytest.fixture(scope="module")
 def drive() -> list[Item]:
-    """Ten seconds through the simulated rooms."""
+    """Ten seconds through the simulated rooms. Kernels are compiled by then, for longer than a test waits."""
+    warm_up()
     return list(Simulation("rooms", SceneOptions(duration=10.0, scan_rate=20.0, beams=181)).items())
 
 
