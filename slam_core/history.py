@@ -17,6 +17,7 @@ from slam_core.leveling import turned_to
 from slam_core.measurements import Float64s
 from slam_core.results import AidingStatus, PlanarGaussian
 from slam_core.samples import Samples
+from slam_core.stages import Stages
 from slam_core.strapdown import Strapdown
 
 MOST_CORRECTIONS = 2048
@@ -35,17 +36,20 @@ class Belief(NamedTuple):
 class History:
     """Samples and corrections in order of time, and beliefs: the oldest, and after each correction worked out.
 
-    Since one of them is carried on again and again, its beliefs at the samples after it are kept as `stages`.
+    Since one of them is carried on again and again, its beliefs at the samples after it are kept as `stages`; the
+    last one that was asked for between two samples is kept with the sample before it.
     """
+
+    _staged: Belief
+    _stages: Stages
+    _asked: tuple[int, Belief]
 
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
         self._samples = Samples()
         self._samples.append(stamp_ns, sample)
         self._corrections: list[tuple[int, Correction]] = []
         self._beliefs = [Belief(stamp_ns, x, P, {})]
-        self._staged = self._beliefs[0]
-        self._stages: list[Belief] = []
-        self._asked = self._staged, self._staged
+        self._begin_stages(self._beliefs[0])
 
     def configure(self, config: NavigationConfig, platform: PlatformConfig) -> None:
         """The settings that hold from now on; needed before anything else."""
@@ -79,10 +83,9 @@ class History:
     def states_at(self, times_ns: Sequence[int]) -> Float64s:
         """The x alone at several instants, (k, 19): a correction between the first and the last is left out."""
         base = self._after(self._corrections_until(min(times_ns)))
-        self._stage(base, max(times_ns))
-        known = [base, *(stage for stage in self._stages if stage.stamp_ns <= max(times_ns))]
-        xs, stamps = np.array([belief.x for belief in known]), np.array([belief.stamp_ns for belief in known])
-        return self._model.predict_states(xs, stamps, np.array(times_ns), self._samples)
+        last_ns = max(times_ns)
+        self._stage(base, last_ns)
+        return self._model.predict_states(*self._stages.until(last_ns), np.array(times_ns), self._samples)
 
     def statuses(self) -> Mapping[str, AidingStatus]:
         """What became of every source's measurements."""
@@ -96,7 +99,7 @@ class History:
         while len(self._beliefs) > 1 and self._beliefs[-1].stamp_ns > before_ns:
             self._beliefs.pop()
         if self._asked[1].stamp_ns > before_ns:
-            self._asked = self._staged, self._staged
+            self._asked = 0, self._staged
         if stamp_ns - self._beliefs[0].stamp_ns > 2 * self._kept_ns:
             self._forget(stamp_ns - self._kept_ns)
 
@@ -148,30 +151,26 @@ class History:
 
     def _predicted(self, base: Belief, time_ns: int) -> Belief:
         """A belief carried on through the samples; the last answer is kept, as a scan asks for its own thrice."""
-        start = self._start(base, time_ns)
-        if time_ns <= start.stamp_ns:
-            return start
-        if self._asked[0] is not start or self._asked[1].stamp_ns != time_ns:
-            x, P = self._model.predict(start.x, start.P, start.stamp_ns, time_ns, self._samples)
-            self._asked = start, Belief(time_ns, x, P, start.statuses)
-        return self._asked[1]
-
-    def _start(self, base: Belief, time_ns: int) -> Belief:
-        """The belief from which to go on to an instant: a base, or at the last sample between."""
+        if time_ns <= base.stamp_ns:
+            return base
         self._stage(base, time_ns)
-        for stage in reversed(self._stages):
-            if stage.stamp_ns <= time_ns:
-                return stage
-        return base
+        from_ns, x, P = self._stages.last(time_ns)
+        if from_ns == time_ns:
+            return Belief(time_ns, x, P, base.statuses)
+        if self._asked[0] != from_ns or self._asked[1].stamp_ns != time_ns:
+            x, P = self._model.predict(x, P, from_ns, time_ns, self._samples)
+            self._asked = from_ns, Belief(time_ns, x, P, base.statuses)
+        return self._asked[1]
 
     def _stage(self, base: Belief, time_ns: int) -> None:
         """Work out the beliefs at the samples after a base, up to an instant."""
         if self._staged is not base:
-            self._staged, self._stages = base, []
-        last = self._stages[-1] if self._stages else base
-        if time_ns > last.stamp_ns:
-            xs, Ps, stamps = self._model.predict_each(last.x, last.P, last.stamp_ns, time_ns, self._samples)
-            self._stages += [Belief(*row, base.statuses) for row in zip(stamps, xs, Ps, strict=True)]
+            self._begin_stages(base)
+        self._stages.reach(time_ns, self._model, self._samples)
+
+    def _begin_stages(self, base: Belief) -> None:
+        self._staged, self._stages = base, Stages(base.stamp_ns, base.x, base.P)
+        self._asked = 0, base
 
     def _forget(self, before_ns: int) -> None:
         """Begin with the belief at the last sample or correction before an instant."""
@@ -181,7 +180,7 @@ class History:
         if sample_ns > oldest.stamp_ns:
             oldest = self._predicted(oldest, sample_ns)
         if self._staged is self._beliefs[count]:
-            self._staged, self._stages = oldest, [s for s in self._stages if s.stamp_ns > oldest.stamp_ns]
+            self._staged, self._stages = oldest, self._stages.since(oldest.stamp_ns, oldest.x, oldest.P)
         self._beliefs[: count + 1] = [oldest]
         del self._corrections[:count]
         self._samples.drop_before(self._samples.until(oldest.stamp_ns))

@@ -9,13 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose, project
+from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
 from slam_core.history import Belief, History
 from slam_core.inertial import Intake
 from slam_core.intersection import NOWHERE
-from slam_core.kernels.fusion import planar_observer
-from slam_core.kernels.linear import sandwich
+from slam_core.kernels.fusion import planar_belief
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
 from slam_core.measurements import Float64s, Imu, Int64s, Transform
@@ -42,6 +41,8 @@ class NavigationFilter:
     def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
         self.counts: Counter[str] = Counter()
         self._dropped: dict[str, Counter[str]] = {}
+        # By source: its status as the belief has it, and with what was dropped.
+        self._told: dict[str, tuple[AidingStatus | None, AidingStatus]] = {}
         self._config, self._platform = config, platform or PlatformConfig()
         self._intake = Intake()
         self._first: list[tuple[int, Float64s]] = []
@@ -112,7 +113,7 @@ class NavigationFilter:
     def planar(self, time_ns: int) -> PlanarGaussian:
         """The belief at an instant projected on the plane: C x and C P C^T."""
         _, x, P, _ = self._belief.at(time_ns)
-        return PlanarGaussian(project(x), sandwich(planar_observer(x), P))
+        return PlanarGaussian(*planar_belief(x, P))
 
     def predict(self, imu: Imu) -> None:
         """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
@@ -190,13 +191,18 @@ class NavigationFilter:
         """Count a measurement of a source that is of no use."""
         self.counts[reason] += 1
         self._dropped.setdefault(source, Counter())[reason] += 1
+        self._told.pop(source, None)
 
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source that was heard, up to the newest belief."""
         statuses = dict(self._history.statuses()) if self._history else {}
         for source, reasons in self._dropped.items():
-            statuses[source] = replace(statuses.get(source) or AidingStatus(source), dropped=dict(reasons))
+            status = statuses.get(source)
+            if source not in self._told or self._told[source][0] is not status:
+                told = replace(status or AidingStatus(source), dropped=dict(reasons))
+                self._told[source] = status, told
+            statuses[source] = self._told[source][1]
         return tuple(statuses.values())
 
     @property

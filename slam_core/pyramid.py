@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core import geometry
 from slam_core.config import MapConfig
 from slam_core.grid import GridLevel
 from slam_core.kernels.doubting import first_ends
 from slam_core.kernels.mapping import bounds
+from slam_core.kernels.planar import transform_points
 from slam_core.measurements import Float32s, Float64s
 
 # Beams end this many of the coarsest cells within the edge: interpolation reads one neighbour.
@@ -51,7 +51,7 @@ class Pyramid:
 
         points, cleared: (n, 2), (m, 2) endpoints, and laser: (2,), in the stabilised frame, metres.
         """
-        placed = geometry.transform_points(pose, np.concatenate([laser[None], points, cleared]))
+        placed = transform_points(pose, np.concatenate([laser[None], points, cleared]))
         if config.grow:
             self._make_room(placed, config.limit)
         start, ends, free = placed[0], placed[1 : 1 + len(points)], placed[1 + len(points) :]
@@ -69,15 +69,15 @@ class Pyramid:
         A wall that was seen a hundred times would outlive hundreds of beams that pass: what was, counts for little
         where beams end well behind. points: (n, 2), laser: (2,), in the stabilised frame, metres.
         """
-        start = geometry.transform_points(pose, laser[None])[0]
-        nearest = first_ends(start, geometry.transform_points(pose, points))
+        start = transform_points(pose, laser[None])[0]
+        nearest = first_ends(start, transform_points(pose, points))
         free = log_odds(config.factor_free)
         passed = [level.doubt(start, nearest, BEHIND + level.resolution, DOUBTED, free) for level in self.levels]
         self.revision += any(passed)
 
     def unexpected(self, points: Float32s, pose: Float64s) -> NDArray[np.bool_]:
         """(n,) which points (n, 2) of a scan at `pose` (3,) end where the map says free: new, or on the move."""
-        return self.levels[0].unexpected(geometry.transform_points(pose, points), APART)
+        return self.levels[0].unexpected(transform_points(pose, points), APART)
 
     def _make_room(self, points: Float64s, limit: float) -> None:
         """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""

@@ -168,7 +168,7 @@ class HectorSlam:
             self._aids.take(aid, self._plane, self.config.aiding)
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
-        self._scan_ns = scan.end_ns
+        self._scan_ns, mid_ns = scan.end_ns, scan.mid_ns
         self._watch.look(self._filter, self._aiding, self.skipped, scan.end_ns)
         if self._awaits_filter():
             self.skipped["scan before the attitude was known"] += 1
@@ -179,12 +179,12 @@ class HectorSlam:
         if not len(leveled.points):
             self.skipped[NO_BEAM] += 1
             return None
-        if not self._placed and not self._begin(leveled, scan.mid_ns):
+        if not self._placed and not self._begin(leveled, mid_ns):
             self.skipped["scan before the robot was found in the map"] += 1
             return None
-        prior = self._prior(scan.mid_ns)
+        prior = self._prior(mid_ns)
         lap("filter")
-        match, verdict = self._match(leveled, prior, scan.mid_ns)
+        match, verdict = self._match(leveled, prior, mid_ns)
         if match and verdict.believed and not self._inertial:
             leveled, match = refine(
                 scan, leveled, match, prior, self.pyramid, self._planar, self.config, trace=self.trace
@@ -194,17 +194,17 @@ class HectorSlam:
         unexpected = self.pyramid.unexpected(leveled.points, self._pose)
         updated = verdict.believed and self._map(leveled)
         if match and verdict.believed:
-            self._doubt(leveled, scan.mid_ns)
+            self._doubt(leveled, mid_ns)
         lap("update")
-        fused, navigation = self._fuse(scan.mid_ns, match or FIRST, verdict.believed)
+        fused, navigation = self._fuse(mid_ns, match or FIRST, verdict.believed)
         if verdict.believed:
-            self._aids.believe(scan.mid_ns)
-        T_map_base = self._estimate(scan.mid_ns)
+            self._aids.believe(mid_ns)
+        T_map_base = navigation.T_map_base if navigation else self._estimate(mid_ns)
         lap("filter", self._waiting_ns)
         self._index, self._waiting_ns = self._index + 1, 0
         return StepResult(
             index=self._index - 1,
-            stamp_ns=scan.mid_ns,
+            stamp_ns=mid_ns,
             T_map_base=T_map_base,
             planar=self._pose.copy(),
             points=leveled.points,
@@ -235,9 +235,7 @@ class HectorSlam:
         return self._filter.poses(times_ns) if self._inertial else self._planar.poses(times_ns)
 
     def _estimate(self, time_ns: int) -> Transform:
-        """T_map_base: the filter; without inertial data the match, which nothing independent improves."""
-        if self._inertial:
-            return self._filter.pose(time_ns)
+        """T_map_base without inertial data: the match, which nothing independent improves."""
         tilt = geometry.split_heading(self._planar.pose(time_ns).rotation)[1]
         rotation = geometry.multiply(geometry.yaw_quaternion(self._pose[2]), tilt)
         return Transform(np.array([self._pose[0], self._pose[1], 0.0]), rotation)
@@ -328,9 +326,9 @@ class HectorSlam:
         if not self._writes:
             return False
         if self._mapped is not None:
-            moved = geometry.compose(geometry.inverse(self._mapped), self._pose)
-            near = math.hypot(moved[0], moved[1]) < self.config.map.update_distance
-            if near and abs(moved[2]) < self.config.map.update_angle:
+            (x, y, psi), (mapped_x, mapped_y, mapped_psi) = self._pose.tolist(), self._mapped.tolist()
+            near = math.hypot(x - mapped_x, y - mapped_y) < self.config.map.update_distance
+            if near and abs(geometry.wrap(psi - mapped_psi)) < self.config.map.update_angle:
                 return False
         self._mapped = self._pose.copy()
         self.pyramid.update(leveled.points, leveled.cleared, leveled.laser, self._pose, self.config.map)

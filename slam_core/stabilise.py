@@ -63,18 +63,15 @@ def _directions(angle_min: float, angle_increment: float, n: int) -> tuple[Float
 
 def _knots(scan: LaserScan, motion: Motion, config: ScanConfig) -> Float64s:
     """(k, 3, 4) transforms from the laser to the stabilised frame at mid-sweep, in k - 1 equal steps of time."""
-    sweep_ns = scan.end_ns - scan.stamp_ns
-    times = [scan.mid_ns]
+    stamp_ns, end_ns = scan.stamp_ns, scan.end_ns
+    sweep_ns = end_ns - stamp_ns
+    times = [(stamp_ns + end_ns) // 2]
     if config.deskew and sweep_ns > 0:
         k = 2 + sweep_ns // KNOT_NS
-        times += [scan.stamp_ns + sweep_ns * i // (k - 1) for i in range(k)]
+        times += [stamp_ns + sweep_ns * i // (k - 1) for i in range(k)]
     else:
         times *= 3
-    positions, rotations = motion(times)
-    turn = geometry.yaw_quaternion(-geometry.heading(rotations[0]))
-    placed: Float64s = knots(
-        positions[1:], rotations[1:], positions[0], turn, _mount(scan.T_base_laser), config.stabilise
-    )
+    placed: Float64s = knots(*motion(times), _mount(scan.T_base_laser), config.stabilise)
     return placed
 
 

@@ -35,14 +35,11 @@ class Strapdown:
         )
         return later
 
-    def predict_each(
-        self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, samples: Samples
-    ) -> tuple[Float64s, Float64s, list[int]]:
-        """The same at every sample up to an instant: states (n, 19), covariances (n, 15, 15), stamps."""
-        xs, Ps, stamps = passage.predict_each(
-            x, P, from_ns, to_ns, *samples.rows, self._model, self._blind, self.bounds
+    def predict_each(self, xs: Float64s, Ps: Float64s, stamps: Int64s, to_ns: int, samples: Samples) -> int:
+        """The same at every sample up to an instant: see `kernels.passage.predict_each`."""
+        return int(
+            passage.predict_each(xs, Ps, stamps, to_ns, *samples.rows, self._model, self._blind, self.bounds)
         )
-        return xs, Ps, stamps.tolist()
 
     def predict_states(self, xs: Float64s, stamps: Int64s, times_ns: Int64s, samples: Samples) -> Float64s:
         """States alone, (k, 19) at as many instants, from those known (n, 19) at stamps (n,) in order of time."""

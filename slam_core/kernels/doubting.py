@@ -9,6 +9,9 @@ from slam_core.kernels.bilinear import WHOLE
 
 BINS = 720  # of half a degree each
 BIN = 2.0 * math.pi / BINS
+BLOCK = 32  # cells that are looked at together: nearly all are free or unknown
+A3, A5, A7 = -0.327622764, 0.15931422, -0.0464964749  # arctan q for q in [0, 1] within 2e-4
+TINY = 1e-300
 NEAR = 0.75  # of the way to a cell: beams beside it that end sooner met something else
 
 
@@ -19,7 +22,7 @@ def first_ends(laser, ends):
     for k in range(len(ends)):
         dx, dy = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
         b = _bin(dx, dy)
-        shortest[b] = min(shortest[b], math.hypot(dx, dy))
+        shortest[b] = min(shortest[b], math.sqrt(dx * dx + dy * dy))
     return shortest
 
 
@@ -32,22 +35,39 @@ def doubt_passed(log_odds, cells, corner, resolution, box, laser, shortest, behi
     """
     passed = 0
     for row in range(box[0], box[1]):
-        dy = (row + corner[1] + 0.5) * resolution - laser[1]
-        for column in range(box[2], box[3]):
-            if log_odds[row, column] > 0.0:
-                dx = (column + corner[0] + 0.5) * resolution - laser[0]
-                distance = math.hypot(dx, dy)
-                b = _bin(dx, dy)
-                reach = shortest[b]
-                for beside in (shortest[(b + 1) % BINS], shortest[(b - 1) % BINS]):
-                    if beside > NEAR * distance:
-                        reach = min(reach, beside)
-                if distance + behind < reach < np.inf:
-                    value = min(log_odds[row, column], most) + free
-                    log_odds[row, column] = value
+        odds = log_odds[row]
+        for first in range(box[2], box[3], BLOCK):
+            last = min(first + BLOCK, box[3])
+            if not _any_occupied(odds[first:last]):
+                continue
+            for column in range(first, last):
+                if odds[column] > 0.0 and _is_passed(row, column, corner, resolution, laser, shortest, behind):
+                    value = min(odds[column], most) + free
+                    odds[column] = value
                     cells[row, column] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
                     passed += 1
     return passed
+
+
+@njit(inline="always")
+def _any_occupied(odds):
+    count = np.int32(0)
+    for i in range(len(odds)):
+        count += np.int32(odds[i] > np.float32(0.0))
+    return count > 0
+
+
+@njit(inline="always")
+def _is_passed(row, column, corner, resolution, laser, shortest, behind):
+    dx = (column + corner[0] + 0.5) * resolution - laser[0]
+    dy = (row + corner[1] + 0.5) * resolution - laser[1]
+    distance = math.sqrt(dx * dx + dy * dy)
+    b = _bin(dx, dy)
+    reach = shortest[b]
+    for beside in (shortest[(b + 1) % BINS], shortest[(b - 1) % BINS]):
+        if beside > NEAR * distance:
+            reach = min(reach, beside)
+    return distance + behind < reach < np.inf
 
 
 @njit(cache=True, error_model="numpy")
@@ -68,4 +88,15 @@ def ends_in_free_space(log_odds, corner, resolution, ends, around, found):
 
 @njit(inline="always")
 def _bin(dx, dy):
-    return math.floor(math.atan2(dy, dx) / BIN) % BINS
+    """Of a bearing: atan2 by a short polynomial, off by a hundredth of a bin."""
+    ax, ay = abs(dx), abs(dy)
+    q = min(ax, ay) / max(ax, ay, TINY)
+    square = q * q
+    angle = q + q * square * (A3 + square * (A5 + square * A7))
+    if ay > ax:
+        angle = 0.5 * math.pi - angle
+    if dx < 0.0:
+        angle = math.pi - angle
+    if dy < 0.0:
+        angle = 2.0 * math.pi - angle
+    return min(int(angle / BIN), BINS - 1)

@@ -87,6 +87,14 @@ def planar_observer(x: Float64s) -> Float64s:
 
 
 @njit(cache=True, error_model="numpy")
+def planar_belief(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
+    """C x of eq. (19), position in the plane and heading (3,), and C P C^T."""
+    psi = 2.0 * math.atan2(x[3], x[0])
+    psi -= 2.0 * math.pi * round(psi / (2.0 * math.pi))
+    return np.array([x[4], x[5], psi]), sandwich(planar_observer(x), P)
+
+
+@njit(cache=True, error_model="numpy")
 def body_velocity(x: Float64s, n: int) -> tuple[Float64s, Float64s]:
     """The first n of R^T v, and how they follow the errors of the state: (n,) and (n, 15)."""
     R, v = _matrix(x[:4]), x[7:10]

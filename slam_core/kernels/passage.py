@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.navigation import ERRORS, STATES, advance, move
+from slam_core.kernels.navigation import STATES, advance, move
 from slam_core.measurements import Float64s, Int64s
 
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
@@ -55,9 +55,9 @@ def predict(
 
 @njit(cache=True, error_model="numpy")
 def predict_each(
-    x: Float64s,
-    P: Float64s,
-    from_ns: int,
+    xs: Float64s,
+    Ps: Float64s,
+    known: Int64s,
     to_ns: int,
     stamps: Int64s,
     samples: Float64s,
@@ -66,16 +66,20 @@ def predict_each(
     model: Float64s,
     blind: Float64s,
     bounds: Float64s,
-) -> tuple[Float64s, Float64s, Int64s]:
-    """`predict` to every sample on the way: states (n, 19), covariances (n, 15, 15) and stamps (n,)."""
-    first = begin + int(np.searchsorted(stamps[begin:end], from_ns, side="right"))
-    last = begin + int(np.searchsorted(stamps[begin:end], to_ns, side="right"))
-    xs, Ps = np.empty((last - first, STATES)), np.empty((last - first, ERRORS, ERRORS))
-    for k in range(first, last):
-        x, P = predict(x, P, from_ns, stamps[k], stamps, samples, begin, end, model, blind, bounds)
-        xs[k - first], Ps[k - first] = x, P
-        from_ns = stamps[k]
-    return xs, Ps, stamps[first:last]
+) -> int:
+    """`predict` from sample to sample: how many rows of xs (n, 19), Ps (n, 15, 15) and known (n,) are written.
+
+    The first row is where it begins. It ends at an instant, or when all rows are full.
+    """
+    x, P, n = xs[0], Ps[0], 1
+    first = begin + int(np.searchsorted(stamps[begin:end], known[0], side="right"))
+    for k in range(first, min(end, first + len(xs) - 1)):
+        if stamps[k] > to_ns:
+            break
+        x, P = predict(x, P, known[n - 1], stamps[k], stamps, samples, begin, end, model, blind, bounds)
+        xs[n], Ps[n], known[n] = x, P, stamps[k]
+        n += 1
+    return n
 
 
 @njit(cache=True, error_model="numpy")

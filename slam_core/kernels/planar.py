@@ -40,6 +40,18 @@ def inverse3(A):
 
 
 @njit(cache=True, error_model="numpy")
+def transform_points(pose, points):
+    """`geometry.transform_points`, in a tenth of its time."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    out = np.empty((len(points), 2))
+    for k in range(len(points)):
+        x, y = np.float64(points[k, 0]), np.float64(points[k, 1])
+        out[k, 0] = c * x - s * y + pose[0]
+        out[k, 1] = s * x + c * y + pose[1]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
 def sigmas_apart(a, P, b, R):
     """Mahalanobis distance of two poses (3,) with covariances (3, 3), across the seam of the heading."""
     information = inverse3(P + R)
@@ -53,22 +65,24 @@ def sigmas_apart(a, P, b, R):
 
 
 @njit(cache=True, error_model="numpy")
-def knots(positions, rotations, origin, turn, mount, level):
-    """(k, 3, 4) transforms laser -> stabilised frame for base poses (k, 3) and (k, 4) during a sweep.
+def knots(positions, rotations, mount, level):
+    """(k, 3, 4) transforms laser -> stabilised frame for base poses (1 + k, 3) and (1 + k, 4) during a sweep.
 
-    origin: (3,) position and turn: (4,) opposite heading of the stabilised frame. mount: (4, 4) laser -> base.
+    The stabilised frame is that of the first pose, the others are the knots. mount: (4, 4) laser -> base.
     """
-    out = np.zeros((len(positions), 3, 4))
-    for k in range(len(positions)):
-        rotation = rotations[k]
+    out = np.zeros((len(positions) - 1, 3, 4))
+    half = math.atan2(rotations[0, 3], rotations[0, 0])
+    turn = np.array([math.cos(half), 0.0, 0.0, -math.sin(half)])
+    shift = _matrix(turn)
+    for k in range(len(out)):
+        rotation = rotations[1 + k]
         if not level:
             rotation = np.array([rotation[0], 0.0, 0.0, rotation[3]]) / np.hypot(rotation[0], rotation[3])
         R = _matrix(_product(turn, rotation))
-        shift = _matrix(turn)
         for i in range(3):
             for j in range(4):
                 for m in range(3):
                     out[k, i, j] += R[i, m] * mount[m, j]
             for m in range(3):
-                out[k, i, 3] += shift[i, m] * (positions[k, m] - origin[m])
+                out[k, i, 3] += shift[i, m] * (positions[1 + k, m] - positions[0, m])
     return out
