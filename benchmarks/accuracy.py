@@ -14,7 +14,7 @@ from app.sources import Item, open_source
 from benchmarks import returning
 from benchmarks.cases import LOST_M, METHODS, Recording
 from benchmarks.wheels import with_wheels
-from slam_core.config import SlamConfig
+from slam_core.config import SlamConfig, with_value
 from slam_core.evaluation import Trajectory, interpolate, rms
 from slam_core.measurements import Float64s, Imu
 
@@ -131,6 +131,8 @@ def along_and_across(pipeline: Pipeline) -> CorridorOutcome:
 
 def _replay(recording: Recording, config: SlamConfig) -> Replay:
     source = open_source(str(recording.path), recording.options)
+    for name, value in recording.settings:
+        config = with_value(config, name, value)
     pipeline, returned = returning.process(source.items(), config)
     first, last = pipeline.trajectory[[0, -1], 1:3]
     return Replay(
