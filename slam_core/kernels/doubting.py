@@ -10,8 +10,6 @@ from slam_core.kernels.bilinear import WHOLE
 BINS = 720  # of half a degree each
 BIN = 2.0 * math.pi / BINS
 BLOCK = 32  # cells that are looked at together: nearly all are free or unknown
-A3, A5, A7 = -0.327622764, 0.15931422, -0.0464964749  # arctan q for q in [0, 1] within 2e-4
-TINY = 1e-300
 NEAR = 0.75  # of the way to a cell: beams beside it that end sooner met something else
 
 
@@ -22,7 +20,7 @@ def first_ends(laser, ends):
     for k in range(len(ends)):
         dx, dy = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
         b = _bin(dx, dy)
-        shortest[b] = min(shortest[b], math.sqrt(dx * dx + dy * dy))
+        shortest[b] = min(shortest[b], math.hypot(dx, dy))
     return shortest
 
 
@@ -61,7 +59,7 @@ def _any_occupied(odds):
 def _is_passed(row, column, corner, resolution, laser, shortest, behind):
     dx = (column + corner[0] + 0.5) * resolution - laser[0]
     dy = (row + corner[1] + 0.5) * resolution - laser[1]
-    distance = math.sqrt(dx * dx + dy * dy)
+    distance = math.hypot(dx, dy)
     b = _bin(dx, dy)
     reach = shortest[b]
     for beside in (shortest[(b + 1) % BINS], shortest[(b - 1) % BINS]):
@@ -88,15 +86,4 @@ def ends_in_free_space(log_odds, corner, resolution, ends, around, found):
 
 @njit(inline="always")
 def _bin(dx, dy):
-    """Of a bearing: atan2 by a short polynomial, off by a hundredth of a bin."""
-    ax, ay = abs(dx), abs(dy)
-    q = min(ax, ay) / max(ax, ay, TINY)
-    square = q * q
-    angle = q + q * square * (A3 + square * (A5 + square * A7))
-    if ay > ax:
-        angle = 0.5 * math.pi - angle
-    if dx < 0.0:
-        angle = math.pi - angle
-    if dy < 0.0:
-        angle = 2.0 * math.pi - angle
-    return min(int(angle / BIN), BINS - 1)
+    return math.floor(math.atan2(dy, dx) / BIN) % BINS

@@ -49,7 +49,7 @@ def test_ignoring_the_mount_of_jarvis_costs_accuracy(recordings: Path):
 
 
 def test_kitchen_comes_back_near_its_start_with_its_imu_repaired(recordings: Path):
-    """Units, handedness, delay and noise as they are: 22 m of path end within 1 m of where they began; not without."""
+    """Units, handedness, delay and noise as they are: 22 m of path end within 1 m of their begin; else not."""
     path = recordings / "mumble_lidar_imu/kitchen_1"
     noisy = with_value(SlamConfig(), "navigation.accel_noise", 0.1)
     mended, figures = run(
