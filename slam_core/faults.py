@@ -10,6 +10,7 @@ from slam_core.results import AidingStatus
 
 SILENT_NS = 500_000_000
 CONTRADICTED_NS = 1_000_000_000  # a source that is rejected for longer is named
+LOOK_NS = 100_000_000
 TOLD_FOR_NS = 5_000_000_000  # what is over is shown for so long
 NO_BEAM = "scan without a beam in range"
 
@@ -48,11 +49,16 @@ class Recent:
 
 
 class Watch:
-    """Looks at a filter at every scan; one for each run."""
+    """Looks at a filter now and then, as nothing that it tells is over in an instant; one for each run."""
 
     def __init__(self) -> None:
         self._recent = Recent()
         self._counted: dict[str, int] = {}
+        self._looked_ns: int | None = None
+
+    def due(self, time_ns: int) -> bool:
+        """Whether the last look was a while ago, or later: clocks may be set."""
+        return self._looked_ns is None or abs(time_ns - self._looked_ns) >= LOOK_NS
 
     def look(
         self,
@@ -62,6 +68,7 @@ class Watch:
         time_ns: int,
     ) -> None:
         """The filter and the sources as they are when a scan comes; skipped: scans without a result, by reason."""
+        self._looked_ns = time_ns
         sentences = [*_states(estimator, time_ns), *self._news(COUNTED, estimator.counts | skipped)]
         for status in aiding:
             sentences += _of_source(status)

@@ -169,7 +169,8 @@ class HectorSlam:
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
         self._scan_ns, mid_ns = scan.end_ns, scan.mid_ns
-        self._watch.look(self._filter, self._aiding, self.skipped, scan.end_ns)
+        if self._watch.due(scan.end_ns):
+            self._watch.look(self._filter, self._aiding, self.skipped, scan.end_ns)
         if self._awaits_filter():
             self.skipped["scan before the attitude was known"] += 1
             return None
