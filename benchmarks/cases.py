@@ -31,6 +31,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "navigation.height_gate": 0.0,
     "motion.odometry_gate": 0.0,
     "motion.observed_only": False,
+    "fusion.widen_vertical": True,
 }
 
 

@@ -26,7 +26,7 @@ from benchmarks.tables import table
 from slam_core import geometry
 from slam_core.aiding.chi_square import quantile
 from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
-from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig, SlamConfig
+from slam_core.config import FusionConfig, FusionMethod, NavigationConfig, PlatformConfig, SlamConfig
 from slam_core.kernels.navigation import STATES
 from slam_core.measurements import Float64s, Imu
 from slam_core.navigation import NavigationFilter
@@ -39,6 +39,7 @@ RATE, SECONDS, STILL, SETTLED = 200, 30.0, 1.0, 20.0
 SCAN_EVERY, HEIGHT_EVERY, LOOK_EVERY = 5, 20, 40  # samples
 MATCH_SIGMA = np.array([0.01, 0.01, math.radians(0.1)])
 HEIGHT_SIGMA = 0.15
+OMEGA, WIDEN = FusionConfig().omega, FusionConfig().widen_vertical
 CORRELATION = 0.95  # of the error of a match with that of the one before, 25 ms earlier
 # Nothing but the measurements: pseudo measurements are no part of the model that is simulated.
 CONFIG = NavigationConfig(
@@ -101,9 +102,8 @@ def drive(seed: int, method: FusionMethod, correlation: float) -> Drive:
             continue
         truth = MOTION.transform(k / RATE)
         if k % SCAN_EVERY == 0:
-            estimator.fuse_planar(
-                imu.stamp_ns, geometry.planar(truth) + noise, np.diag(MATCH_SIGMA**2), 0.02, method
-            )
+            xi, R = geometry.planar(truth) + noise, np.diag(MATCH_SIGMA**2)
+            estimator.fuse_planar(imu.stamp_ns, xi, R, OMEGA, method, widen_vertical=WIDEN)
         if k % HEIGHT_EVERY == 0:
             estimator.update_height(imu.stamp_ns, truth.translation[2] + HEIGHT_SIGMA * rng.normal())
         if k % LOOK_EVERY == 0:
@@ -265,7 +265,9 @@ what the configuration says. NEES is the squared error in units of the claimed c
 honest; in brackets what chance allows in 95 % of the cases. Matches come 40 times a second with the noise that
 they claim; their errors are independent, or each is that of the one before to {CORRELATION:.0%}, as when a map
 that was drawn from the pose is matched again. The Kalman update is right about the first and over-confident about
-the second; covariance intersection pays for the second with caution in the first. Omega is 0.02 where it is fixed.
+the second; covariance intersection pays for the second with caution in the first. Omega is {OMEGA:g} where it is
+fixed. Height, vertical velocity and bias are not widened by it (`fusion.widen_vertical`): no match knows of them,
+and widened they followed every error of the barometer.
 
 {{consistency}}
 ## Accuracy

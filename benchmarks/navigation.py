@@ -53,7 +53,9 @@ def drive(scene: str, seed: int, config: SlamConfig, correlation: float = 0.0, b
             if estimator.ready:
                 truth = simulation.truth_at(middle)
                 xi = geometry.planar(truth) + noise
-                _, state = estimator.fuse_planar(middle, xi, np.diag(CLAIMED**2), config.fusion.omega)
+                omega, widen = config.fusion.omega, config.fusion.widen_vertical
+                R = np.diag(CLAIMED**2)
+                _, state = estimator.fuse_planar(middle, xi, R, omega, widen_vertical=widen)
                 velocity = motion.at(np.array([(middle - START_NS) * 1e-9]), 1)[0, :3]
                 drift = (*(state.velocity - velocity), *(state.gyro_bias - bias))
                 errors.append((middle, *_errors(state, truth), *drift))

@@ -10,7 +10,6 @@ from slam_core.results import AidingStatus
 
 SILENT_NS = 500_000_000
 CONTRADICTED_NS = 1_000_000_000  # a source that is rejected for longer is named
-LOOK_NS = 100_000_000
 TOLD_FOR_NS = 5_000_000_000  # what is over is shown for so long
 NO_BEAM = "scan without a beam in range"
 
@@ -49,16 +48,11 @@ class Recent:
 
 
 class Watch:
-    """Looks at a filter now and then, as nothing that it tells is over in an instant; one for each run."""
+    """Looks at a filter after every scan; one for each run."""
 
     def __init__(self) -> None:
         self._recent = Recent()
-        self._counted: dict[str, int] = {}
-        self._looked_ns: int | None = None
-
-    def due(self, time_ns: int) -> bool:
-        """Whether the last look was a while ago, or later: clocks may be set."""
-        return self._looked_ns is None or abs(time_ns - self._looked_ns) >= LOOK_NS
+        self._counted: dict[tuple[str, str], int] = {}
 
     def look(
         self,
@@ -67,26 +61,23 @@ class Watch:
         skipped: Counter[str],
         time_ns: int,
     ) -> None:
-        """The filter and the sources as they are when a scan comes; skipped: scans without a result, by reason."""
-        self._looked_ns = time_ns
-        sentences = [*_states(estimator, time_ns), *self._news(COUNTED, estimator.counts | skipped)]
+        """The filter and the sources as they are after a scan; skipped: scans without a result, by reason."""
+        sentences = [*_states(estimator, time_ns), *self._news(estimator.counts), *self._news(skipped)]
         for status in aiding:
-            sentences += _of_source(status)
-            if status.dropped:
-                texts = {reason: text.format(status.source) for reason, text in OF_SOURCE.items()}
-                sentences += self._news(texts, status.dropped)
+            sentences += (*_of_source(status), *self._news(status.dropped, status.source))
         self._recent.tell(sentences, time_ns)
 
     def warnings(self, time_ns: int) -> tuple[str, ...]:
         """What is wrong at the time of the last scan, or was a moment before."""
         return self._recent.at(time_ns)
 
-    def _news(self, texts: Mapping[str, str], counts: Mapping[str, int]) -> list[str]:
-        """The sentences whose counts have grown."""
-        now = {text: counts[reason] for reason, text in texts.items() if counts.get(reason)}
-        grown = [text for text, count in now.items() if count > self._counted.get(text, 0)]
-        self._counted.update(now)
-        return grown
+    def _news(self, counts: Mapping[str, int], source: str = "") -> Iterator[str]:
+        """The sentences on what has been counted since the last time."""
+        texts = OF_SOURCE if source else COUNTED
+        for reason, count in counts.items():
+            if reason in texts and count > self._counted.get((source, reason), 0):
+                self._counted[source, reason] = count
+                yield texts[reason].format(source)
 
 
 def _states(estimator: NavigationFilter, time_ns: int) -> Iterator[str]:

@@ -47,7 +47,7 @@ def intersect(
     the state that it leaves alone then, with all that hangs on them. C x is (x, y, psi) in that case.
     """
     fused: tuple[Float64s, Float64s] = fusion.fuse_part(
-        P, C, R, innovation, RULES[method], omega, blind, held, observed_only
+        P, C, R, innovation, RULES[method], omega, blind, held, observed_only, fusion.NONE
     )
     return fused
 

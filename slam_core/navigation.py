@@ -156,14 +156,15 @@ class NavigationFilter:
         gate: float = 0.0,
         *,
         blind: Float64s = NOWHERE,
+        widen_vertical: bool = True,
     ) -> tuple[NavigationState, NavigationState]:
         """Eqs. (18)-(20) with a match at an instant: the belief there before and after; it must be `ready`.
 
-        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind: see PlanarPose. The same belief twice if the
-        match is of no use.
+        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, widen_vertical: see PlanarPose. The same belief
+        twice if the match is of no use.
         """
         before = self.at(time_ns)
-        match = PlanarPose(np.array(xi), np.array(R), omega, method, gate, np.array(blind))
+        match = PlanarPose(np.array(xi), np.array(R), omega, method, gate, np.array(blind), widen_vertical)
         taken = self.correct(time_ns, match)
         return before, self.at(time_ns) if taken else before
 

@@ -125,7 +125,10 @@ class HectorSlam:
     def step(self, measurement: Measurement) -> StepResult | None:
         """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
         if isinstance(measurement, LaserScan):
-            return self._scan(measurement)
+            result = self._scan(measurement)
+            aiding = result.aiding if result else self._aiding
+            self._watch.look(self._filter, aiding, self.skipped, self._scan_ns)
+            return result
         begin = self._clock()
         if isinstance(measurement, Imu):
             self._feel(measurement)
@@ -169,8 +172,6 @@ class HectorSlam:
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
         self._scan_ns, mid_ns = scan.end_ns, scan.mid_ns
-        if self._watch.due(scan.end_ns):
-            self._watch.look(self._filter, self._aiding, self.skipped, scan.end_ns)
         if self._awaits_filter():
             self.skipped["scan before the attitude was known"] += 1
             return None
@@ -354,9 +355,10 @@ class HectorSlam:
             fused, navigation = self._planar.fuse(match.gaussian, config, blind, observed_only), None
             self._plane.matched(time_ns)
         else:
+            rule = config.omega, config.method, config.gate
             _, navigation = self._filter.fuse_planar(
-                time_ns, match.pose, match.covariance, config.omega, config.method, config.gate, blind=blind
-            )  # fmt: skip
+                time_ns, match.pose, match.covariance, *rule, blind=blind, widen_vertical=config.widen_vertical
+            )
             fused = self._filter.planar(time_ns)
         self._fused = fused.mean
         return fused, navigation

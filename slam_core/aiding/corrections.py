@@ -81,7 +81,8 @@ class PlanarPose(Correction):
     """Section V-B: a match xi (3,) with covariance R (3, 3), fused by a method, if fixed with weight omega.
 
     blind: (2,) direction of the plane about which the match says nothing, or zero: along it, place and velocity
-    stay as they are.
+    stay as they are. widen_vertical: eq. (18) widens height, vertical velocity and bias like all the rest, though
+    the match says nothing of them.
     """
 
     xi: Float64s
@@ -90,6 +91,7 @@ class PlanarPose(Correction):
     method: FusionMethod = "fixed"
     gate: float = 0.0
     blind: Float64s = field(default_factory=lambda: NOWHERE)
+    widen_vertical: bool = True
     source: ClassVar[str] = "scan"
     measures: ClassVar[tuple[int, ...]] = (2, 3, 4)
 
@@ -107,8 +109,8 @@ class PlanarPose(Correction):
     def update(self, x: Float64s, P: Float64s) -> Update:
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
-        rule = RULES[self.method], self.omega, self.blind
-        return Update(*fusion.correct_planar(x, P, self.xi, self.R, *rule, False, limit), limit)
+        rule = RULES[self.method], self.omega, self.blind, False, self.widen_vertical
+        return Update(*fusion.correct_planar(x, P, self.xi, self.R, *rule, limit), limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

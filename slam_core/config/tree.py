@@ -264,6 +264,12 @@ class FusionConfig:
     omega: Annotated[
         float, Param("Fixed weight of the match in the intersection, eqs. (16)-(20).", "", 0.001, 0.999)
     ] = 0.02
+    widen_vertical: Annotated[
+        bool,
+        Param(
+            "A match widens height, vertical velocity and bias too, though it says nothing of them (the paper)."
+        ),
+    ] = False
     gate: Annotated[
         float,
         Param(

@@ -11,10 +11,12 @@ from numba import njit
 from slam_core import geometry
 from slam_core.kernels.linear import cholesky, gain, is_sound, multiply, sandwich, solve_lower, squared_length
 from slam_core.kernels.navigation import ERRORS, inject
-from slam_core.measurements import Float64s
+from slam_core.measurements import Float64s, Int64s
 
 FIXED, MIN_TRACE, MIN_DETERMINANT, KALMAN = range(4)
 LIGHTEST, HEAVIEST = 1e-6, 0.999
+NONE = np.zeros(0, np.int64)
+VERTICAL = np.array([5, 8, 14])  # errors of height, of the velocity up, and of the accelerometer that feels it
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 _matrix = njit(error_model="numpy")(geometry.rotation_matrix)
@@ -52,6 +54,7 @@ def correct_planar(
     omega: float,
     blind: Float64s,
     observed_only: bool,
+    widen_vertical: bool,
     bound: float,
 ) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
     """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate. As `correct`, with the innovation.
@@ -68,7 +71,8 @@ def correct_planar(
     held = np.zeros((2, ERRORS))
     for i in range(2):
         held[0, 3 + i] = held[1, 6 + i] = blind[i]
-    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only)
+    spared = NONE if widen_vertical else VERTICAL
+    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only, spared)
     better = inject(x, error)
     if not is_sound(better, reduced):
         return x, P, innovation, S, math.nan
@@ -119,6 +123,7 @@ def fuse_part(
     blind: Float64s,
     held: Float64s,
     observed_only: bool,
+    spared: Int64s,
 ) -> tuple[Float64s, Float64s]:
     """`fuse` on a part of P: see slam_core.intersection.intersect. What is held counts as any other error."""
     # Called in one place, as what is called is compiled into this function at each.
@@ -133,7 +138,7 @@ def fuse_part(
     error, reduced = innovation, P
     for k in range(-1, len(kept)):
         difference = innovation if k < 0 else seen[:, k].copy()
-        shift, spread = _fuse_observed(rest, C, R, difference, rule, omega, observed_only)
+        shift, spread = _fuse_observed(rest, C, R, difference, rule, omega, observed_only, spared)
         if k < 0:
             error, reduced = shift, spread
         else:
@@ -146,19 +151,39 @@ def fuse_part(
 
 @njit(error_model="numpy", inline="always")
 def _fuse_observed(
-    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float, observed_only: bool
+    P: Float64s,
+    C: Float64s,
+    R: Float64s,
+    innovation: Float64s,
+    rule: int,
+    omega: float,
+    observed_only: bool,
+    spared: Int64s,
 ) -> tuple[Float64s, Float64s]:
     observed = P
+    if rule in (MIN_TRACE, MIN_DETERMINANT):
+        CP = multiply(C, P)
+        projected = multiply(C, CP.T.copy())
+        seen, gained = (projected, projected) if observed_only else (P, CP)
+        omega, rule = lightest(seen, gained, projected, R, rule == MIN_TRACE), FIXED
     if observed_only:
-        projected = sandwich(C, P)
-        if rule in (MIN_TRACE, MIN_DETERMINANT):
-            omega, rule = lightest(projected, projected, projected, R, rule == MIN_TRACE), FIXED
         W = hanging(P, C)
         observed = multiply(W.T.copy(), W)
     error, reduced = fuse(observed, C, R, innovation, rule, omega)
     if observed_only:
         reduced = P - observed + reduced
+    elif rule == FIXED:
+        _spare(reduced, spared, math.sqrt(1.0 - omega))
     return error, reduced
+
+
+@njit(cache=True, error_model="numpy")
+def _spare(P: Float64s, spared: Int64s, share: float) -> None:
+    """Take the widening back from some errors, in place: D P D with 1 or the share on the diagonal of D."""
+    for i in spared:
+        for j in range(len(P)):
+            P[i, j] *= share
+            P[j, i] *= share
 
 
 @njit(cache=True, error_model="numpy")
@@ -181,8 +206,6 @@ def fuse(
 def _weighed(
     P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
 ) -> tuple[Float64s, Float64s]:
-    if rule in (MIN_TRACE, MIN_DETERMINANT):
-        omega = lightest(P, CP, projected, R, rule == MIN_TRACE)
     weight, share = (1.0, 1.0) if rule == KALMAN else ((1.0 - omega) / omega, 1.0 - omega)
     error, reduced = gain(P, CP, projected + weight * R, innovation)
     return error, reduced / share

@@ -16,7 +16,7 @@ from app.sources import Item
 from slam_core.config import SlamConfig, with_value
 from slam_core.geometry import rotation_matrix
 from slam_core.measurements import GpsPosition, Height, Imu, LaserScan, TruthPose
-from tests.sources import MemoryRecording
+from tests.sources import MemoryRecording, MemoryStream
 
 S = 1_000_000_000
 PATIENCE_S = 60.0
@@ -137,6 +137,20 @@ def late(kinds: type | tuple[type, ...], by: float) -> list[Item]:
     """
     items = changed(lambda t, i: i if isinstance(i, Imu) or t >= 1.0 else None)
     return sorted(items, key=lambda item: item.stamp_ns + round(by * S) * isinstance(item, kinds))
+
+
+def test_a_stream_without_scans_says_so_while_it_lasts() -> None:
+    """Inertial data alone for two seconds: the page is told before a scan comes, if one ever does."""
+    stream = MemoryStream()
+    stream.send(changed(lambda t, i: i if t < (5.0 if isinstance(i, Imu) else 3.0) else None))
+    engine = Engine(stream)
+    engine.start()
+    shown, deadline = engine.mailbox.latest, time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline and not (shown and named(set(shown.warnings), "no scan came")):
+        shown = engine.mailbox.take(timeout=0.1) or shown
+    engine.stop()
+    assert shown is not None and named(set(shown.warnings), "no scan came for over a second")
+    assert named({entry.text for entry in shown.log}, "no scan came for over a second")
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,11 @@
 """What matches, heights and wheels change in the belief."""
 
 import numpy as np
+import pytest
 
 from slam_core import geometry
-from slam_core.aiding.corrections import BodyVelocity
+from slam_core.aiding.corrections import BodyVelocity, PlanarPose
+from slam_core.config import FusionMethod
 from slam_core.kernels.navigation import ERRORS, inject
 from tests.filters import OMEGA, R, begun, same
 from tests.motions import Ride, euler_matrix, grown, stamp, tumble
@@ -86,3 +88,20 @@ def test_a_broken_correction_is_counted_and_dropped() -> None:
     estimator.update_velocity_body(stamp(1.0), np.array([np.nan, 0.0]), 0.1)
     assert estimator.counts["correction without a usable value"] == 5
     assert same(state, estimator.state, 0.0)
+
+
+@pytest.mark.parametrize("method", ["fixed", "trace", "determinant"])
+def test_what_no_match_knows_of_need_not_be_widened(method: FusionMethod) -> None:
+    """Height, vertical velocity and bias are no less sure than before; all the rest is as in the paper."""
+    state = begun(3.5, tumble()).state
+    x = np.concatenate((state.T_map_base.rotation, state.T_map_base.translation, state.velocity, np.zeros(9)))
+    P, vertical = state.covariance, [5, 8, 14]
+    rest = np.delete(np.arange(ERRORS), vertical)
+    paper, spared = (
+        PlanarPose(geometry.planar(state.T_map_base), R, OMEGA, method, widen_vertical=widen).update(x, P)
+        for widen in (True, False)
+    )
+    np.testing.assert_array_equal(spared.P[np.ix_(rest, rest)], paper.P[np.ix_(rest, rest)])
+    assert (np.diag(paper.P)[vertical] > np.diag(spared.P)[vertical]).all()
+    assert (np.diag(spared.P)[vertical] <= np.diag(P)[vertical] * (1.0 + 1e-9)).all()
+    assert np.linalg.eigvalsh(spared.P)[0] > 0.0
