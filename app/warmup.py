@@ -34,14 +34,19 @@ def warm_up(tell: Tell = lambda _: None) -> None:
 def _watched(tell: Tell) -> Iterator[None]:
     done = threading.Event()
 
+    moving = sys.stderr.isatty()  # elsewhere one line is enough
+
     def watch() -> None:
-        if done.wait(PATIENCE_S):
-            return
-        while not done.wait(PERIOD_S):
-            progress = _progress()
-            tell(progress)
-            print(f"\r{progress}", end="", file=sys.stderr, flush=True)
-        print(file=sys.stderr)
+        said, wait = "", PATIENCE_S
+        while not done.wait(wait):
+            progress, wait = _progress(), PERIOD_S
+            if progress != said:
+                tell(progress)
+                if moving or not said:
+                    print(f"\r{progress}", end="" if moving else "\n", file=sys.stderr, flush=True)
+                said = progress
+        if moving and said:
+            print(file=sys.stderr)
 
     watcher = threading.Thread(target=watch, name="watching the compiler", daemon=True)
     watcher.start()

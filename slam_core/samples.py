@@ -9,29 +9,28 @@ FIRST_SIZE = 256
 
 
 class Samples:
-    """The rows [begin, end) of two arrays; what is dropped in front makes room for what comes."""
+    """The rows [begin, end) of two arrays; what is dropped in front makes room for what comes.
+
+    last_ns: stamp of the latest.
+    """
 
     def __init__(self) -> None:
         self._stamps = np.empty(FIRST_SIZE, np.int64)
         self._values = np.empty((FIRST_SIZE, COLUMNS))
         self._begin = self._end = 0
+        self.last_ns = 0
 
     def copy(self) -> "Samples":
         """An independent copy."""
         other = Samples()
         other._stamps, other._values = self._stamps.copy(), self._values.copy()
-        other._begin, other._end = self._begin, self._end
+        other._begin, other._end, other.last_ns = self._begin, self._end, self.last_ns
         return other
 
     @property
     def rows(self) -> tuple[Int64s, Float64s, int, int]:
         """Stamps (n,) in nanoseconds, values (n, 7) as `kernels.navigation.predict` takes them, and the range."""
         return self._stamps, self._values, self._begin, self._end
-
-    @property
-    def last_ns(self) -> int:
-        """Stamp of the latest."""
-        return int(self._stamps[self._end - 1])
 
     @property
     def last(self) -> Float64s:
@@ -43,7 +42,7 @@ class Samples:
         """One later than all before: (7,)."""
         if self._end == len(self._stamps):
             self._make_room()
-        self._stamps[self._end] = stamp_ns
+        self._stamps[self._end] = self.last_ns = stamp_ns
         self._values[self._end] = value
         self._end += 1
 

@@ -13,7 +13,7 @@ from app.ros.decode import Generation
 from app.sources import SourceError
 from app.sources._mcap_scan import scan_mcap
 from app.sources._recording import Channel, Raw, Recording, by_scanning, joined
-from app.sources._rosbag_index import indexed_messages
+from app.sources._rosbag_index import BagIndex
 from app.sources._rosbag_scan import scan_rosbag
 
 SUFFIXES = (".bag", ".active", ".mcap", ".db3")
@@ -90,17 +90,25 @@ def _indexed(path: Path, container: str) -> Recording:
         for connection in reader.connections:
             messages[_channel(connection, generation)] += connection.msgcount
         span_ns = (reader.start_time, reader.end_time - 1)
+        index = BagIndex(reader) if generation == "ros1" else None
 
     def read(channels: Collection[Channel]) -> Iterator[Raw]:
+        if index is not None:
+            yield from _messages(index, channels, generation)
+            return
         with make(path) as reader:
-            known = {c.id: _channel(c, generation) for c in reader.connections}
-            wanted = [c for c in reader.connections if known[c.id] in channels]
-            if wanted:
-                found = indexed_messages(reader, wanted) if generation == "ros1" else reader.messages(wanted)
-                for connection, log_ns, data in found:
-                    yield Raw(known[connection.id], log_ns, data)
+            yield from _messages(reader, channels, generation)
 
     return Recording(path, container, messages, span_ns, read)
+
+
+def _messages(container: Any, channels: Collection[Channel], generation: Generation) -> Iterator[Raw]:
+    """Those of some channels, by the container's own `connections` and `messages`."""
+    known = {connection.id: _channel(connection, generation) for connection in container.connections}
+    wanted = [connection for connection in container.connections if known[connection.id] in channels]
+    if wanted:
+        for connection, log_ns, data in container.messages(wanted):
+            yield Raw(known[connection.id], log_ns, data)
 
 
 def _channel(connection: Connection, generation: Generation) -> Channel:

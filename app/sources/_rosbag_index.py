@@ -1,37 +1,44 @@
-"""Reads the messages of an open ROS 1 bag where its index says they lie, without taking every record to pieces."""
+"""Reads the messages of a ROS 1 bag where its index says they lie, without taking every record to pieces."""
 
 import struct
 from collections.abc import Collection, Iterator
 from itertools import chain, repeat
+from typing import BinaryIO
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Reader, ReaderError
+from rosbags.rosbag1.reader import Chunk
 
 _SIZE = struct.Struct("<I")
 _IS_MESSAGE, _IS_CONNECTION = b"\x04\x00\x00\x00op=\x02", b"\x04\x00\x00\x00op=\x07"
 
 
-def indexed_messages(
-    reader: Reader, connections: Collection[Connection]
-) -> Iterator[tuple[Connection, int, bytes]]:
-    """Connection, time and content of the messages of some connections, by time, as the reader itself gives them.
+class BagIndex:
+    """The index of a bag, taken over from an open reader."""
 
-    ReaderError where no message lies.
-    """
-    entries = chain.from_iterable(zip(reader.indexes[c.id], repeat(c), strict=False) for c in connections)
-    chunk, chunk_pos = b"", -1
-    for entry, connection in sorted(entries, key=lambda pair: pair[0].time):
-        if entry.chunk_pos != chunk_pos:
-            chunk, chunk_pos = _chunk(reader, entry.chunk_pos), entry.chunk_pos
-        yield connection, entry.time, _content(chunk, entry.offset)
+    def __init__(self, reader: Reader) -> None:
+        self.connections = reader.connections.copy()
+        self._path = reader.path
+        self._entries, self._chunks = reader.indexes.copy(), reader.chunks.copy()
+
+    def messages(self, connections: Collection[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
+        """Connection, time and content of the messages of some connections, by time.
+
+        ReaderError where no message lies.
+        """
+        entries = chain.from_iterable(zip(self._entries[c.id], repeat(c), strict=False) for c in connections)
+        with self._path.open("rb") as file:
+            chunk, chunk_pos = b"", -1
+            for entry, connection in sorted(entries, key=lambda pair: pair[0].time):
+                if entry.chunk_pos != chunk_pos:
+                    chunk, chunk_pos = _unpacked(file, self._chunks[entry.chunk_pos]), entry.chunk_pos
+                yield connection, entry.time, _content(chunk, entry.offset)
 
 
-def _chunk(reader: Reader, position: int) -> bytes:
-    """What a chunk holds, unpacked."""
-    assert reader.bio
-    chunk = reader.chunks[position]
-    reader.bio.seek(chunk.datapos)
-    return chunk.decompressor(reader.bio.read(chunk.datasize))
+def _unpacked(file: BinaryIO, chunk: Chunk) -> bytes:
+    """What a chunk holds."""
+    file.seek(chunk.datapos)
+    return chunk.decompressor(file.read(chunk.datasize))
 
 
 def _content(chunk: bytes, position: int) -> bytes:

@@ -40,7 +40,7 @@ def test_everything_is_run_and_the_waiting_is_told(
     assert len(numbers) == len(told) > 0
     assert numbers == sorted(numbers)
     assert 0 < numbers[-1][0] <= numbers[-1][1]
-    assert told[-1] in capsys.readouterr().err
+    assert told[0] in capsys.readouterr().err
 
 
 def test_a_start_in_time_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
