@@ -60,7 +60,7 @@ def _watched(tell: Tell) -> Iterator[None]:
 def _progress() -> str:
     kernels = [kernel for kernel in _kernels() if kernel.targetoptions.get("inline") != "always"]
     compiled = sum(bool(kernel.signatures) for kernel in kernels)
-    return f"Compiling, on the first start only: {compiled} of {len(kernels)} kernels"
+    return f"{compiled} of {len(kernels)} kernels compiled (first start only)"
 
 
 def _kernels() -> list[Dispatcher]:
