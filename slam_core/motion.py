@@ -15,7 +15,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import FusionConfig, MotionConfig
 from slam_core.intersection import NOWHERE, intersect
-from slam_core.kernels.fusion import KALMAN, fuse
+from slam_core.kernels.fusion import kalman
 from slam_core.kernels.inertial import FASTEST
 from slam_core.kernels.navigation import SLIP_SIGMA
 from slam_core.measurements import Attitude, Float64s, Int64s, Odometry, Transform
@@ -159,7 +159,7 @@ class PlanarMotion:
 
     def _observe(self, C: Float64s, values: Float64s, R: Float64s) -> None:
         """A Kalman update."""
-        step, covariance = fuse(self._covariance, C, R, values - C @ self._mean, KALMAN, 0.0)
+        step, covariance = kalman(self._covariance, C, R, values - C @ self._mean)
         self._mean = self._mean + step
         self._set_covariance(covariance)
 

@@ -72,7 +72,7 @@ class Correction(ABC):
         """The belief after the measurement."""
         innovation, C, R = self.observe(x)
         limit = bound(self.gate, len(innovation))
-        better, reduced, S, nis = fusion.correct(x, P, innovation, C, R, fusion.KALMAN, 0.0, limit)
+        better, reduced, S, nis = fusion.correct(x, P, innovation, C, R, limit)
         return Update(better, reduced, innovation, S, nis, limit)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.aiding.chi_square import bound
 from slam_core.aiding.corrections import Correction, Update
-from slam_core.kernels.fusion import KALMAN, correct
+from slam_core.kernels.fusion import correct
 from slam_core.kernels.linear import sandwich
 from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import Float64s
@@ -38,7 +38,7 @@ class Lasting(Correction):
         nis = float(innovation @ np.linalg.solve(S, innovation))
         if not nis <= limit:
             return Update(x, P, innovation, S, nis, limit)
-        better, reduced, _, weighed = correct(x, P, innovation, C, R / self.share, KALMAN, 0.0, math.inf)
+        better, reduced, _, weighed = correct(x, P, innovation, C, R / self.share, math.inf)
         return Update(better, reduced, innovation, S, nis if math.isfinite(weighed) else math.nan, limit)
 
 

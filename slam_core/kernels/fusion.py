@@ -25,19 +25,18 @@ _heading_gradient = njit(error_model="numpy")(geometry.heading_gradient)
 
 @njit(cache=True, error_model="numpy")
 def correct(
-    x: Float64s, P: Float64s, innovation: Float64s, C: Float64s, R: Float64s, rule: int, omega: float, bound: float
+    x: Float64s, P: Float64s, innovation: Float64s, C: Float64s, R: Float64s, bound: float
 ) -> tuple[Float64s, Float64s, Float64s, float]:
-    """One correction behind a gate: x, P, S = C P C^T + R, and nu^T S^-1 nu.
+    """One Kalman update behind a gate: x, P, S = C P C^T + R, and nu^T S^-1 nu.
 
     Where that passes `bound`, or the numbers do not bear the update (it is NaN then), x and P stay as they were.
     """
     CP = multiply(C, P)
-    projected = multiply(C, CP.T.copy())
-    S = projected + R
+    S = multiply(C, CP.T.copy()) + R
     nis = squared_length(S, innovation)
     if not nis <= bound:
         return x, P, S, nis
-    error, reduced = _weighed(P, CP, projected, R, innovation, rule, omega)
+    error, reduced = gain(P, CP, S, innovation)
     better = inject(x, error)
     if not is_sound(better, reduced):
         return x, P, S, math.nan
@@ -193,19 +192,20 @@ def hanging(P: Float64s, B: Float64s) -> Float64s:
     return solve_lower(cholesky(multiply(B, BP.T.copy())), BP)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy")
+def kalman(P: Float64s, C: Float64s, R: Float64s, innovation: Float64s) -> tuple[Float64s, Float64s]:
+    """The Kalman update: the correction to add to the state, and P after it."""
+    CP = multiply(C, P)
+    return gain(P, CP, multiply(C, CP.T.copy()) + R, innovation)
+
+
+@njit(error_model="numpy", inline="always")
 def fuse(
     P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
 ) -> tuple[Float64s, Float64s]:
     """Eqs. (18)-(20), or the Kalman update: the correction to add to the state, and P+."""
     CP = multiply(C, P)
-    return _weighed(P, CP, multiply(C, CP.T.copy()), R, innovation, rule, omega)
-
-
-@njit(error_model="numpy", inline="always")
-def _weighed(
-    P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
-) -> tuple[Float64s, Float64s]:
+    projected = multiply(C, CP.T.copy())
     weight, share = (1.0, 1.0) if rule == KALMAN else ((1.0 - omega) / omega, 1.0 - omega)
     error, reduced = gain(P, CP, projected + weight * R, innovation)
     return error, reduced / share

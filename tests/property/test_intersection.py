@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from slam_core.config import FusionMethod
 from slam_core.intersection import intersect, intersect_information
-from slam_core.kernels.fusion import KALMAN, fuse
+from slam_core.kernels.fusion import kalman
 from slam_core.kernels.linear import is_covariance, sandwich
 
 omegas = st.floats(0.01, 0.99)
@@ -115,7 +115,7 @@ def test_a_blind_direction_is_left_alone(seed: int, omega: float, observed_only:
 def test_a_plain_kalman_update_would_not_cover_it() -> None:
     """With a match whose error is the state's own, the Kalman update claims half the variance that is left."""
     P = R = C = np.eye(1)
-    gain, claimed = fuse(P, C, R, np.ones(1), KALMAN, 0.0)
+    gain, claimed = kalman(P, C, R, np.ones(1))
     true = (1 - gain[0]) ** 2 + gain[0] ** 2 + 2 * gain[0] * (1 - gain[0])
     assert np.isclose(true, 1.0) and np.isclose(claimed[0, 0], 0.5)
 
