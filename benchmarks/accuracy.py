@@ -1,7 +1,8 @@
 """Runs the cases by both methods and says how far off they were."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from benchmarks.cases import LOST_M, METHODS, Recording
 from benchmarks.wheels import with_wheels
 from slam_core.config import SlamConfig, with_value
 from slam_core.evaluation import Trajectory, interpolate, rms
-from slam_core.measurements import Float64s, Imu
+from slam_core.measurements import Float64s, Imu, Measurement
+from slam_core.results import StepResult
 
 Outcomes = dict[tuple[str, bool], "Outcome"]
 """By method and whether there was inertial data."""
@@ -70,12 +72,22 @@ class Replay:
 def process(items: Iterable[Item], config: SlamConfig) -> Pipeline:
     """Every item through the pipeline."""
     pipeline = Pipeline(Settings(config))
-    for item in items:
-        for measurement in pipeline.admit(item):
-            pipeline.step(measurement)
-    for measurement in pipeline.flush():
-        pipeline.step(measurement)
+    for _ in steps(pipeline, items):
+        pass
     return pipeline
+
+
+def steps(pipeline: Pipeline, items: Iterable[Item]) -> Iterator[StepResult]:
+    """What the pipeline makes of each scan among the items."""
+    waiting = (measurement for item in items for measurement in pipeline.admit(item))
+    for measurement in chain(waiting, _flushed(pipeline)):
+        result = pipeline.step(measurement)
+        if result is not None:
+            yield result
+
+
+def _flushed(pipeline: Pipeline) -> Iterator[Measurement]:
+    yield from pipeline.flush()
 
 
 def drive(options: SceneOptions, seed: int) -> Outcomes:

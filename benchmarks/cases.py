@@ -66,6 +66,7 @@ DRIVES = (
 )
 CORRIDOR = SceneOptions()
 HALLS, HALL_SEEDS = SceneOptions(), SEEDS[:3]
+GLASS, STRAYS = SceneOptions(duration=40.0), SceneOptions(duration=30.0)
 
 
 @dataclass(frozen=True, slots=True)

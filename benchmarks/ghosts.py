@@ -4,7 +4,7 @@ A cell counts as seen while a beam of the true pose, with nothing in its way, co
 begins when the last person has left it; a ghost is a cell that is still occupied after SIGHT_S of that.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from app.simulation.beams import first_returns, laser_rays
 from app.simulation.scene import Scene
 from app.simulation.sensors import START_NS, UTM30LX
 from app.sources import Item
-from benchmarks.accuracy import Outcome, outcome, process
+from benchmarks.accuracy import Outcome, outcome, process, steps
 from benchmarks.cases import METHODS
 from slam_core.config import SlamConfig
 from slam_core.grid import GridLevel
@@ -33,48 +33,40 @@ Cells = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class HallOutcome:
-    """Errors with nobody in the hall, with people, and beside glass; ghosts: cells that ever were one.
+    """Errors with people in the hall; ghosts: cells that ever were one.
 
     longest: seconds in sight until the last cell that people had left was free.
     """
 
-    nobody: Outcome
     people: Outcome
-    glass: Outcome
     ghosts: int
     longest: float
 
 
-def halls(options: SceneOptions, seed: int) -> dict[str, HallOutcome]:
-    """The drives through the halls by every method."""
-    options = replace(options, seed=seed)
-    nobody = list(Simulation("people", replace(options, people=False)).items())
-    glass = list(Simulation("glass", options).items())
-    crowd = Simulation("people", options)
-    items = list(crowd.items())
+def crowd(options: SceneOptions, seed: int) -> dict[str, HallOutcome]:
+    """A drive among people by every method."""
+    simulation = Simulation("people", replace(options, seed=seed))
+    items = list(simulation.items())
     results = {}
     for method, config in METHODS.items():
-        watch, pipeline = watched(crowd.scene, items, config)
-        alone, beside = (outcome(process(measured, config)) for measured in (nobody, glass))
-        results[method] = HallOutcome(alone, outcome(pipeline), beside, watch.ghosts, watch.longest)
+        watch, pipeline = watched(simulation.scene, items, config)
+        results[method] = HallOutcome(outcome(pipeline), watch.ghosts, watch.longest)
     return results
+
+
+def nobody(options: SceneOptions, seed: int) -> dict[str, Outcome]:
+    """The same drive through the empty hall."""
+    items = list(Simulation("people", replace(options, seed=seed, people=False)).items())
+    return {method: outcome(process(items, config)) for method, config in METHODS.items()}
 
 
 def watched(scene: Scene, items: Iterable[Item], config: SlamConfig) -> tuple["Watch", Pipeline]:
     """A run with an eye on the map."""
     pipeline, watch = Pipeline(Settings(config)), Watch(scene)
-    for result in _results(pipeline, items):
+    for result in steps(pipeline, items):
         if result.index % EVERY == 0:
             watch.look(result, pipeline.slam.pyramid.levels[0])
     return watch, pipeline
-
-
-def _results(pipeline: Pipeline, items: Iterable[Item]) -> Iterator[StepResult]:
-    for item in items:
-        for measurement in pipeline.admit(item):
-            result = pipeline.step(measurement)
-            if result is not None:
-                yield result
 
 
 class Watch:

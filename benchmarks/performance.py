@@ -6,13 +6,8 @@ Nothing but this script writes those figures. The real recordings lie beside the
 they are missing. Speed is measured first, with nothing beside it; then accuracy, on two processes.
 """
 
-import os
-import platform
 import re
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
-from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 from app.metrics import metrics
@@ -20,48 +15,33 @@ from app.runner import run_headless
 from app.settings import Settings
 from app.sources import open_source
 from app.warmup import warm_up
-from benchmarks import kernels, others, reading, returning, start, tables, whole_map
-from benchmarks.accuracy import CorridorOutcome, Outcomes, Replay, corridor, drive, replay
+from benchmarks import kernels, others, reading, start, tables, whole_map
+from benchmarks.accuracy import corridor, drive, replay
 from benchmarks.cases import (
     COMPARED,
     CORRIDOR,
     DEMOS,
     DRIVES,
+    GLASS,
     HALL_SEEDS,
     HALLS,
     INERTIAL,
-    LOST_M,
-    PLAIN_SETTINGS,
     REAL,
     SEEDS,
+    STRAYS,
     TIMED,
-    Drive,
-    Recording,
     present,
 )
-from benchmarks.ghosts import SIGHT_S, HallOutcome, halls
-from benchmarks.inertial import Ride, ride
-from benchmarks.others import Judged
-from benchmarks.outage import OUTAGE_SEEDS, OUTAGES, Outage
-from benchmarks.whole_map import BEAMS, STARTS, Finding
+from benchmarks.document import Accuracy, document
+from benchmarks.ghosts import crowd, nobody
+from benchmarks.inertial import ride
+from benchmarks.outage import OUTAGE_SEEDS, OUTAGES
+from benchmarks.strays import glass, struck
 from tests.conftest import ROOT
 
 PROCESSES = 2
 SOURCE = "Written by `make bench`; more in [docs/performance.md](docs/performance.md)."
 MARKS = re.compile(r"(?<=<!-- results: filled by make bench -->\n).*?(?=<!-- /results -->)", re.DOTALL)
-
-
-@dataclass(frozen=True, slots=True)
-class Accuracy:
-    """Every case, by both methods; lists are over the seeds."""
-
-    drives: dict[Drive, list[Outcomes]]
-    corridor: list[dict[str, CorridorOutcome]]
-    halls: list[dict[str, HallOutcome]]
-    outages: dict[str, list[Outage]]
-    replays: dict[Recording, dict[str, Replay]]
-    others: dict[Recording, dict[str, Judged]]
-    inertial: dict[Recording, Ride]
 
 
 def measure_speed() -> dict[str, dict[str, Any]]:
@@ -82,12 +62,16 @@ def measure_accuracy() -> Accuracy:
         beside = {recording: pool.submit(others.compare, recording) for recording in compared}
         drives = {case: [pool.submit(drive, case.options, seed) for seed in SEEDS] for case in DRIVES}
         bare = [pool.submit(corridor, CORRIDOR, seed) for seed in SEEDS]
-        crowded = [pool.submit(halls, HALLS, seed) for seed in HALL_SEEDS]
+        crowded = [pool.submit(crowd, HALLS, seed) for seed in SEEDS]
+        empty = [pool.submit(nobody, HALLS, seed) for seed in HALL_SEEDS]
+        panes = [pool.submit(glass, GLASS, seed) for seed in HALL_SEEDS]
+        strays = [pool.submit(struck, STRAYS, seed) for seed in HALL_SEEDS]
         lost = {name: [pool.submit(run, seed) for seed in OUTAGE_SEEDS] for name, run in OUTAGES.items()}
         replays = {recording: pool.submit(replay, recording) for recording in present((*DEMOS, *REAL))}
         names: dict[Future[Any], str] = {future: case.name for case in drives for future in drives[case]}
         names |= {future: name for name, futures in lost.items() for future in futures}
-        names |= dict.fromkeys(bare, "corridor") | dict.fromkeys(crowded, "halls")
+        names |= dict.fromkeys(bare, "corridor") | dict.fromkeys([*crowded, *empty], "people")
+        names |= dict.fromkeys(panes, "glass") | dict.fromkeys(strays, "stray beams")
         names |= {future: each.name for each, future in replays.items()}
         names |= {future: f"{each.name}, side by side" for each, future in beside.items()}
         for done, future in enumerate(as_completed(names), start=1):
@@ -96,150 +80,14 @@ def measure_accuracy() -> Accuracy:
             {case: [future.result() for future in futures] for case, futures in drives.items()},
             [future.result() for future in bare],
             [future.result() for future in crowded],
+            [future.result() for future in empty],
+            [future.result() for future in panes],
+            [future.result() for future in strays],
             {name: [future.result() for future in futures] for name, futures in lost.items()},
             {recording: future.result() for recording, future in replays.items()},
             {recording: future.result() for recording, future in beside.items()},
             {recording: ride(recording) for recording in present(INERTIAL)},
         )
-
-
-def processor() -> str:
-    """The model of the processor."""
-    facts = Path("/proc/cpuinfo")
-    named = re.search(r"^model name\s*: (.+)$", facts.read_text(), re.MULTILINE) if facts.exists() else None
-    return named[1] if named else platform.processor() or platform.machine()
-
-
-def machine() -> str:
-    """What the times hold for."""
-    libraries = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba", "rosbags", "mcap"))
-    return f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, {libraries}"
-
-
-def side_by_side(results: dict[Recording, dict[str, Judged]]) -> str:
-    """What the others did on the same recordings, or how to find out."""
-    if not results:
-        return "Not measured: kiss-icp and evo are missing. Install them with `pip install -e '.[bench]'`.\n"
-    return f"""By kiss-icp {version("kiss-icp")} and evo {version("evo")}. Metres, root mean squares in the plane:
-evo's absolute pose error after its own alignment, which our own metric has to meet, and its relative error over
-{others.STRETCH:g} m. kiss-icp gets each scan as a flat cloud with the times of its beams; it is made for clouds in
-three dimensions, and has no inertial data. Its settings, the best of those that were tried on these recordings:
-{others.SETTINGS}. Two processes measure at once, so that times
-are for comparison only.
-
-{tables.others(results)}"""
-
-
-def document(
-    speed: dict[str, dict[str, Any]],
-    reading_alone: str,
-    starts: str,
-    parts: str,
-    growth: str,
-    findings: list[Finding],
-    accuracy: Accuracy,
-) -> str:
-    """docs/performance.md."""
-    settings = ", ".join(f"`{name}` {str(value).lower()}" for name, value in PLAIN_SETTINGS.items())
-    return f"""# Performance
-
-Written by `make bench` (`python -m benchmarks.performance`); do not edit. More measurements are run by hand:
-`python -m benchmarks.page` for what the page costs, `python -m benchmarks.reading BAG...` for how long it takes to
-read others, and `python -m benchmarks.consistency` for [the filter alone](navigation-filter.md).
-
-Machine: {machine()}.
-
-Errors are root mean squares in the plane: raw starts at the first pose, aligned takes the best rigid motion out. A
-raw error of more than {LOST_M:g} m counts as lost. Methods: *full* is the default settings; *plain* is the paper's
-own method: {settings}.
-
-## Speed
-
-Default settings. Speed is the length of the recording over the wall time of the whole run, reading and decoding
-included.
-
-{tables.speed(speed)}
-Median time of each part of a step in microseconds; the update counts only the scans that were written into the
-map.
-
-{tables.times(speed)}
-Of that, to open and to read the file, without mapping; the best of {reading.RUNS}.
-
-{reading_alone}
-How soon the demo `arena` is there, and how long that keeps a core busy: with the kernels compiled before, and on
-the first start of all, when the terminal and the page tell how many are.
-
-{starts}
-What a step is made of, in the rooms below; medians, but for the whole step. A beam evaluation is one endpoint's
-share of eqs. (11) and (13).
-
-{parts}
-How the match and the update of one scan grow: there with other beams, levels and sizes of the first map.
-
-{growth}
-## Finding the robot in a saved map
-
-One scan of {BEAMS} beams, sought anywhere in a map that another drive made, {STARTS} times; and scans from another
-place, which must not be taken. Not found are scans that fit in several places alike, or too badly to be sure: then
-the next scans are tried. Seconds of one search, median / worst. Rooms and arena are the simulated scenes; the site
-is made of random walls and boxes.
-
-{tables.findings(findings)}
-## Accuracy in simulated rooms
-
-Centimetres, median / worst over {len(SEEDS)} seeds: rooms of 30 x 20 m, {DRIVES[0].options.beams} beams, 60 s at
-up to 1.36 m/s and 65 degrees/s, noise of the UTM-30LX and of a consumer IMU. Every beam leaves at its own time,
-but for the exact timing; sway is 15 degrees of roll and pitch at 1.2 Hz. Without an IMU nothing tells the roll and
-pitch of a swaying laser, so its scans cannot be put level.
-
-{tables.drives(accuracy.drives)}
-## A bare corridor
-
-120 m long and 2.4 m wide, walls only, with an IMU, 90 s at 1 m/s; median / worst over {len(SEEDS)} seeds. The
-walls do not say how far along the robot is: that direction is open until the far end comes into sight, 30 m before
-it, and nothing but the inertial data or the wheels (1 % too fast) can tell it. Sigma is what the fused pose claims
-for it at the last such scan. The end is drawn where the robot believes itself to be; from then on the claim is
-about the place in that map, which does not contain how long the corridor was drawn. The goal: not lost, and the
-claim contains the error in every scan.
-
-{tables.corridor(accuracy.corridor)}
-## Outages
-
-The boat of `littoral` loses its satellites for 30 s behind the island, or its laser for 10 s; median / worst of
-{len(OUTAGE_SEEDS)} seeds, in the plane. A jump is what the pose moves from one scan to the next beyond what it
-should. The goal: at most 1 m when the satellites return, and no jump.
-
-{tables.outages(accuracy.outages)}
-## People and glass
-
-Halls of 20 x 12 m, 60 s at 0.8 m/s with an IMU; median / worst over {len(HALL_SEEDS)} seeds. In one, six people
-walk to and fro at 0.5 to 1.5 m/s, stop for 10 to 20 s and go on, and a seventh keeps beside the robot, which
-stands still for 12 s. The other has panes that return only beams near the normal. A ghost is a cell that is
-occupied although nobody has been there for {SIGHT_S:g} s during which beams could pass; the goal is none.
-
-{tables.halls(accuracy.halls)}
-## Accuracy on recordings
-
-Metres. The demos are simulated; the others are real but for stage_sim_gt.
-
-{tables.replays(accuracy.replays)}
-How consistent the whole is: metres between the first pose and the last, and for a run that comes back the share of
-the endpoints of its last {returning.LAST_SCANS} scans that lie on or beside an occupied cell of the map of its
-first {returning.FIRST_S:g} s, of those in cells that were known then: doubled walls would lie in free ones. The
-drives through the hallway and the kitchen are said to end near their start. Units, handedness and delay of the
-kitchen's devices are given by options, and the noise of its accelerometers by `navigation.accel_noise`: with the
-default the filter claims a centimetre where it is two decimetres off, and where the run ends hangs on trifles.
-
-{tables.returns(accuracy.replays)}
-## Side by side with kiss-icp, judged by evo
-
-{side_by_side(accuracy.others)}
-## Inertial units alone
-
-Three devices in somebody's hands or on a turntable, with nothing to help the filter but gravity: degrees between
-directions of up, medians where the device is at rest.
-
-{tables.inertial(accuracy.inertial)}"""
 
 
 def main() -> None:

@@ -11,6 +11,7 @@ from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.others import Judged
 from benchmarks.outage import Outage
+from benchmarks.strays import GlassOutcome
 from benchmarks.whole_map import Finding
 
 
@@ -101,18 +102,36 @@ def _outage_cells(runs: Sequence[Outage]) -> Iterator[str]:
 
 
 def halls(seeds: Sequence[Mapping[str, HallOutcome]]) -> str:
-    """Errors with nobody, with people and beside glass, and the ghosts that people leave, a row a method."""
-    head = ("method", "nobody, raw", "people, raw", "glass, raw", "ghost cells", "longest in sight", "goal held")
+    """The ghosts that people leave, a row a method."""
+    head = ("method", "ghost cells", "longest in sight", "goal held")
     return table(head, (_halls_row(method, [seed[method] for seed in seeds]) for method in METHODS))
 
 
 def _halls_row(method: str, runs: Sequence[HallOutcome]) -> Iterator[str]:
     yield method
-    for poses in ([run.nobody for run in runs], [run.people for run in runs], [run.glass for run in runs]):
-        yield spread([100 * pose.raw for pose in poses], ".2f") + " cm" + _lost(poses)
     yield spread([run.ghosts for run in runs], ".0f")
     yield spread([run.longest for run in runs], ".1f") + " s"
     yield _yes(not any(run.ghosts for run in runs))
+
+
+def pulled(cases: Mapping[str, Sequence[Mapping[str, Outcome]]]) -> str:
+    """Errors in centimetres with something in the beams' way, a row a case; each has a list over the seeds."""
+    head = ("in the way", *_both("raw", "aligned"))
+    return table(head, ((name, *_pulled_cells(seeds)) for name, seeds in cases.items()))
+
+
+def _pulled_cells(seeds: Sequence[Mapping[str, Outcome]]) -> Iterator[str]:
+    for method in METHODS:
+        runs = [seed[method] for seed in seeds]
+        yield spread([100 * run.raw for run in runs], ".2f") + _lost(runs)
+        yield spread([100 * run.aligned for run in runs], ".2f")
+
+
+def panes(seeds: Sequence[Mapping[str, GlassOutcome]]) -> str:
+    """How many of the cells along glass come and go, a row a method."""
+    head = ("method", "cells along glass that were occupied again")
+    rows = ((method, spread([100 * seed[method].flicker for seed in seeds], ".0f") + " %") for method in METHODS)
+    return table(head, rows)
 
 
 def findings(maps: Sequence[Finding]) -> str:

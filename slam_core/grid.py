@@ -103,14 +103,16 @@ class GridLevel:
         derive_cells(self.log_odds[box], self.cells[box])
         self.known = (row, row + rows, column, column + columns)
 
-    def doubt(self, laser: Float64s, nearest: Float64s, behind: float, most: float, free: float) -> int:
+    def doubt(
+        self, laser: Float64s, beams: tuple[Float64s, NDArray[np.int64]], behind: float, most: float, free: float
+    ) -> int:
         """Take `most` log-odds at most and the step `free` from every occupied cell that beams pass.
 
-        laser: (2,) map metres. nearest: the first end in each bin of bearings. behind: metres. Returns how many.
+        laser: (2,) map metres. beams: their ends `by_bearing`. behind: metres. Returns how many.
         """
         limits = (behind, np.float32(most), np.float32(free))
         arrays = (self.log_odds, self.cells, self.corner, self.resolution, self.known)
-        return int(doubt_passed(*arrays, laser, nearest, *limits))
+        return int(doubt_passed(*arrays, laser, *beams, *limits))
 
     def unexpected(self, ends: Float64s, apart: float) -> NDArray[np.bool_]:
         """Which ends (n, 2), map metres, lie in free space and at least `apart` metres from what is occupied."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from slam_core.config import MapConfig
 from slam_core.grid import GridLevel
-from slam_core.kernels.doubting import first_ends
+from slam_core.kernels.doubting import by_bearing
 from slam_core.kernels.mapping import bounds
 from slam_core.kernels.planar import transform_points
 from slam_core.measurements import Float32s, Float64s
@@ -70,9 +70,9 @@ class Pyramid:
         where beams end well behind. points: (n, 2), laser: (2,), in the stabilised frame, metres.
         """
         start = transform_points(pose, laser[None])[0]
-        nearest = first_ends(start, transform_points(pose, points))
+        beams = by_bearing(start, transform_points(pose, points))
         free = log_odds(config.factor_free)
-        passed = [level.doubt(start, nearest, BEHIND + level.resolution, DOUBTED, free) for level in self.levels]
+        passed = [level.doubt(start, beams, BEHIND + level.resolution, DOUBTED, free) for level in self.levels]
         self.revision += any(passed)
 
     def unexpected(self, points: Float32s, pose: Float64s) -> NDArray[np.bool_]:

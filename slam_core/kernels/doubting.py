@@ -10,36 +10,44 @@ from slam_core.kernels.bilinear import WHOLE
 BINS = 720  # of half a degree each
 BIN = 2.0 * math.pi / BINS
 BLOCK = 32  # cells that are looked at together: nearly all are free or unknown
-NEAR = 0.75  # of the way to a cell: beams beside it that end sooner met something else
+NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
 
 @njit(cache=True, error_model="numpy")
-def first_ends(laser, ends):
-    """(BINS,) how near the nearest of the ends (n, 2) lies in each bin of bearings around the laser; inf: none."""
-    shortest = np.full(BINS, np.inf)
+def by_bearing(laser, ends):
+    """(n,) metres from the laser to the ends (n, 2), by bin of bearings, and (BINS + 1,) where each bin begins."""
+    bins, begin = np.empty(len(ends), np.int64), np.zeros(BINS + 1, np.int64)
     for k in range(len(ends)):
-        dx, dy = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
-        b = _bin(dx, dy)
-        shortest[b] = min(shortest[b], math.hypot(dx, dy))
-    return shortest
+        bins[k] = _bin(ends[k, 0] - laser[0], ends[k, 1] - laser[1])
+        begin[bins[k] + 1] += 1
+    for b in range(BINS):
+        begin[b + 1] += begin[b]
+    lengths, place = np.empty(len(ends)), begin[:-1].copy()
+    for k in range(len(ends)):
+        lengths[place[bins[k]]] = math.hypot(ends[k, 0] - laser[0], ends[k, 1] - laser[1])
+        place[bins[k]] += 1
+    return lengths, begin
 
 
 @njit(cache=True, error_model="numpy")
-def doubt_passed(log_odds, cells, corner, resolution, box, laser, shortest, behind, most, free):
+def doubt_passed(log_odds, cells, corner, resolution, box, laser, lengths, begin, behind, most, free):
     """Take `most` log-odds at most and the step `free` from every occupied cell that is passed.
 
-    box: row0, row1, column0, column1 (half open). A cell is passed if the beams of its bearing end `behind` metres
-    behind it, and none beside it ends close by: a wall that is met at a slant, or an edge. Returns how many were.
+    box: row0, row1, column0, column1 (half open). lengths, begin: as of `by_bearing`. A cell is passed if beams of
+    its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a wall that
+    is met at a slant, or an edge. Returns how many were.
     """
     passed = 0
     for row in range(box[0], box[1]):
-        odds = log_odds[row]
+        odds, dy = log_odds[row], (row + corner[1] + 0.5) * resolution - laser[1]
         for first in range(box[2], box[3], BLOCK):
             last = min(first + BLOCK, box[3])
             if not _any_occupied(odds[first:last]):
                 continue
             for column in range(first, last):
-                if odds[column] > 0.0 and _is_passed(row, column, corner, resolution, laser, shortest, behind):
+                if odds[column] > 0.0 and _is_passed(
+                    row, column, corner, resolution, laser, lengths, begin, behind
+                ):
                     value = min(odds[column], most) + free
                     odds[column] = value
                     cells[row, column] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
@@ -56,16 +64,24 @@ def _any_occupied(odds):
 
 
 @njit(inline="always")
-def _is_passed(row, column, corner, resolution, laser, shortest, behind):
-    dx = (column + corner[0] + 0.5) * resolution - laser[0]
-    dy = (row + corner[1] + 0.5) * resolution - laser[1]
+def _is_passed(dx, dy, lengths, begin, behind):
     distance = math.hypot(dx, dy)
     b = _bin(dx, dy)
-    reach = shortest[b]
-    for beside in (shortest[(b + 1) % BINS], shortest[(b - 1) % BINS]):
-        if beside > NEAR * distance:
-            reach = min(reach, beside)
+    reach = _nearest(lengths, begin, b, NEAR * distance)
+    if distance + behind < reach < np.inf:
+        for beside in ((b + 1) % BINS, (b - 1) % BINS):
+            reach = min(reach, _nearest(lengths, begin, beside, NEAR * distance))
     return distance + behind < reach < np.inf
+
+
+@njit(inline="always")
+def _nearest(lengths, begin, b, least):
+    """The shortest way of a bin's beams that end `least` metres away or further; inf without one."""
+    shortest = np.inf
+    for k in range(begin[b], begin[b + 1]):
+        if lengths[k] > least:
+            shortest = min(shortest, lengths[k])
+    return shortest
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,11 +9,13 @@ from app.metrics import PARTS
 from app.simulation import SceneOptions
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
+from benchmarks.document import Accuracy, document, processor, side_by_side
 from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.others import INSTALLED, OURS, Judged
 from benchmarks.outage import Outage
-from benchmarks.performance import MARKS, Accuracy, document, processor, side_by_side
+from benchmarks.performance import MARKS
+from benchmarks.strays import GlassOutcome
 from benchmarks.whole_map import Finding
 from slam_core.measurements import Transform
 from slam_core.results import NavigationState
@@ -47,7 +49,10 @@ def accuracy() -> Accuracy:
             ]
         },
         [dict.fromkeys(METHODS, end)],
-        [dict.fromkeys(METHODS, HallOutcome(near, near, near, 0, 2.5))],
+        [dict.fromkeys(METHODS, HallOutcome(near, 0, 2.5))],
+        [dict.fromkeys(METHODS, near)],
+        [dict.fromkeys(METHODS, GlassOutcome(near, near, 0.42))],
+        [{(40.0, 0.1): dict.fromkeys(METHODS, near)}],
         {"satellites": [Outage(0.03, 0.04, 0.01)]},
         {Recording("jackal", Path("a"), 0.0143): dict.fromkeys(METHODS, Replay(414, near, 1.0, ()))},
         {Recording("jarvis", Path("c")): {OURS: Judged(0.0141, 0.03, 0.0142, 1.6, 0.43)}} if INSTALLED else {},
@@ -71,7 +76,10 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
         "| site | 100 x 100 m | 93 of 100 | 0 | 1 of 100 | 0.70 / 1.70 s | 0.90 / 0.90 s |",
         "| 40 Hz | yes | 1.00",
         "| full | 1.000",
-        "| full | 1.00 / 1.00 cm",
+        "| full | 0 / 0 | 2.5 / 2.5 s | yes |",
+        "| people | 1.00 / 1.00 |",
+        "| stray beams, 10% at 40 Hz | 1.00",
+        "| full | 42 / 42 % |",
         "| satellites | 0.030",
         "| jackal | 414 |",
         "| razor | 3 | 2.5° | - | - |",

@@ -8,6 +8,7 @@ from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import Drive, Recording
 from benchmarks.ghosts import HallOutcome
 from benchmarks.others import KISS, OURS, Judged
+from benchmarks.strays import GlassOutcome
 
 DRIVE = Drive("40 Hz", SceneOptions(), 0.02)
 
@@ -68,12 +69,22 @@ def test_the_corridor_shows_the_seed_that_held_least() -> None:
 
 
 def test_a_single_ghost_misses_the_goal() -> None:
-    """Median and worst of errors, ghosts and times; one seed with a ghost is enough."""
-    fine = Outcome(0.02, 0.01)
-    clean, haunted = (HallOutcome(fine, fine, Outcome(0.03, 0.01), n, 3.0 + n) for n in (0, 4))
+    """Median and worst of ghosts and times; one seed with a ghost is enough."""
+    clean, haunted = (HallOutcome(Outcome(0.02, 0.01), n, 3.0 + n) for n in (0, 4))
     plain, full = cells(tables.halls([{"plain": haunted, "full": clean}, {"plain": clean, "full": clean}]))
-    assert plain[1:] == [*["2.00 / 2.00 cm"] * 2, "3.00 / 3.00 cm", "2 / 4", "5.0 / 7.0 s", "no"]
-    assert full[4:] == ["0 / 0", "3.0 / 3.0 s", "yes"]
+    assert plain == ["plain", "2 / 4", "5.0 / 7.0 s", "no"]
+    assert full == ["full", "0 / 0", "3.0 / 3.0 s", "yes"]
+
+
+def test_what_pulls_a_match_shows_both_methods_side_by_side() -> None:
+    """Centimetres, plain before full; the flicker of glass is the median and the worst seed's share."""
+    fine, astray = Outcome(0.02, 0.01), Outcome(1.5, 0.5)
+    rows = cells(tables.pulled({"dust": [{"plain": astray, "full": fine}, {"plain": fine, "full": fine}]}))
+    assert rows == [
+        ["dust", "76.00 / 150.00, lost 1 of 2", "25.50 / 50.00", "2.00 / 2.00", "1.00 / 1.00"],
+    ]
+    seeds = [dict.fromkeys(("plain", "full"), GlassOutcome(fine, fine, share)) for share in (0.2, 0.3, 0.7)]
+    assert cells(tables.panes(seeds)) == [["plain", "30 / 70 %"], ["full", "30 / 70 %"]]
 
 
 def test_recordings_with_and_without_truth_are_apart() -> None:

@@ -85,6 +85,36 @@ def test_a_thin_wall_outlives_beams_through_its_gaps():
         assert (pyramid.levels[0].log_odds[rows, columns] > 0) == stays
 
 
+def test_a_ghost_beside_an_edge_goes_with_the_beams_that_pass_it():
+    """Of the beams of its bearing every second ends at a corner far before it: the others are enough."""
+    config = MapConfig(size=256)
+    pyramid = Pyramid(config)
+    ghost = np.array([[2.5, 0.02]], np.float32)
+    pyramid.update(ghost, NOBODY, np.zeros(2), REST, config)
+    angles = np.radians(np.arange(-5.0, 5.0, 0.125))
+    ranges = np.where(np.arange(len(angles)) % 2, 1.0, 4.0)
+    beams = (ranges * [np.cos(angles), np.sin(angles)]).T.astype(np.float32)
+    for _ in range(6):
+        pyramid.doubt(beams, np.zeros(2), REST, config)
+    columns, rows = pyramid.levels[0].cell_of(*ghost[0])
+    assert pyramid.levels[0].log_odds[rows, columns] < 0
+
+
+def test_what_an_edge_hides_is_not_doubted():
+    """A cell whose own bearing is blocked stays, however far the beams beside it go."""
+    config = MapConfig(size=256)
+    pyramid = Pyramid(config)
+    hidden = np.array([[2.5, 0.02]], np.float32)
+    pyramid.update(hidden, NOBODY, np.zeros(2), REST, config)
+    angles = np.radians(np.arange(-5.0, 5.0, 0.125))
+    ranges = np.where(np.abs(angles) < np.radians(1.1), 1.0, 4.0)
+    beams = (ranges * [np.cos(angles), np.sin(angles)]).T.astype(np.float32)
+    for _ in range(6):
+        pyramid.doubt(beams, np.zeros(2), REST, config)
+    columns, rows = pyramid.levels[0].cell_of(*hidden[0])
+    assert pyramid.levels[0].log_odds[rows, columns] > 0
+
+
 def test_beams_that_end_in_free_space_are_unexpected():
     """A visitor in a room that is known empty; not the walls, and nothing in a first scan."""
     slam = HectorSlam(CONFIG)
