@@ -146,9 +146,8 @@ pitch of a swaying laser, so its scans cannot be put level.
 120 m long and 2.4 m wide, walls only, with an IMU, 90 s at 1 m/s; median / worst over {len(SEEDS)} seeds. The
 walls do not say how far along the robot is: that direction is open until the far end comes into sight, 30 m before
 it, and nothing but the inertial data or the wheels (1 % too fast) can tell it. Sigma is what the fused pose claims
-for it at the last such scan. The end is drawn where the robot believes itself to be; from then on the claim is
-about the place in that map, which does not contain how long the corridor was drawn. The goal: not lost, and the
-claim contains the error in every scan.
+for it at the last such scan. The end is drawn where the robot believes itself to be, so that the claim has to keep
+what was lost on the way there. The goal: not lost, and the claim contains the error in every scan.
 
 {tables.corridor(accuracy.corridor)}
 ## Outages

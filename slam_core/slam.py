@@ -10,6 +10,7 @@ from slam_core import geometry
 from slam_core.aiding.aids import AidingMeasurement, Aids
 from slam_core.aiding.planar import PlanarEstimator
 from slam_core.config import ConfigError, SlamConfig, needs_restart
+from slam_core.drawn import DrawnMap
 from slam_core.faults import NO_BEAM, SILENT_NS, Watch
 from slam_core.given import GivenMap
 from slam_core.lookout import Lookout
@@ -71,6 +72,7 @@ class HectorSlam:
         self._index = 0
         self._pose = np.zeros(3)
         self._fused = np.zeros(3)
+        self._drawn = DrawnMap()
         self._mapped: Float64s | None = None
         self._doubted_ns = 0
         self._waiting_ns = 0
@@ -361,7 +363,7 @@ class HectorSlam:
             )
             fused = self._filter.planar(time_ns)
         self._fused = fused.mean
-        return fused, navigation
+        return self._drawn.claim(fused, blind), navigation
 
 
 class _Laps:
