@@ -45,9 +45,8 @@ def doubt_passed(log_odds, cells, corner, resolution, box, laser, lengths, begin
             if not _any_occupied(odds[first:last]):
                 continue
             for column in range(first, last):
-                if odds[column] > 0.0 and _is_passed(
-                    row, column, corner, resolution, laser, lengths, begin, behind
-                ):
+                dx = (column + corner[0] + 0.5) * resolution - laser[0]
+                if odds[column] > 0.0 and _is_passed(dx, dy, lengths, begin, behind):
                     value = min(odds[column], most) + free
                     odds[column] = value
                     cells[row, column] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
