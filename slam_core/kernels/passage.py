@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.navigation import STATES, advance, move
+from slam_core.kernels.navigation import ERRORS, STATES, advance, move
 from slam_core.measurements import Float64s, Int64s
 
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
@@ -77,7 +77,12 @@ def predict_each(
         if stamps[k] > to_ns:
             break
         x, P = predict(x, P, known[n - 1], stamps[k], stamps, samples, begin, end, model, blind, bounds)
-        xs[n], Ps[n], known[n] = x, P, stamps[k]
+        known[n] = stamps[k]
+        for i in range(STATES):  # element by element, as a slice takes seconds to compile
+            xs[n, i] = x[i]
+        for i in range(ERRORS):
+            for j in range(ERRORS):
+                Ps[n, i, j] = P[i, j]
         n += 1
     return n
 
