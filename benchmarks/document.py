@@ -168,8 +168,8 @@ over {len(SEEDS)} seeds.
 What is in the way of the beams must not pull the match. Centimetres, median / worst over the seeds: this hall; one
 with panes that return the beams that meet them head on and let most others through, and with walls in their place;
 the rooms, with beams that end anywhere before the wall. Raw errors contain where in its cells the first scan came
-to lie. With lone endpoints left out of match and map the errors stayed nearly the same at 40 Hz, so that no beam is
-given another weight than the paper's.
+to lie. With lone endpoints left out of match and map the errors stayed nearly the same at 40 Hz, so that no beam
+is given another weight than the paper's.
 
 {tables.pulled(in_the_way(accuracy))}
 Glass is there for some beams and not for others. Of the cells along the panes that ever were occupied:
