@@ -1,5 +1,6 @@
 """Whether sensors tell of one motion: gravity as an accelerometer sees it, and accounts of one turn compared."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,8 @@ TILT_SPAN = 0.2  # s: accelerations of the drive wash out longer changes of tilt
 LAG_STEP = 0.01  # s
 LAGS = 50  # steps that are tried to either side
 LONGEST_LAG = LAGS * LAG_STEP
+# Spans this many times further off than half of them are left out, again and again: there a match has jumped.
+OUTLYING, ROUNDS = 5.0, 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,8 +34,9 @@ class Gravity:
 class Agreement:
     """How one account of a turn follows another, the reference.
 
-    correlation: over the spans, after the lag is taken out. ratio: its angles over those of the reference.
-    lag: seconds by which the reference is stamped late; explained: the share of the disagreement that it explains.
+    correlation: over the spans that agree, after the lag is taken out. ratio: there, its angles over those of the
+    reference. lag: seconds by which the reference is stamped late; explained: the share of the disagreement over
+    all spans that it explains.
     spans: how many, without overlap. moved: root mean square of the reference's change in a span, radians.
     """
 
@@ -73,13 +77,21 @@ def compare_turns(times: Float64s, yaw: Float64s, rate_times: Float64s, rates: F
         return late - np.interp(times[begin] - lag, rate_times, angle)
 
     lags = LAG_STEP * np.arange(-LAGS, LAGS + 1)
-    scores = [_correlation(turned, felt(lag)) for lag in lags]
-    best = int(np.argmax(np.abs(scores)))
+    heard = np.array([felt(lag) for lag in lags])
+    kept = np.ones(len(turned), np.bool_)
+    for _ in range(ROUNDS):
+        scores = [_correlation(turned[kept], late[kept]) for late in heard]
+        best = int(np.argmax(np.abs(scores)))
+        ratio = _ratio(turned[kept], heard[best, kept])
+        off = heard[best] - math.copysign(ratio, scores[best]) * turned
+        off = np.abs(off - np.median(off))
+        kept = off <= OUTLYING * np.median(off)
+    at_best, at_none = _correlation(turned, heard[best]), _correlation(turned, heard[LAGS])
     return Agreement(
         correlation=scores[best],
-        ratio=_ratio(turned, felt(lags[best])),
+        ratio=ratio,
         lag=float(lags[best]),
-        explained=1.0 - (1.0 - scores[best] ** 2) / max(1.0 - scores[LAGS] ** 2, 1e-12),
+        explained=1.0 - (1.0 - at_best**2) / max(1.0 - at_none**2, 1e-12),
         spans=int(len(turned) * min(1.0, float(np.median(np.diff(times))) / TURN_SPAN)),
         moved=float(np.sqrt(np.mean(turned**2))),
     )

@@ -109,11 +109,11 @@ def test_mumble_gives_milli_g_and_degrees_and_mirrors_its_scan(recordings: Path,
 
 
 def test_kitchen_is_scanned_a_fifth_of_a_second_late(recordings: Path) -> None:
-    """Its stamps are those of publishing."""
+    """Its stamps are those of publishing; a laser that is matched alone tells the delay within a twentieth."""
     report = inspect_bag(recordings / "mumble_lidar_imu" / "kitchen_1", SourceOptions())
     flag, seconds = report.findings[-1].repair.split()
     assert flag == "--scan-delay"
-    assert float(seconds) == pytest.approx(0.2, abs=0.03)
+    assert float(seconds) == pytest.approx(0.2, abs=0.05)
 
 
 def test_an_imu_at_rest_shows_its_unit_alone(recordings: Path) -> None:

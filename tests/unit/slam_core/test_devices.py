@@ -47,6 +47,18 @@ def test_headings_that_are_not_known_are_left_out() -> None:
     assert compare_turns(SCAN_TIMES, np.full(len(yaw), np.nan), IMU_TIMES, turning(IMU_TIMES)) is None
 
 
+def test_a_match_that_jumps_hides_no_device() -> None:
+    """With jumps of half a radian in a few places the ratio and the lag are found as well as without."""
+    yaw = heading(SCAN_TIMES - 0.1)
+    for k, jump in ((60, 0.5), (90, -0.6), (130, 0.5)):
+        yaw[k:] += jump
+    found = compare_turns(SCAN_TIMES, yaw, IMU_TIMES, 57.3 * turning(IMU_TIMES))
+    assert found is not None
+    assert found.correlation > 0.97
+    assert found.ratio == pytest.approx(57.3, rel=0.05)
+    assert found.lag == pytest.approx(0.1, abs=0.011)
+
+
 def test_independent_turns_do_not_agree() -> None:
     """Noise against noise stays far from a correlation that anybody would believe."""
     noise = np.random.default_rng(2)
