@@ -124,7 +124,10 @@ def fuse_part(
     observed_only: bool,
     spared: Int64s,
 ) -> tuple[Float64s, Float64s]:
-    """`fuse` on a part of P: see slam_core.intersection.intersect. What is held counts as any other error."""
+    """Eqs. (18)-(20), or the Kalman update, on a part of P: see slam_core.intersection.intersect.
+
+    What is held counts as any other error.
+    """
     # Called in one place, as what is called is compiled into this function at each.
     rest, kept = P, np.zeros((0, len(P)))
     if blind[0] != 0.0 or blind[1] != 0.0:
@@ -160,15 +163,17 @@ def _fuse_observed(
     spared: Int64s,
 ) -> tuple[Float64s, Float64s]:
     observed = P
-    if rule in (MIN_TRACE, MIN_DETERMINANT):
-        CP = multiply(C, P)
-        projected = multiply(C, CP.T.copy())
-        seen, gained = (projected, projected) if observed_only else (P, CP)
-        omega, rule = lightest(seen, gained, projected, R, rule == MIN_TRACE), FIXED
     if observed_only:
         W = hanging(P, C)
         observed = multiply(W.T.copy(), W)
-    error, reduced = fuse(observed, C, R, innovation, rule, omega)
+    CP = multiply(C, observed)
+    projected = multiply(C, CP.T.copy())
+    if rule in (MIN_TRACE, MIN_DETERMINANT):
+        seen, gained = (projected, projected) if observed_only else (P, CP)
+        omega, rule = lightest(seen, gained, projected, R, rule == MIN_TRACE), FIXED
+    weight, share = (1.0, 1.0) if rule == KALMAN else ((1.0 - omega) / omega, 1.0 - omega)
+    error, reduced = gain(observed, CP, projected + weight * R, innovation)
+    reduced = reduced / share
     if observed_only:
         reduced = P - observed + reduced
     elif rule == FIXED:
@@ -197,18 +202,6 @@ def kalman(P: Float64s, C: Float64s, R: Float64s, innovation: Float64s) -> tuple
     """The Kalman update: the correction to add to the state, and P after it."""
     CP = multiply(C, P)
     return gain(P, CP, multiply(C, CP.T.copy()) + R, innovation)
-
-
-@njit(error_model="numpy", inline="always")
-def fuse(
-    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float
-) -> tuple[Float64s, Float64s]:
-    """Eqs. (18)-(20), or the Kalman update: the correction to add to the state, and P+."""
-    CP = multiply(C, P)
-    projected = multiply(C, CP.T.copy())
-    weight, share = (1.0, 1.0) if rule == KALMAN else ((1.0 - omega) / omega, 1.0 - omega)
-    error, reduced = gain(P, CP, projected + weight * R, innovation)
-    return error, reduced / share
 
 
 @njit(cache=True, error_model="numpy")
