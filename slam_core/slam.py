@@ -363,7 +363,8 @@ class HectorSlam:
             )
             fused = self._filter.planar(time_ns)
         self._fused = fused.mean
-        return self._drawn.claim(fused, blind), navigation
+        # A map that is only read was drawn by another drive, whatever this one loses.
+        return self._drawn.claim(fused, blind) if self._writes else fused, navigation
 
 
 class _Laps:

@@ -8,6 +8,7 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import ConfigError, MapConfig, MatcherConfig, SlamConfig, with_value
+from slam_core.given import GivenMap, saved_levels
 from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
 from tests.worlds import room_scan, same_map
@@ -244,3 +245,33 @@ def test_odometry_reaches_the_filter():
                 last = slam.step(room_scan(np.zeros(3), k * 10_000_000)) or last
         speeds.append(last.navigation.velocity[0])
     assert speeds[1] > speeds[0] + 0.02
+
+
+def corridor_scan(x, stamp_ns):
+    """Walls one metre to either side and ends at -3 m and 20 m; the laser sees 8 m."""
+    angles = np.linspace(-3.1, 3.1, 720)
+    ahead, aside = np.cos(angles), np.abs(np.sin(angles))
+    ends = np.where(ahead > 0.0, 20.0 - x, 3.0 + x) / np.abs(ahead)
+    ranges = np.minimum(1.0 / aside, ends)
+    ranges[ranges > 8.0] = np.inf
+    noise = np.random.default_rng(stamp_ns // DT).normal(0.0, 0.005, len(ranges))
+    return LaserScan(stamp_ns, (ranges + noise).astype(np.float32), -3.1, angles[1] - angles[0], range_max=8.0)
+
+
+def along_corridor(given=None):
+    """The pipeline after 15 m by wheels, and how uncertain it is along at every scan."""
+    slam, sigmas = HectorSlam(CONFIG, given=given), []
+    for k in range(301):
+        slam.step(Odometry(k * DT, np.array([0.5, 0.0]), 0.0))
+        result = slam.step(corridor_scan(0.05 * k, k * DT))
+        sigmas += [math.sqrt(result.fused.covariance[0, 0])] if result else []
+    return slam, sigmas
+
+
+def test_what_an_open_direction_cost_is_claimed_on_a_map_drawn_meanwhile_and_on_no_other():
+    """Mapping, the end of the corridor takes nothing back; a robot that only seeks its place is sure of it there."""
+    slam, mapping = along_corridor()
+    assert mapping[-1] > 0.9 * max(mapping) > 0.02
+    _, localised = along_corridor(GivenMap("corridor", saved_levels(slam.pyramid), start=np.zeros(3)))
+    assert max(localised) > 0.02
+    assert localised[-1] < 0.25 * max(localised)
