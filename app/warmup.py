@@ -81,9 +81,7 @@ def _run(inertial: bool) -> None:
                 pipeline.step(ready)
         for ready in pipeline.flush():
             pipeline.step(ready)
-        given = GivenMap(
-            "the room", saved_levels(pipeline.slam.pyramid)
-        )  # the second run looks for its place in it
+        given = GivenMap("the room", saved_levels(pipeline.slam.pyramid))  # the second run seeks its place there
 
 
 def _room(inertial: bool) -> list[Measurement]:

@@ -55,7 +55,7 @@ def drive(scene: str, seed: int, config: SlamConfig, correlation: float = 0.0, b
                 xi = geometry.planar(truth) + noise
                 omega, widen = config.fusion.omega, config.fusion.widen_vertical
                 R = np.diag(CLAIMED**2)
-                _, state = estimator.fuse_planar(middle, xi, R, omega, widen_vertical=widen)
+                state = estimator.fuse_planar(middle, xi, R, omega, widen_vertical=widen)
                 velocity = motion.at(np.array([(middle - START_NS) * 1e-9]), 1)[0, :3]
                 drift = (*(state.velocity - velocity), *(state.gyro_bias - bias))
                 errors.append((middle, *_errors(state, truth), *drift))

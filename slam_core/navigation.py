@@ -5,11 +5,11 @@ The attitude is a quaternion and its error a small rotation about the map's axes
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
+from slam_core.aiding.ledger import Ledger
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
 from slam_core.history import Belief, History
 from slam_core.inertial import Intake
@@ -35,14 +35,10 @@ class NavigationFilter:
     """Predict with every inertial sample; correct with everything else, at its own time, in any order.
 
     ready: whether the filter has found its attitude; before that, corrections are counted and dropped.
-    counts: what was not used as it came, by reason.
     """
 
     def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
-        self.counts: Counter[str] = Counter()
-        self._dropped: dict[str, Counter[str]] = {}
-        # By source: its status as the belief has it, and with what was dropped.
-        self._told: dict[str, tuple[AidingStatus | None, AidingStatus]] = {}
+        self._ledger = Ledger()
         self._config, self._platform = config, platform or PlatformConfig()
         self._intake = Intake()
         self._first: list[tuple[int, Float64s]] = []
@@ -58,13 +54,17 @@ class NavigationFilter:
     def copy(self) -> "NavigationFilter":
         """An independent copy."""
         other = NavigationFilter(self._config, self._platform)
-        other.counts = self.counts.copy()
-        other._dropped = {source: reasons.copy() for source, reasons in self._dropped.items()}
+        other._ledger = self._ledger.copy()
         other._intake = self._intake.copy()
         other._first = self._first.copy()
         other._history = self._history.copy() if self._history else None
         other._doubted_ns, other._begin_ns = self._doubted_ns, self._begin_ns
         return other
+
+    @property
+    def counts(self) -> Counter[str]:
+        """What was not used as it came, by reason."""
+        return self._ledger.counts
 
     @property
     def ready(self) -> bool:
@@ -157,16 +157,14 @@ class NavigationFilter:
         *,
         blind: Float64s = NOWHERE,
         widen_vertical: bool = True,
-    ) -> tuple[NavigationState, NavigationState]:
-        """Eqs. (18)-(20) with a match at an instant: the belief there before and after; it must be `ready`.
+    ) -> NavigationState:
+        """Eqs. (18)-(20) with a match at an instant: the belief there, as it was if the match is of no use.
 
-        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, widen_vertical: see PlanarPose. The same belief
-        twice if the match is of no use.
+        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, widen_vertical: see PlanarPose.
         """
-        before = self.at(time_ns)
         match = PlanarPose(np.array(xi), np.array(R), omega, method, gate, np.array(blind), widen_vertical)
-        taken = self.correct(time_ns, match)
-        return before, self.at(time_ns) if taken else before
+        self.correct(time_ns, match)
+        return self.at(time_ns)
 
     def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Be at a planar pose at an instant, wherever the base was believed to be before."""
@@ -190,21 +188,12 @@ class NavigationFilter:
 
     def drop(self, source: str, reason: str) -> None:
         """Count a measurement of a source that is of no use."""
-        self.counts[reason] += 1
-        self._dropped.setdefault(source, Counter())[reason] += 1
-        self._told.pop(source, None)
+        self._ledger.drop(source, reason)
 
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source that was heard, up to the newest belief."""
-        statuses = dict(self._history.statuses()) if self._history else {}
-        for source, reasons in self._dropped.items():
-            status = statuses.get(source)
-            if source not in self._told or self._told[source][0] is not status:
-                told = replace(status or AidingStatus(source), dropped=dict(reasons))
-                self._told[source] = status, told
-            statuses[source] = self._told[source][1]
-        return tuple(statuses.values())
+        return self._ledger.told(self._history.statuses() if self._history else {})
 
     @property
     def _belief(self) -> History:

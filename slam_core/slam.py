@@ -358,7 +358,7 @@ class HectorSlam:
             self._plane.matched(time_ns)
         else:
             rule = config.omega, config.method, config.gate
-            _, navigation = self._filter.fuse_planar(
+            navigation = self._filter.fuse_planar(
                 time_ns, match.pose, match.covariance, *rule, blind=blind, widen_vertical=config.widen_vertical
             )
             fused = self._filter.planar(time_ns)

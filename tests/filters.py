@@ -41,7 +41,7 @@ def run(
         while t + 0.015 <= k / 100:
             error = noise * np.array([0.01, 0.01, np.radians(0.1)]) * rng.normal(size=3)
             if estimator.ready:
-                yield t, estimator.fuse_planar(stamp(t), xi(ride, t) + error, R, OMEGA)[1]
+                yield t, estimator.fuse_planar(stamp(t), xi(ride, t) + error, R, OMEGA)
             t += 0.025
 
 

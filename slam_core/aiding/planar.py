@@ -14,6 +14,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.aiding import gates
 from slam_core.aiding.corrections import Correction
+from slam_core.aiding.ledger import Ledger
 from slam_core.config import MotionConfig
 from slam_core.kernels.navigation import STATES
 from slam_core.measurements import Float64s, Int64s, Transform
@@ -28,17 +29,21 @@ PLANAR = [3, 4, 2, 6, 7, 11]  # where x, y, psi, the velocity in the map and the
 
 
 class PlanarEstimator:
-    """A planar motion as aids see a filter. counts: what was not used, by reason."""
+    """A planar motion as aids see a filter."""
 
     def __init__(self, motion: PlanarMotion) -> None:
-        self.counts: Counter[str] = Counter()
+        self._ledger = Ledger()
         self._motion = motion
         self._statuses: gates.Statuses = {}
-        self._dropped: dict[str, Counter[str]] = {}
 
     def configure(self, config: MotionConfig, patience: float) -> None:
         """The settings that hold from now on, patience in seconds; needed before a correction."""
         self._config, self._patience_ns = config, round(patience * 1e9)
+
+    @property
+    def counts(self) -> Counter[str]:
+        """What was not used, by reason."""
+        return self._ledger.counts
 
     @property
     def ready(self) -> bool:
@@ -48,10 +53,7 @@ class PlanarEstimator:
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source."""
-        statuses = dict(self._statuses)
-        for source, reasons in self._dropped.items():
-            statuses[source] = replace(statuses.get(source) or AidingStatus(source), dropped=dict(reasons))
-        return tuple(statuses.values())
+        return self._ledger.told(self._statuses)
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant near the last one known."""
@@ -63,8 +65,7 @@ class PlanarEstimator:
 
     def drop(self, source: str, reason: str) -> None:
         """Count a measurement of a source that is of no use."""
-        self.counts[reason] += 1
-        self._dropped.setdefault(source, Counter())[reason] += 1
+        self._ledger.drop(source, reason)
 
     def matched(self, time_ns: int) -> None:
         """A match was fused: it vouches for the pose."""

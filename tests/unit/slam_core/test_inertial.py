@@ -115,6 +115,6 @@ def test_any_rate_of_samples_with_gaps_jitter_and_duplicates(rate: float) -> Non
         if estimator.ready and t > due:
             due += 0.05
             at = t - 0.01
-            _, state = estimator.fuse_planar(stamp(at), xi(ride, at), R, OMEGA)
+            state = estimator.fuse_planar(stamp(at), xi(ride, at), R, OMEGA)
             off.append(np.linalg.norm((state.T_map_base.translation - ride.position(at))[:2]))
     assert len(off) > 90 and max(off) < 0.06

@@ -90,7 +90,7 @@ def test_every_method_of_fusion_follows_a_walk(method: FusionMethod) -> None:
     for k, sample in enumerate(ride.samples(6.0, noise=1.0)):
         estimator.predict(sample)
         if estimator.ready and k % 3 == 0:
-            _, state = estimator.fuse_planar(sample.stamp_ns, xi(ride, k / 100), R, OMEGA, method)
+            state = estimator.fuse_planar(sample.stamp_ns, xi(ride, k / 100), R, OMEGA, method)
             off.append(np.linalg.norm((state.T_map_base.translation - ride.position(k / 100))[:2]))
             assert np.linalg.eigvalsh(state.covariance)[0] > 0.0
     assert max(off) < 0.05

@@ -269,7 +269,7 @@ def along_corridor(given=None):
 
 
 def test_what_an_open_direction_cost_is_claimed_on_a_map_drawn_meanwhile_and_on_no_other():
-    """Mapping, the end of the corridor takes nothing back; a robot that only seeks its place is sure of it there."""
+    """Mapping, the end of the corridor takes nothing back; a robot that only seeks its place is sure of it."""
     slam, mapping = along_corridor()
     assert mapping[-1] > 0.9 * max(mapping) > 0.02
     _, localised = along_corridor(GivenMap("corridor", saved_levels(slam.pyramid), start=np.zeros(3)))
