@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from slam_core.config import MapConfig
 from slam_core.grid import GridLevel
 from slam_core.kernels.doubting import by_bearing
-from slam_core.kernels.mapping import bounds
+from slam_core.kernels.mapping import cell_box
 from slam_core.kernels.planar import transform_points
 from slam_core.measurements import Float32s, Float64s
 
@@ -81,11 +81,11 @@ class Pyramid:
 
     def _make_room(self, points: Float64s, limit: float) -> None:
         """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""
-        rows, columns = self.levels[0].shape
-        box = bounds(points)
-        us, vs = self.levels[0].cell_of(box[:, 0], box[:, 1])
-        below, above = self._missing(vs, rows)
-        left, right = self._missing(us, columns)
+        finest = self.levels[0]
+        rows, columns = finest.shape
+        row0, row1, column0, column1 = cell_box(points, finest.corner, finest.resolution)
+        below, above = self._missing(row0, row1, rows)
+        left, right = self._missing(column0, column1, columns)
         if not (below or above or left or right):
             return
         cells = (rows + below + above) * (columns + left + right)
@@ -94,10 +94,10 @@ class Pyramid:
             for i, level in enumerate(self.levels):
                 level.grow(below >> i, above >> i, left >> i, right >> i)
 
-    def _missing(self, cells: NDArray[np.int64], size: int) -> tuple[int, int]:
-        """How many of the finest cells to add before and behind `size` of them, to reach the lowest and last."""
+    def _missing(self, first: int, end: int, size: int) -> tuple[int, int]:
+        """How many of the finest cells to add before and behind `size` of them, to reach first and last."""
         margin = MARGIN * self._block
-        lacking = margin - int(cells[0]), int(cells[1]) + 1 + margin - size
+        lacking = margin - first, end + margin - size
         before, behind = (_whole(max(n, int(GROWTH * size)), self._block) if n > 0 else 0 for n in lacking)
         return before, behind
 

@@ -1,4 +1,4 @@
-"""What a sweep frees must be what each of its beams alone would, however many share a way."""
+"""What a sweep changes must not hang on how beams share a way, nor on how cells share a row."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -41,3 +41,19 @@ def test_a_sweep_frees_the_ways_of_all_its_beams(seed, beams, angle, jagged):
         expected[cells[:, 1], cells[:, 0]] = True
     expected[ends[:, 1], ends[:, 0]] = False
     np.testing.assert_array_equal(level.log_odds < 0, expected)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10_000), st.integers(1, 100), st.integers(1, 100), st.integers(0, 40))
+def test_a_map_of_any_width_is_that_part_of_a_wide_one(seed, rows, columns, beams):
+    """Narrower than a block of cells, or not a whole number of them: both maps are the same to the last bit."""
+    rng = np.random.default_rng(seed)
+    narrow, wide = (GridLevel(1.0, shape, np.zeros(2)) for shape in ((rows, columns), (128, 128)))
+    for _ in range(4):
+        start = rng.uniform(0, (columns, rows))
+        ends, empty = (rng.uniform(0, (columns, rows), (n, 2)) for n in (beams, beams // 4))
+        for level in (narrow, wide):
+            level.update(start, ends, empty, (FREE, OCCUPIED), (-2.0, 3.0), -0.5)
+    # Beyond its edge the narrow map has no cell behind a beam's end.
+    np.testing.assert_array_equal(narrow.log_odds, wide.log_odds[:rows, :columns])
+    np.testing.assert_array_equal(narrow.cells, wide.cells[:rows, :columns])
