@@ -74,8 +74,10 @@ def write_scan(log_odds, cells, marks, corner, resolution, start, hits, empty, f
         _mark_behind(marks, rows, columns, corner, resolution, start, hits)
         column0, column1 = max(column0 - 1, 0), min(column1 + 1, columns)
         row0, row1 = max(row0 - 1, 0), min(row1 + 1, rows)
-    change = _change if columns >= BLOCK else _change_narrow
-    change(log_odds, cells, marks, row0, row1, column0, column1, free, occupied, low, high, behind)
+    if columns >= BLOCK:
+        _change(log_odds, cells, marks, row0, row1, column0, column1, free, occupied, low, high, behind)
+    else:
+        _change_narrow(log_odds, cells, marks, row0, row1, column0, column1, free, occupied, low, high, behind)
     return row0, row1, column0, column1
 
 
