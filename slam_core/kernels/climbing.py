@@ -13,7 +13,7 @@ from slam_core.kernels.planar import inverse3
 from slam_core.kernels.surfaces import tangents, weakest_direction
 
 # Of the beams, evenly, this many at least show how well the shape of the scan fixes its position.
-SURVEYED = 360
+SURVEYED = 180
 # A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
 LARGEST_SIGMA = (10.0, 10.0, math.pi)
 
