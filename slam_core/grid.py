@@ -104,7 +104,12 @@ class GridLevel:
         self.known = (row, row + rows, column, column + columns)
 
     def doubt(
-        self, laser: Float64s, beams: tuple[Float64s, NDArray[np.int64]], behind: float, most: float, free: float
+        self,
+        laser: Float64s,
+        beams: tuple[Float64s, NDArray[np.int64], Float64s],
+        behind: float,
+        most: float,
+        free: float,
     ) -> int:
         """Take `most` log-odds at most and the step `free` from every occupied cell that beams pass.
 

@@ -44,8 +44,8 @@ def coarse_to_fine(
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
     steps = np.empty((len(levels), kept, 3))
     found, taken, converged = climb(
-        tuple(level.cells for level in levels),
-        tuple(level.corner for level in levels),
+        tuple([level.cells for level in levels]),
+        levels[0].corner,
         levels[0].resolution,
         points,
         start,

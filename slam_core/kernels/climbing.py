@@ -21,7 +21,7 @@ LARGEST_SIGMA = (10.0, 10.0, math.pi)
 @njit(cache=True, error_model="numpy")
 def climb(
     cells,
-    corners,
+    corner,
     resolution,
     points,
     start,
@@ -40,7 +40,7 @@ def climb(
 ):
     """The match (8, 3), steps of each level, and whether the finest converged.
 
-    cells, corners: tuples over the levels, finest first, whose cells are `resolution` metres, then twice that.
+    cells: of the levels, finest first, a tuple; they are `resolution` metres, then twice that. corner: of the finest.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
     trace: (levels, k, 3) takes the first k iterates of each level. The match is the pose, the direction that the
     scan leaves open, if any, with the share of beams that fix it, the Hessian (13) and the covariance (15).
@@ -63,7 +63,7 @@ def climb(
         allowed = iterations_coarse if i else iterations_fine
         taken[i], converged = gauss_newton(
             cells[i],
-            corners[i],
+            corner >> i,
             1.0 / (resolution * (1 << i)),
             *beams,
             pose,
@@ -75,7 +75,7 @@ def climb(
             residuals,
             trace[i],
         )
-    found[2:5] = hessian(cells[0], corners[0], 1.0 / resolution, beams, pose, residuals)
+    found[2:5] = hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals)
     found[5:] = hessian_covariance(found[2:5], sigma, blind)
     return found, taken, converged
 

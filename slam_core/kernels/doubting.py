@@ -6,65 +6,85 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import WHOLE
+from slam_core.kernels.mapping import cells_of
+from slam_core.kernels.memory import lane
+
+get, _ = lane(0)
 
 BINS = 720  # of half a degree each
 BIN = 2.0 * math.pi / BINS
-BLOCK = 32  # cells that are looked at together: nearly all are free or unknown
+BLOCK = 64  # cells that are looked at together: nearly all are free or unknown
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
 
 @njit(cache=True, error_model="numpy")
 def by_bearing(laser, ends):
-    """(n,) metres from the laser to the ends (n, 2), by bin of bearings, and (BINS + 1,) where each bin begins."""
+    """(n,) metres from the laser to the ends (n, 2), by bin of bearings; (BINS + 1,) where each bin begins; a box.
+
+    The box, lowest and highest coordinates (2, 2), holds every place that a beam or its bin passes.
+    """
     bins, begin = np.empty(len(ends), np.int64), np.zeros(BINS + 1, np.int64)
+    ways, box, longest = np.empty(len(ends)), np.empty((2, 2)), 0.0
+    box[:] = laser
     for k in range(len(ends)):
-        bins[k] = _bin(ends[k, 0] - laser[0], ends[k, 1] - laser[1])
+        dx, dy = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
+        bins[k], ways[k] = _bin(dx, dy), math.sqrt(dx * dx + dy * dy)
         begin[bins[k] + 1] += 1
+        longest = max(longest, ways[k])
+        for j in range(2):
+            box[0, j], box[1, j] = min(box[0, j], ends[k, j]), max(box[1, j], ends[k, j])
+    for j in range(2):
+        box[0, j] -= BIN * longest
+        box[1, j] += BIN * longest
     for b in range(BINS):
         begin[b + 1] += begin[b]
     lengths, place = np.empty(len(ends)), begin[:-1].copy()
     for k in range(len(ends)):
-        lengths[place[bins[k]]] = math.hypot(ends[k, 0] - laser[0], ends[k, 1] - laser[1])
+        lengths[place[bins[k]]] = ways[k]
         place[bins[k]] += 1
-    return lengths, begin
+    return lengths, begin, box
 
 
 @njit(cache=True, error_model="numpy")
-def doubt_passed(log_odds, cells, corner, resolution, box, laser, lengths, begin, behind, most, free):
+def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, begin, box, behind, most, free):
     """Take `most` log-odds at most and the step `free` from every occupied cell that is passed.
 
-    box: row0, row1, column0, column1 (half open). lengths, begin: as of `by_bearing`. A cell is passed if beams of
-    its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a wall that
-    is met at a slant, or an edge. Returns how many were.
+    known: row0, row1, column0, column1 (half open). lengths, begin, box: as of `by_bearing`. A cell is passed if
+    beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a
+    wall that is met at a slant, or an edge. Returns how many were.
     """
-    passed = 0
-    for row in range(box[0], box[1]):
-        odds, dy = log_odds[row], (row + corner[1] + 0.5) * resolution - laser[1]
-        for first in range(box[2], box[3], BLOCK):
-            last = min(first + BLOCK, box[3])
-            if not _any_occupied(odds[first:last]):
+    columns, odds = log_odds.shape[1], log_odds.reshape(-1)
+    (left, right), (low, high) = cells_of(box, corner, resolution)
+    last, passed = min(known[3], right + 1), 0
+    for row in range(max(known[0], low), min(known[1], high + 1)):
+        dy = (row + corner[1] + 0.5) * resolution - laser[1]
+        for first in range(max(known[2], left), last, BLOCK):
+            if first + BLOCK <= last and not _any_occupied(odds, row * columns + first):
                 continue
-            for column in range(first, last):
+            for column in range(first, min(first + BLOCK, last)):
+                value = get(odds, row * columns + column)
+                if value <= 0.0:
+                    continue
                 dx = (column + corner[0] + 0.5) * resolution - laser[0]
-                if odds[column] > 0.0 and _is_passed(dx, dy, lengths, begin, behind):
-                    value = min(odds[column], most) + free
-                    odds[column] = value
+                if _is_passed(dx, dy, lengths, begin, behind):
+                    value = min(value, most) + free
+                    log_odds[row, column] = value
                     cells[row, column] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
                     passed += 1
     return passed
 
 
 @njit(inline="always")
-def _any_occupied(odds):
+def _any_occupied(odds, first):
     count = np.int32(0)
-    for i in range(len(odds)):
-        count += np.int32(odds[i] > np.float32(0.0))
+    for k in range(BLOCK):
+        count += np.int32(get(odds, first + k) > np.float32(0.0))
     return count > 0
 
 
 @njit(inline="always")
 def _is_passed(dx, dy, lengths, begin, behind):
-    distance = math.hypot(dx, dy)
+    distance = math.sqrt(dx * dx + dy * dy)
     b = _bin(dx, dy)
     reach = _nearest(lengths, begin, b, NEAR * distance)
     if distance + behind < reach < np.inf:
@@ -101,4 +121,5 @@ def ends_in_free_space(log_odds, corner, resolution, ends, around, found):
 
 @njit(inline="always")
 def _bin(dx, dy):
-    return math.floor(math.atan2(dy, dx) / BIN) % BINS
+    b = np.int64(np.floor(math.atan2(dy, dx) / BIN))
+    return b if b >= 0 else b + BINS
