@@ -119,11 +119,11 @@ class GridLevel:
         arrays = (self.log_odds, self.cells, self.corner, self.resolution, self.known)
         return int(doubt_passed(*arrays, laser, *beams, *limits))
 
-    def unexpected(self, ends: Float64s, apart: float) -> NDArray[np.bool_]:
-        """Which ends (n, 2), map metres, lie in free space and at least `apart` metres from what is occupied."""
-        found = np.empty(len(ends), np.bool_)
+    def unexpected(self, points: Float32s, pose: Float64s, apart: float) -> NDArray[np.bool_]:
+        """Which points (n, 2) of a scan at `pose` (3,) lie in free space, `apart` metres from what is occupied."""
+        found = np.empty(len(points), np.bool_)
         around = round(apart / self.resolution)
-        ends_in_free_space(self.log_odds, self.corner, self.resolution, ends, around, found)
+        ends_in_free_space(self.cells, self.corner, self.resolution, points, pose, around, found)
         return found
 
     def classes(self) -> NDArray[np.uint8]:

@@ -77,7 +77,7 @@ class Pyramid:
 
     def unexpected(self, points: Float32s, pose: Float64s) -> NDArray[np.bool_]:
         """(n,) which points (n, 2) of a scan at `pose` (3,) end where the map says free: new, or on the move."""
-        return self.levels[0].unexpected(transform_points(pose, points), APART)
+        return self.levels[0].unexpected(points, pose, APART)
 
     def _make_room(self, points: Float64s, limit: float) -> None:
         """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""

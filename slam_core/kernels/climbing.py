@@ -40,7 +40,8 @@ def climb(
 ):
     """The match (8, 3), steps of each level, and whether the finest converged.
 
-    cells: of the levels, finest first, a tuple; they are `resolution` metres, then twice that. corner: of the finest.
+    cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
+    corner: (2,) of the finest.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
     trace: (levels, k, 3) takes the first k iterates of each level. The match is the pose, the direction that the
     scan leaves open, if any, with the share of beams that fix it, the Hessian (13) and the covariance (15).

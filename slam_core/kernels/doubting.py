@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.bilinear import WHOLE
+from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.mapping import cells_of
 from slam_core.kernels.memory import lane
 
@@ -53,21 +53,20 @@ def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, beg
     beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a
     wall that is met at a slant, or an edge. Returns how many were.
     """
-    columns, odds = log_odds.shape[1], log_odds.reshape(-1)
+    columns, flat = cells.shape[1], cells.reshape(-1)
     (left, right), (low, high) = cells_of(box, corner, resolution)
     last, passed = min(known[3], right + 1), 0
     for row in range(max(known[0], low), min(known[1], high + 1)):
         dy = (row + corner[1] + 0.5) * resolution - laser[1]
         for first in range(max(known[2], left), last, BLOCK):
-            if first + BLOCK <= last and not _any_occupied(odds, row * columns + first):
+            if first + BLOCK <= last and not _any_occupied(flat, row * columns + first):
                 continue
             for column in range(first, min(first + BLOCK, last)):
-                value = get(odds, row * columns + column)
-                if value <= 0.0:
+                if get(flat, row * columns + column) <= UNKNOWN:
                     continue
                 dx = (column + corner[0] + 0.5) * resolution - laser[0]
                 if _is_passed(dx, dy, lengths, begin, behind):
-                    value = min(value, most) + free
+                    value = min(log_odds[row, column], most) + free
                     log_odds[row, column] = value
                     cells[row, column] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
                     passed += 1
@@ -75,10 +74,10 @@ def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, beg
 
 
 @njit(inline="always")
-def _any_occupied(odds, first):
+def _any_occupied(cells, first):
     count = np.int32(0)
     for k in range(BLOCK):
-        count += np.int32(get(odds, first + k) > np.float32(0.0))
+        count += np.int32(get(cells, first + k) > UNKNOWN)
     return count > 0
 
 
@@ -104,18 +103,23 @@ def _nearest(lengths, begin, b, least):
 
 
 @njit(cache=True, error_model="numpy")
-def ends_in_free_space(log_odds, corner, resolution, ends, around, found):
-    """Whether each end (n, 2) lies in a free cell, no occupied one within `around` cells, into `found` (n,)."""
-    rows, columns = log_odds.shape
-    for k in range(len(ends)):
-        u = np.int64(np.floor(ends[k, 0] / resolution)) - corner[0]
-        v = np.int64(np.floor(ends[k, 1] / resolution)) - corner[1]
+def ends_in_free_space(cells, corner, resolution, points, pose, around, found):
+    """Which points (n, 2) of a scan at `pose` (3,) lie in a free cell, no occupied one within `around` cells.
+
+    found: (n,) takes the answers.
+    """
+    rows, columns = cells.shape
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    for k in range(len(points)):
+        x, y = np.float64(points[k, 0]), np.float64(points[k, 1])
+        u = np.int64(np.floor((c * x - s * y + pose[0]) / resolution)) - corner[0]
+        v = np.int64(np.floor((s * x + c * y + pose[1]) / resolution)) - corner[1]
         inside = around <= u < columns - around and around <= v < rows - around
-        found[k] = inside and log_odds[v, u] < 0.0
+        found[k] = inside and cells[v, u] < UNKNOWN
         if found[k]:
             for row in range(v - around, v + around + 1):
                 for column in range(u - around, u + around + 1):
-                    if log_odds[row, column] > 0.0:
+                    if cells[row, column] > UNKNOWN:
                         found[k] = False
 
 
