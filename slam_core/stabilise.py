@@ -8,7 +8,6 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import ScanConfig
-from slam_core.kernels.planar import knots
 from slam_core.kernels.sweeping import place_beams
 from slam_core.measurements import Float32s, Float64s, LaserScan, Transform
 
@@ -38,17 +37,26 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
     attitude is ignored, with config.deskew off the motion during the sweep is.
     """
     n = len(scan.ranges)
-    way = _knots(scan, motion, config)
-    z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
-    cosines, sines = _directions(scan.angle_min, scan.angle_increment, n)
-    points, zs, free = (np.empty(shape, np.float32) for shape in ((n, 2), n, (n, 2)))
+    points, heights, free = np.empty((n, 2), np.float32), np.empty(n, np.float32), np.empty((n, 2), np.float32)
+    laser = np.empty(2)
     kept, cleared = place_beams(
-        np.ascontiguousarray(scan.ranges, np.float32), cosines, sines, way, max(n - 1, 1) / (len(way) - 1),
-        max(config.range_min, scan.range_min), min(config.range_max, _end(scan.range_max)), scan.range_max,
-        config.clear_range, z_laser + config.z_min, z_laser + config.z_max, points, zs, free,
-    )  # fmt: skip
-    laser = 0.5 * (way[0, :2, 3] + way[-1, :2, 3])
-    return StabilisedScan(points[:kept], zs[:kept] - np.float32(z_laser), free[:cleared], laser)
+        np.ascontiguousarray(scan.ranges, np.float32),
+        *_directions(scan.angle_min, scan.angle_increment, n),
+        *motion(_instants(scan, config)),
+        _mount(scan.T_base_laser),
+        config.stabilise,
+        max(config.range_min, scan.range_min),
+        min(config.range_max, _end(scan.range_max)),
+        scan.range_max,
+        config.clear_range,
+        config.z_min,
+        config.z_max,
+        points,
+        heights,
+        free,
+        laser,
+    )
+    return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser)
 
 
 def _end(range_max: float) -> float:
@@ -61,18 +69,14 @@ def _directions(angle_min: float, angle_increment: float, n: int) -> tuple[Float
     return np.cos(angles), np.sin(angles)
 
 
-def _knots(scan: LaserScan, motion: Motion, config: ScanConfig) -> Float64s:
-    """(k, 3, 4) transforms from the laser to the stabilised frame at mid-sweep, in k - 1 equal steps of time."""
+def _instants(scan: LaserScan, config: ScanConfig) -> list[int]:
+    """The middle of the sweep, and two at least in equal steps from its begin to its end."""
     stamp_ns, end_ns = scan.stamp_ns, scan.end_ns
-    sweep_ns = end_ns - stamp_ns
-    times = [(stamp_ns + end_ns) // 2]
-    if config.deskew and sweep_ns > 0:
-        k = 2 + sweep_ns // KNOT_NS
-        times += [stamp_ns + sweep_ns * i // (k - 1) for i in range(k)]
-    else:
-        times *= 3
-    placed: Float64s = knots(*motion(times), _mount(scan.T_base_laser), config.stabilise)
-    return placed
+    sweep_ns, mid_ns = end_ns - stamp_ns, (stamp_ns + end_ns) // 2
+    if not config.deskew or sweep_ns <= 0:
+        return [mid_ns] * 3
+    steps = 1 + sweep_ns // KNOT_NS
+    return [mid_ns, *(stamp_ns + sweep_ns * i // steps for i in range(steps + 1))]
 
 
 @lru_cache(maxsize=8)

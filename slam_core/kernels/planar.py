@@ -1,17 +1,11 @@
 """Small closed forms that run for every scan: numpy's general ones take longer to call than to compute."""
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit
 
-from slam_core import geometry
-
 TINY = 1e-14  # of a pivot: what rounding may leave of it
-
-_matrix: Any = njit(geometry.rotation_matrix)
-_product: Any = njit(geometry.multiply)
 
 
 @njit(cache=True, error_model="numpy")
@@ -62,27 +56,3 @@ def sigmas_apart(a, P, b, R):
         for j in range(3):
             total += d[i] * information[i, j] * d[j]
     return math.sqrt(max(total, 0.0))
-
-
-@njit(cache=True, error_model="numpy")
-def knots(positions, rotations, mount, level):
-    """(k, 3, 4) transforms laser -> stabilised frame for base poses (1 + k, 3) and (1 + k, 4) during a sweep.
-
-    The stabilised frame is that of the first pose, the others are the knots. mount: (4, 4) laser -> base.
-    """
-    out = np.zeros((len(positions) - 1, 3, 4))
-    half = math.atan2(rotations[0, 3], rotations[0, 0])
-    turn = np.array([math.cos(half), 0.0, 0.0, -math.sin(half)])
-    shift = _matrix(turn)
-    for k in range(len(out)):
-        rotation = rotations[1 + k]
-        if not level:
-            rotation = np.array([rotation[0], 0.0, 0.0, rotation[3]]) / np.hypot(rotation[0], rotation[3])
-        R = _matrix(_product(turn, rotation))
-        for i in range(3):
-            for j in range(4):
-                for m in range(3):
-                    out[k, i, j] += R[i, m] * mount[m, j]
-            for m in range(3):
-                out[k, i, 3] += shift[i, m] * (positions[1 + k, m] - positions[0, m])
-    return out

@@ -1,14 +1,19 @@
 """Section IV: every beam of a sweep placed by the motion at its own time."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
 
+from slam_core import geometry
 from slam_core.kernels.memory import lane
 
 get, _ = lane(0)
 _, put = lane(1)
+
+_matrix: Any = njit(geometry.rotation_matrix)
+_product: Any = njit(geometry.multiply)
 
 
 @njit(cache=True, error_model="numpy")
@@ -16,42 +21,73 @@ def place_beams(
     ranges,
     cosines,
     sines,
-    knots,
-    knot_step,
+    positions,
+    rotations,
+    mount,
+    level,
     low,
     high,
     no_return,
     clear_range,
-    z_low,
-    z_high,
+    z_min,
+    z_max,
     points,
-    zs,
+    heights,
     free,
+    laser,
 ):
     """Endpoints (n, 2) and heights (n,) in the stabilised frame, and free ends: returns how many of each.
 
-    knots: (k, 3, 4) transforms laser -> stabilised frame every `knot_step` beams. A range in [low, high)
-    is an endpoint; one of at least `no_return` clears up to `clear_range`, if that is not 0. z_low <= z <= z_high.
+    positions, rotations: (1 + k, 3) and (1 + k, 4) poses of the base, the first the one of the stabilised frame,
+    the others in equal steps of time over the sweep. mount: (4, 4) laser -> base. level: whether roll and pitch
+    count. A range in [low, high) is an endpoint; one of at least `no_return` clears up to `clear_range`, unless
+    that is 0. Heights are over the middle of the laser's way, whose place `laser` (2,) takes, from z_min to z_max.
     """
     n = len(ranges)
+    way = _knots(positions, rotations, mount, level)
+    knot_step = max(n - 1, 1) / (len(way) - 1)
     reaches, ends = np.empty(n), np.empty((3, n))
     for i in range(n):
         r = ranges[i]
         reaches[i] = r if (low <= r) & (r < high) else clear_range
     for j in range(3):
-        _place(reaches, cosines, sines, knots[:, j], knot_step, ends[j])
+        _place(reaches, cosines, sines, way[:, j], knot_step, ends[j])
+    laser[0], laser[1] = 0.5 * (way[0, 0, 3] + way[-1, 0, 3]), 0.5 * (way[0, 1, 3] + way[-1, 1, 3])
+    z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
+    z_low, z_high, over = z_laser + z_min, z_laser + z_max, np.float32(z_laser)
     kept = cleared = 0
     for i in range(n):
         r, z = ranges[i], ends[2, i]
         if z < z_low or z > z_high:
             continue
         if low <= r < high:
-            points[kept, 0], points[kept, 1], zs[kept] = ends[0, i], ends[1, i], z
+            points[kept, 0], points[kept, 1], heights[kept] = ends[0, i], ends[1, i], np.float32(z) - over
             kept += 1
         elif clear_range > 0.0 and r >= no_return:
             free[cleared, 0], free[cleared, 1] = ends[0, i], ends[1, i]
             cleared += 1
     return kept, cleared
+
+
+@njit(cache=True, error_model="numpy")
+def _knots(positions, rotations, mount, level):
+    """(k, 3, 4) transforms laser -> stabilised frame at the poses after the first."""
+    out = np.zeros((len(positions) - 1, 3, 4))
+    half = math.atan2(rotations[0, 3], rotations[0, 0])
+    turn = np.array([math.cos(half), 0.0, 0.0, -math.sin(half)])
+    shift = _matrix(turn)
+    for k in range(len(out)):
+        rotation = rotations[1 + k]
+        if not level:
+            rotation = np.array([rotation[0], 0.0, 0.0, rotation[3]]) / np.hypot(rotation[0], rotation[3])
+        R = _matrix(_product(turn, rotation))
+        for i in range(3):
+            for j in range(4):
+                for m in range(3):
+                    out[k, i, j] += R[i, m] * mount[m, j]
+            for m in range(3):
+                out[k, i, 3] += shift[i, m] * (positions[1 + k, m] - positions[0, m])
+    return out
 
 
 @njit(cache=True, error_model="numpy")
