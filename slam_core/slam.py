@@ -2,36 +2,21 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 from slam_core import geometry
-from slam_core.aiding.aids import AidingMeasurement, Aids
-from slam_core.aiding.planar import PlanarEstimator
 from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.drawn import DrawnMap
-from slam_core.faults import NO_BEAM, SILENT_NS, Watch
+from slam_core.ego_motion import EgoMotion
+from slam_core.faults import NO_BEAM
 from slam_core.given import GivenMap
 from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
-from slam_core.measurements import (
-    Attitude,
-    Float32s,
-    Float64s,
-    GroundDistance,
-    Height,
-    Imu,
-    Int64s,
-    LaserScan,
-    Measurement,
-    Odometry,
-    Transform,
-)
-from slam_core.motion import PlanarMotion, odometry_sigmas
-from slam_core.navigation import UNUSABLE, NavigationFilter
+from slam_core.measurements import Float32s, Float64s, Int64s, LaserScan, Measurement
 from slam_core.pyramid import Pyramid
-from slam_core.results import AidingStatus, Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
+from slam_core.results import Durations, MatchResult, PlanarGaussian, StepResult
 from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
@@ -61,13 +46,8 @@ class HectorSlam:
         self.skipped: Counter[str] = Counter()
         self.trace = False
         self._clock = clock
-        self._planar = PlanarMotion()
-        self._plane = PlanarEstimator(self._planar)
+        self._motion = EgoMotion(config)
         self._tracker = Tracker()
-        self._filter = NavigationFilter(config.navigation, config.platform)
-        self._aids = Aids()
-        self._watch = Watch()
-        self._felt = self._inertial = False
         self._scan_ns = 0
         self._index = 0
         self._pose = np.zeros(3)
@@ -82,7 +62,7 @@ class HectorSlam:
         if needs_restart(self.config, config):
             raise ConfigError("this change needs a new map: restart the run with it")
         self.config = config
-        self._filter.configure(config.navigation, config.platform)
+        self._motion.configure(config)
 
     @property
     def searching(self) -> str:
@@ -97,88 +77,43 @@ class HectorSlam:
     @property
     def now_ns(self) -> int | None:
         """The latest instant of which anything was heard; None before the first scan."""
-        if not self._index:
-            return None
-        if self._inertial and self._scan_ns - self._filter.sample_ns < SILENT_NS:
-            return self._filter.sample_ns
-        return self._scan_ns
+        return self._motion.heard_ns(self._scan_ns) if self._index else None
 
     def motion_at(self, times_ns: Int64s) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at instants (k,), predicted on if need be."""
-        return self._filter.motion_at(times_ns) if self._inertial else self._planar.motion_at(times_ns)
+        return self._motion.motion_at(times_ns)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What holds the pipeline back at the time of the last scan, a sentence each with its remedy."""
         limit = self.pyramid.stopped_at
         full = f"the map stopped growing at its limit of {limit:g} MB: raise map.limit or map.resolution"
-        return (*([full] if limit else []), *self._watch.warnings(self._scan_ns))
+        return (*([full] if limit else []), *self._motion.warnings(self._scan_ns))
 
     @property
     def unused(self) -> Counter[str]:
         """Inertial data, and what aids it, that was not used as it came, by reason."""
-        return self._filter.counts + self._plane.counts
-
-    @property
-    def _aiding(self) -> tuple[AidingStatus, ...]:
-        """What became of every source; sensors that only the filter can use are dropped without it."""
-        return self._filter.aiding if self._inertial else (*self._plane.aiding, *self._filter.aiding)
+        return self._motion.unused
 
     def step(self, measurement: Measurement) -> StepResult | None:
         """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
         if isinstance(measurement, LaserScan):
             result = self._scan(measurement)
-            aiding = result.aiding if result else self._aiding
-            self._watch.look(self._filter, aiding, self.skipped, self._scan_ns)
+            aiding = result.aiding if result else self._motion.aiding
+            self._motion.look(aiding, self.skipped, self._scan_ns)
             return result
         begin = self._clock()
-        if isinstance(measurement, Imu):
-            self._feel(measurement)
-        elif isinstance(measurement, Height):
-            self._filter.update_height(measurement.stamp_ns, measurement.height)
-        elif isinstance(measurement, Odometry):
-            self._wheels(measurement)
-        else:
-            self._aid(measurement)
+        self._motion.take(measurement)
         self._waiting_ns += self._clock() - begin
         return None
 
-    def _feel(self, imu: Imu) -> None:
-        """Inertial data: to the filter; while that cannot begin, its yaw rate is better than nothing."""
-        self._felt = True
-        self._filter.predict(imu)
-        self._aids.feel(imu, self._filter, self.config.aiding)
-        if self._filter.weightless:
-            self._planar.add_yaw_rate(imu.stamp_ns, float(imu.angular_velocity[2]), self.config.motion)
-
-    def _wheels(self, odometry: Odometry) -> None:
-        """A velocity by the wheels, to whichever motion is believed."""
-        if self._filter.ready:
-            motion = self.config.motion
-            sigma = float(odometry_sigmas(odometry, motion)[0])
-            self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma, motion.odometry_gate)
-        elif np.isfinite([*odometry.velocity, odometry.yaw_rate]).all():
-            self._planar.add_odometry(odometry, self.config.motion)
-        else:
-            self._plane.drop("wheels", UNUSABLE)
-
-    def _aid(self, aid: AidingMeasurement) -> None:
-        """The other sensors, to whichever motion is believed; in the plane there is no distance to the ground."""
-        if self._filter.ready:
-            self._aids.take(aid, self._filter, self.config.aiding)
-        elif isinstance(aid, Attitude):
-            self._planar.add_attitude(aid)
-        elif not isinstance(aid, GroundDistance):
-            self._plane.configure(self.config.motion, self.config.navigation.gate_patience)
-            self._aids.take(aid, self._plane, self.config.aiding)
-
     def _scan(self, scan: LaserScan) -> StepResult | None:
         self._scan_ns, mid_ns = scan.end_ns, scan.mid_ns
-        if self._awaits_filter():
+        if self._motion.awaits_filter(self._index > 0):
             self.skipped["scan before the attitude was known"] += 1
             return None
         lap = _Laps(self._clock)
-        leveled = stabilise(scan, self._motion, self.config.scan)
+        leveled = stabilise(scan, self._motion.poses, self.config.scan)
         lap("stabilise")
         if not len(leveled.points):
             self.skipped[NO_BEAM] += 1
@@ -186,12 +121,12 @@ class HectorSlam:
         if not self._placed and not self._begin(leveled, mid_ns):
             self.skipped["scan before the robot was found in the map"] += 1
             return None
-        prior = self._prior(mid_ns)
+        prior = self._motion.prior(mid_ns)
         lap("filter")
         match, verdict = self._match(leveled, prior, mid_ns)
-        if match and verdict.believed and not self._inertial:
+        if match and verdict.believed and (guess := self._motion.guessed):
             leveled, match = refine(
-                scan, leveled, match, prior, self.pyramid, self._planar, self.config, trace=self.trace
+                scan, leveled, match, prior, self.pyramid, guess, self.config, trace=self.trace
             )
             self._pose = match.pose
         lap("match")
@@ -200,10 +135,12 @@ class HectorSlam:
         if match and verdict.believed:
             self._doubt(leveled, mid_ns)
         lap("update")
-        fused, navigation = self._fuse(mid_ns, match or FIRST, verdict.believed)
-        if verdict.believed:
-            self._aids.believe(mid_ns)
-        T_map_base = navigation.T_map_base if navigation else self._estimate(mid_ns)
+        seen, motion = match or FIRST, self._motion
+        fused, navigation = motion.fuse(mid_ns, seen) if verdict.believed else motion.coast(mid_ns)
+        self._fused = fused.mean
+        if self._writes:  # a map that is only read was drawn by another drive, whatever this one loses
+            fused = self._drawn.claim(fused, seen.blind)
+        T_map_base = navigation.T_map_base if navigation else motion.estimate(mid_ns, self._pose)
         lap("filter", self._waiting_ns)
         self._index, self._waiting_ns = self._index + 1, 0
         return StepResult(
@@ -223,38 +160,14 @@ class HectorSlam:
             durations=lap.durations(),
             tracking=verdict.state,
             reason=verdict.reason,
-            aiding=self._aiding,
-            world=self._aids.world,
+            aiding=motion.aiding,
+            world=motion.world,
         )
-
-    def _awaits_filter(self) -> bool:
-        """Change over to the filter once it is ready; whether a scan has to be skipped until then."""
-        if self._filter.ready and not self._inertial:
-            if self._index:
-                self._filter.place(self._planar.prior(self._filter.sample_ns, self.config.motion))
-            self._inertial = True
-        return self._felt and not (self._inertial or self._index or self._filter.weightless)
-
-    def _motion(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
-        return self._filter.poses(times_ns) if self._inertial else self._planar.poses(times_ns)
-
-    def _estimate(self, time_ns: int) -> Transform:
-        """T_map_base without inertial data: the match, which nothing independent improves."""
-        tilt = geometry.split_heading(self._planar.pose(time_ns).rotation)[1]
-        rotation = geometry.multiply(geometry.yaw_quaternion(self._pose[2]), tilt)
-        return Transform(np.array([self._pose[0], self._pose[1], 0.0]), rotation)
-
-    def _prior(self, time_ns: int) -> PlanarGaussian:
-        if self._inertial:
-            return self._filter.planar(time_ns)
-        if self.config.platform.no_slip:
-            self._planar.grip()
-        return self._planar.prior(time_ns, self.config.motion)
 
     def _begin(self, leveled: StabilisedScan, time_ns: int) -> bool:
         """Set the robot down where it starts in the given map, once that is known."""
-        if self._inertial and self._filter.at(time_ns).stamp_ns > time_ns:
-            return False  # no belief that could be set down reaches back so far
+        if not self._motion.reaches(time_ns):
+            return False  # no belief that could be set down
         start = self._lookout.start(self.pyramid, leveled, time_ns, self.config)
         if start is not None:
             self._place(time_ns, start)
@@ -263,10 +176,7 @@ class HectorSlam:
 
     def _place(self, time_ns: int, start: PlanarGaussian) -> None:
         """Set the motion down at a pose in the map."""
-        if self._inertial:
-            self._filter.place_at(time_ns, start)
-        else:
-            self._planar.place(time_ns, start, self.config.motion)
+        self._motion.place(time_ns, start)
         self._pose = self._fused = start.mean
 
     def _match(
@@ -344,27 +254,6 @@ class HectorSlam:
         if self._writes and 0 < interval_ns <= time_ns - self._doubted_ns:
             self._doubted_ns = time_ns
             self.pyramid.doubt(leveled.points, leveled.laser, self._pose, self.config.map)
-
-    def _fuse(
-        self, time_ns: int, match: MatchResult, believed: bool
-    ) -> tuple[PlanarGaussian, NavigationState | None]:
-        """Covariance intersection of the motion with the match, eqs. (18)-(20); not believed, the motion alone."""
-        config, blind = self.config.fusion, match.blind
-        if not believed:
-            fused, navigation = self._prior(time_ns), self._filter.at(time_ns) if self._inertial else None
-        elif not self._inertial:
-            observed_only = self.config.motion.observed_only
-            fused, navigation = self._planar.fuse(match.gaussian, config, blind, observed_only), None
-            self._plane.matched(time_ns)
-        else:
-            rule = config.omega, config.method, config.gate
-            navigation = self._filter.fuse_planar(
-                time_ns, match.pose, match.covariance, *rule, blind=blind, widen_vertical=config.widen_vertical
-            )
-            fused = self._filter.planar(time_ns)
-        self._fused = fused.mean
-        # A map that is only read was drawn by another drive, whatever this one loses.
-        return self._drawn.claim(fused, blind) if self._writes else fused, navigation
 
 
 class _Laps:

@@ -60,7 +60,7 @@ def test_start_estimates_differ():
     for start in ("filter", "velocity", "last_pose"):
         config = with_value(with_value(CONFIG, "matcher.start_estimate", start), "fusion.omega", 0.3)
         slam, _ = run(config, scans=10)
-        prior = slam._prior(10 * DT)
+        prior = slam._motion.prior(10 * DT)
         starts[start] = slam._start_estimate(prior)
     assert abs(starts["last_pose"] - drive(9)).max() < 0.02
     assert abs(starts["filter"] - drive(10)).max() < abs(starts["last_pose"] - drive(10)).max()
