@@ -5,7 +5,6 @@ correction that is always late costs no more than one in time, and samples are r
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -93,7 +92,7 @@ class History:
 
     def add_sample(self, stamp_ns: int, sample: Float64s) -> None:
         """Go on with an inertial sample (7,) later than the last one."""
-        before_ns = self.sample_ns
+        before_ns = self._samples.last_ns
         self._samples.append(stamp_ns, sample)
         # What was believed beyond the sample before had to guess the input.
         while len(self._beliefs) > 1 and self._beliefs[-1].stamp_ns > before_ns:
@@ -124,7 +123,7 @@ class History:
         last = self.at(self.newest_ns)
         sample = self._samples.last if sample is None else sample
         other = self._begun(stamp_ns, sample, last.x, self._model.coast(last.x, last.P, UNKNOWN_SPAN))
-        statuses = {k: replace(s, stamp_ns=stamp_ns, used_ns=stamp_ns, streak=0) for k, s in last.statuses.items()}
+        statuses = {k: s._replace(stamp_ns=stamp_ns, used_ns=stamp_ns, streak=0) for k, s in last.statuses.items()}
         other._beliefs = [other._beliefs[0]._replace(statuses=statuses)]
         return other
 

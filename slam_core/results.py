@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from slam_core.measurements import Float32s, Float64s, Transform
 
 Tracking = Literal["tracking", "recovered", "degraded", "lost"]
+_NOTHING: Mapping[str, int] = {}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,8 +79,7 @@ class NavigationState:
     covariance: Float64s
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AidingStatus:
+class AidingStatus(NamedTuple):
     """What became of the measurements of one source, up to some instant.
 
     measures: the error states (0-2 attitude, 3-5 position, 6-8 velocity) that it is about. used, rejected: how
@@ -94,11 +94,11 @@ class AidingStatus:
     measures: tuple[int, ...] = ()
     used: int = 0
     rejected: int = 0
-    dropped: Mapping[str, int] = field(default_factory=dict)
+    dropped: Mapping[str, int] = _NOTHING
     returns: int = 0
     stamp_ns: int = 0
-    innovation: Float64s = field(default_factory=lambda: np.zeros(0))
-    S: Float64s = field(default_factory=lambda: np.zeros((0, 0)))
+    innovation: Float64s = np.zeros(0)
+    S: Float64s = np.zeros((0, 0))
     nis: float = 0.0
     bound: float = math.inf
     used_ns: int = 0

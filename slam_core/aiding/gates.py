@@ -9,7 +9,6 @@ matches moves nothing, one that contradicts dead reckoning does.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -43,9 +42,7 @@ def fuse(
             update = correction.update(x, _doubting(P, *correction.observe(x)[:2], doubted))
             returned = update.accepted
     used = update.accepted
-    status = AidingStatus(
-        source=old.source,
-        measures=old.measures,
+    status = old._replace(
         used=old.used + used,
         rejected=old.rejected + (not used),
         returns=old.returns + returned,
@@ -57,9 +54,6 @@ def fuse(
         used_ns=stamp_ns if used else old.used_ns,
         streak=0 if used else streak,
         streak_ns=0 if used else streak_ns,
-        reading=old.reading,
-        reading_ns=old.reading_ns,
-        reading_at=old.reading_at,
     )
     if used:
         x, P = update.x, update.P
@@ -72,10 +66,10 @@ def _read(old: AidingStatus, stamp_ns: int, reading: tuple[float, ...], x: Float
         return old
     here = x[4:7]
     if reading != old.reading:
-        return replace(old, reading=reading, reading_ns=stamp_ns, reading_at=tuple(here.tolist()), frozen=False)
+        return old._replace(reading=reading, reading_ns=stamp_ns, reading_at=tuple(here.tolist()), frozen=False)
     lasting = stamp_ns - old.reading_ns >= FROZEN_NS
     if lasting and math.dist(here, old.reading_at) >= FROZEN_DISTANCE:
-        return replace(old, stamp_ns=stamp_ns, rejected=old.rejected + 1, frozen=True)
+        return old._replace(stamp_ns=stamp_ns, rejected=old.rejected + 1, frozen=True)
     return old
 
 

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import replace
 
 from slam_core.results import AidingStatus
 
@@ -35,7 +34,7 @@ class Ledger:
         for source, reasons in self._dropped.items():
             status = statuses.get(source)
             if source not in self._told or self._told[source][0] is not status:
-                whole = replace(status or AidingStatus(source), dropped=dict(reasons))
+                whole = (status or AidingStatus(source))._replace(dropped=dict(reasons))
                 self._told[source] = status, whole
             both[source] = self._told[source][1]
         return tuple(both.values())

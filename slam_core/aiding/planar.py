@@ -7,7 +7,6 @@ vertical gyro's bias, which none of these sensors measures.
 
 import math
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 
@@ -70,7 +69,7 @@ class PlanarEstimator:
     def matched(self, time_ns: int) -> None:
         """A match was fused: it vouches for the pose."""
         old = self._statuses.get("scan") or AidingStatus("scan", (2, 3, 4))
-        new = replace(old, used=old.used + 1, stamp_ns=time_ns, used_ns=time_ns)
+        new = old._replace(used=old.used + 1, stamp_ns=time_ns, used_ns=time_ns)
         self._statuses = {**self._statuses, "scan": new}
 
     def correct(self, time_ns: int, correction: Correction) -> bool:
