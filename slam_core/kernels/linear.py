@@ -25,11 +25,16 @@ def multiply(A: Float64s, B: Float64s) -> Float64s:
 def sandwich(A: Float64s, P: Float64s) -> Float64s:
     """A P A^T of a symmetric P, symmetric to the last bit."""
     AP = multiply(A, P)
-    out = multiply(A, AP.T.copy())
-    for i in range(len(out)):
+    return symmetric(multiply(A, AP.T.copy()))
+
+
+@njit(cache=True, error_model="numpy")
+def symmetric(P: Float64s) -> Float64s:
+    """P, in place, without what rounding has made of its symmetry."""
+    for i in range(len(P)):
         for j in range(i):
-            out[i, j] = out[j, i] = 0.5 * (out[i, j] + out[j, i])
-    return out
+            P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
+    return P
 
 
 @njit(cache=True, error_model="numpy")

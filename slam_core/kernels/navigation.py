@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.linear import gain, multiply, sandwich
+from slam_core.kernels.linear import gain, multiply, symmetric
 from slam_core.measurements import Float64s
 
 STATES = 19
@@ -37,7 +37,8 @@ def advance(
     bounds: (15, 2), see `bound`.
     """
     moved = move(x, u, dt, model[0], model[1])
-    spread = sandwich(transition(x, moved, u, dt), P)
+    Phi = transition(x, moved, u, dt)
+    spread = symmetric(_moved_errors(Phi, _moved_errors(Phi, P)))
     _add_noise(spread, dt, model[2:])
     moved, spread = bound(moved, spread, model[0], bounds)
     if model[6] > 0.0:
@@ -94,6 +95,24 @@ def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float) -> Float64s
                 Phi[3 + i, c] = 0.5 * dt * Phi[6 + i, c]
         Phi[3 + i, 6 + i] = dt
     return Phi
+
+
+@njit(cache=True, error_model="numpy")
+def _moved_errors(Phi: Float64s, P: Float64s) -> Float64s:
+    """(Phi P)^T, by those elements of Phi (see `transition`) alone that are neither 0 nor on the diagonal."""
+    out = np.empty((ERRORS, ERRORS))
+    for j in range(ERRORS):
+        for i in range(3):
+            a, b = (1 if i == 0 else 0), (1 if i == 2 else 2)
+            out[j, i] = P[i, j] + Phi[i, 9] * P[9, j] + Phi[i, 10] * P[10, j] + Phi[i, 11] * P[11, j]
+            place = Phi[3 + i, a] * P[a, j] + Phi[3 + i, b] * P[b, j] + P[3 + i, j] + Phi[3 + i, 6 + i] * P[6 + i, j]
+            speed = Phi[6 + i, a] * P[a, j] + Phi[6 + i, b] * P[b, j] + P[6 + i, j]
+            for k in range(9, ERRORS):
+                place += Phi[3 + i, k] * P[k, j]
+                speed += Phi[6 + i, k] * P[k, j]
+            out[j, 3 + i], out[j, 6 + i] = place, speed
+            out[j, 9 + i], out[j, 12 + i] = P[9 + i, j], P[12 + i, j]
+    return out
 
 
 @njit(cache=True, error_model="numpy")
