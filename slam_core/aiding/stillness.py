@@ -32,17 +32,18 @@ class Stillness:
 
     def __init__(self) -> None:
         self._begin_ns: int | None = None
-        self._samples: list[tuple[Float64s, Float64s]] = []
+        self._samples: list[Float64s] = []
 
     def feel(self, imu: Imu) -> Rest | None:
         """Take in a sample; what was measured at rest, when a window ends in which nothing moved."""
-        if self._begin_ns is None or not 0 <= imu.stamp_ns - self._begin_ns <= 2 * WINDOW_NS:
-            self._begin_ns, self._samples = imu.stamp_ns, []
-        self._samples.append((imu.angular_velocity, imu.linear_acceleration))
-        if imu.stamp_ns - self._begin_ns < WINDOW_NS:
+        stamp_ns = imu.stamp_ns
+        if self._begin_ns is None or not 0 <= stamp_ns - self._begin_ns <= 2 * WINDOW_NS:
+            self._begin_ns, self._samples = stamp_ns, []
+        self._samples += imu.angular_velocity, imu.linear_acceleration
+        if stamp_ns - self._begin_ns < WINDOW_NS:
             return None
-        rest = at_rest(np.array(self._samples).reshape(-1, 6))
-        self._begin_ns, self._samples = imu.stamp_ns, []
+        rest = at_rest(np.concatenate(self._samples).reshape(-1, 6))
+        self._begin_ns, self._samples = stamp_ns, []
         return rest
 
 
@@ -52,8 +53,10 @@ def at_rest(samples: Float64s) -> Rest | None:
     if n < LEAST or not np.isfinite(samples).all():
         return None
     variance = samples.var(axis=0)
+    if (variance > LIMITS**2).any():
+        return None
     noise = 0.5 * (np.diff(samples, axis=0) ** 2).mean(axis=0)
-    if (variance > LIMITS**2).any() or (variance > WHITE * noise).any():
+    if (variance > WHITE * noise).any():
         return None
     mean = samples.mean(axis=0)
     return Rest(mean[:3], mean[3:], float(noise[:3].max()) / n, float(noise[3:].max()) / n)
