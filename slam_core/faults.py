@@ -1,7 +1,7 @@
 """What is wrong with the sources of the motion: a sentence each, while it lasts and a little longer."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
 from slam_core.aiding.gates import LEAST_STREAK
 from slam_core.inertial import AT_RANGE, NO_NUMBER
@@ -64,31 +64,35 @@ class Watch:
         """The filter and the sources as they are after a scan; skipped: scans without a result, by reason."""
         sentences = [*_states(estimator, time_ns), *self._news(estimator.counts), *self._news(skipped)]
         for status in aiding:
-            sentences += (*_of_source(status), *self._news(status.dropped, status.source))
-        self._recent.tell(sentences, time_ns)
+            sentences += _of_source(status)
+            if status.dropped:
+                sentences += self._news(status.dropped, status.source)
+        if sentences:
+            self._recent.tell(sentences, time_ns)
 
     def warnings(self, time_ns: int) -> tuple[str, ...]:
         """What is wrong at the time of the last scan, or was a moment before."""
         return self._recent.at(time_ns)
 
-    def _news(self, counts: Mapping[str, int], source: str = "") -> Iterator[str]:
+    def _news(self, counts: Mapping[str, int], source: str = "") -> list[str]:
         """The sentences on what has been counted since the last time."""
-        texts = OF_SOURCE if source else COUNTED
+        texts, news = OF_SOURCE if source else COUNTED, []
         for reason, count in counts.items():
             if reason in texts and count > self._counted.get((source, reason), 0):
                 self._counted[source, reason] = count
-                yield texts[reason].format(source)
+                news.append(texts[reason].format(source))
+        return news
 
 
-def _states(estimator: NavigationFilter, time_ns: int) -> Iterator[str]:
-    if estimator.weightless:
-        yield WEIGHTLESS
-    if estimator.ready and time_ns - estimator.sample_ns > SILENT_NS:
-        yield SILENT
+def _states(estimator: NavigationFilter, time_ns: int) -> list[str]:
+    if not estimator.ready:
+        return [WEIGHTLESS] if estimator.weightless else []
+    return [SILENT] if time_ns - estimator.sample_ns > SILENT_NS else []
 
 
-def _of_source(status: AidingStatus) -> Iterator[str]:
+def _of_source(status: AidingStatus) -> list[str]:
     if status.frozen:
-        yield f"{status.source} repeats one value while the robot moves and is not used: check that sensor"
-    elif status.streak >= LEAST_STREAK and status.stamp_ns - status.streak_ns >= CONTRADICTED_NS:
-        yield f"{status.source} contradicts the other sensors and is not used: check its frame, units and noise"
+        return [f"{status.source} repeats one value while the robot moves and is not used: check that sensor"]
+    if status.streak >= LEAST_STREAK and status.stamp_ns - status.streak_ns >= CONTRADICTED_NS:
+        return [f"{status.source} contradicts the other sensors and is not used: check its frame, units and noise"]
+    return []
