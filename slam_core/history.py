@@ -41,7 +41,7 @@ class History:
 
     _staged: Belief
     _stages: Stages
-    _asked: tuple[int, Belief]
+    _asked: Belief
 
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
         self._samples = Samples()
@@ -97,8 +97,8 @@ class History:
         # What was believed beyond the sample before had to guess the input.
         while len(self._beliefs) > 1 and self._beliefs[-1].stamp_ns > before_ns:
             self._beliefs.pop()
-        if self._asked[1].stamp_ns > before_ns:
-            self._asked = 0, self._staged
+        if self._asked.stamp_ns > before_ns:
+            self._asked = self._staged
         if stamp_ns - self._beliefs[0].stamp_ns > 2 * self._kept_ns:
             self._forget(stamp_ns - self._kept_ns)
 
@@ -152,14 +152,12 @@ class History:
         """A belief carried on through the samples; the last answer is kept, as a scan asks for its own thrice."""
         if time_ns <= base.stamp_ns:
             return base
-        self._stage(base, time_ns)
-        from_ns, x, P = self._stages.last(time_ns)
-        if from_ns == time_ns:
-            return Belief(time_ns, x, P, base.statuses)
-        if self._asked[0] != from_ns or self._asked[1].stamp_ns != time_ns:
+        if self._staged is not base or self._asked.stamp_ns != time_ns:
+            self._stage(base, time_ns)
+            from_ns, x, P = self._stages.last(time_ns)
             x, P = self._model.predict(x, P, from_ns, time_ns, self._samples)
-            self._asked = from_ns, Belief(time_ns, x, P, base.statuses)
-        return self._asked[1]
+            self._asked = Belief(time_ns, x, P, base.statuses)
+        return self._asked
 
     def _stage(self, base: Belief, time_ns: int) -> None:
         """Work out the beliefs at the samples after a base, up to an instant."""
@@ -169,7 +167,7 @@ class History:
 
     def _begin_stages(self, base: Belief) -> None:
         self._staged, self._stages = base, Stages(base.stamp_ns, base.x, base.P)
-        self._asked = 0, base
+        self._asked = base
 
     def _forget(self, before_ns: int) -> None:
         """Begin with the belief at the last sample or correction before an instant."""

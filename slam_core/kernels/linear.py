@@ -117,4 +117,13 @@ def is_measurement(values: Float64s, R: Float64s, limit: float) -> bool:
 @njit(cache=True, error_model="numpy")
 def is_sound(x: Float64s, P: Float64s) -> bool:
     """Whether x and P are finite and no variance is zero or negative."""
-    return bool(np.isfinite(x).all() and np.isfinite(P).all() and (np.diag(P) > 0.0).all())
+    for i in range(len(x)):
+        if not math.isfinite(x[i]):
+            return False
+    for i in range(len(P)):
+        if not P[i, i] > 0.0:
+            return False
+        for j in range(len(P)):
+            if not math.isfinite(P[i, j]):
+                return False
+    return True
