@@ -1,7 +1,8 @@
 """The headless run: the whole recording through the pipeline as fast as it goes, and files at the end."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,15 @@ from app.pipeline import Pipeline, nothing_used
 from app.publisher import map_images, merged
 from app.settings import Settings
 from app.snapshot import SourceReport
-from app.sources import Source, SourceError
+from app.sources import Item, Source, SourceError
 from slam_core.errors import SlamError
 from slam_core.given import GivenMap, saved_levels
 from slam_core.measurements import LaserScan
 
 Progress = Callable[[int], None]
+
+# Items are read so many at a time: one by one between the scans, each would find the caches full of map.
+READ_AHEAD = 256
 
 
 class OutputError(SlamError):
@@ -37,7 +41,7 @@ def run_headless(
     span = source.span_ns
     pipeline = Pipeline(settings, span[0] if span else None, given)
     try:
-        for item in source.items():
+        for item in _read_ahead(source.items()):
             for measurement in pipeline.admit(item):
                 pipeline.step(measurement)
             if isinstance(item, LaserScan):
@@ -52,6 +56,11 @@ def run_headless(
         )
     recorded = (span[1] - span[0]) / 1e9 if span else float(pipeline.trajectory[-1, 0])
     return pipeline, Effort(recorded, time.perf_counter() - begin)
+
+
+def _read_ahead(items: Iterator[Item]) -> Iterator[Item]:
+    while some := list(islice(items, READ_AHEAD)):
+        yield from some
 
 
 def prepare(folder: Path) -> None:

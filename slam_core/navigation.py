@@ -29,6 +29,7 @@ LEAPT = "clock leapt ahead"
 UNUSABLE = "correction without a usable value"
 TOO_OLD = "correction older than the history"
 TOO_EARLY = "correction before the attitude was known"
+MOTION = np.array([4, 5, 6, 0, 1, 2, 3, 7, 8, 9])  # of a state: position, attitude and velocity
 
 
 class NavigationFilter:
@@ -108,7 +109,7 @@ class NavigationFilter:
     def motion_at(self, times_ns: Int64s) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at instants (k,)."""
         xs = self._belief.states_at(times_ns.tolist())
-        return xs[:, [4, 5, 6, 0, 1, 2, 3, 7, 8, 9]]
+        return xs.take(MOTION, axis=1)
 
     def planar(self, time_ns: int) -> PlanarGaussian:
         """The belief at an instant projected on the plane: C x and C P C^T."""

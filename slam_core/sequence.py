@@ -4,6 +4,7 @@ from slam_core.measurements import Attitude, Imu, LaserScan, Measurement
 
 # A scan waits no longer than this, in time of the recording, for inertial data that does not come.
 PATIENCE_NS = 500_000_000
+TURNS = (Imu, Attitude)  # what tells how the robot turned during a sweep
 
 
 class Sequencer:
@@ -25,10 +26,10 @@ class Sequencer:
             set_back = measurement.stamp_ns < self._newest_ns - PATIENCE_NS
             self._newest_ns = measurement.stamp_ns if set_back else max(self._newest_ns, measurement.stamp_ns)
             return self._ready()
-        if isinstance(measurement, Imu | Attitude):
+        if isinstance(measurement, TURNS):
             self._covered_ns = measurement.stamp_ns
             self._hopeful = True
-        return [measurement, *self._ready()]
+        return [measurement, *self._ready()] if self._waiting else [measurement]
 
     def flush(self) -> list[Measurement]:
         """What still waits, at the end of a recording."""
