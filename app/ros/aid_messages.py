@@ -34,7 +34,7 @@ def magnetic_field(message: Any, time_ns: int, rotation: Float64s) -> MagneticFi
     """sensor_msgs/MagneticField turned into base axes; rotation (4,) is that of T_base_sensor."""
     b = message.magnetic_field
     field = finite_vector("magnetic field", b.x, b.y, b.z)
-    size = float(np.linalg.norm(field))
+    size = math.hypot(b.x, b.y, b.z)
     if not WEAKEST_FIELD < size < STRONGEST_FIELD:
         raise BadMessage(
             f"magnetic field of {size:.2g} T where the Earth has 2.2e-05 to 6.7e-05: its driver must publish tesla"

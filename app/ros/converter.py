@@ -3,7 +3,8 @@
 import math
 from collections import Counter, deque
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 from app.ros import aid_messages, messages
 from app.ros.messages import BadMessage
@@ -30,7 +31,8 @@ from slam_core.measurements import (
 )
 
 
-class _Pending(NamedTuple):
+@dataclass(slots=True, eq=False)
+class _Pending:
     """A message on its way. stamp_ns: its own time. receive_ns: when it was recorded or received."""
 
     duty: "_Duty"

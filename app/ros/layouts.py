@@ -5,8 +5,9 @@ to the library.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from struct import Struct, error
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,21 +21,24 @@ _LONGEST_NAME = 255
 _LITTLE_ENDIAN = b"\x00\x01"
 
 
-class Stamp(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Stamp:
     """builtin_interfaces/Time, or time in ROS 1."""
 
     sec: int
     nanosec: int
 
 
-class Header(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Header:
     """std_msgs/Header."""
 
     stamp: Stamp
     frame_id: str
 
 
-class Vector(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Vector:
     """geometry_msgs/Vector3 or Point."""
 
     x: float
@@ -42,7 +46,8 @@ class Vector(NamedTuple):
     z: float
 
 
-class Quaternion(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Quaternion:
     """geometry_msgs/Quaternion."""
 
     x: float
@@ -51,7 +56,8 @@ class Quaternion(NamedTuple):
     w: float
 
 
-class Imu(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Imu:
     """sensor_msgs/Imu; of its covariances the first value, which may say that the rest is absent."""
 
     header: Header
@@ -63,21 +69,24 @@ class Imu(NamedTuple):
     linear_acceleration_covariance: tuple[float]
 
 
-class Pose(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Pose:
     """geometry_msgs/Pose."""
 
     position: Vector
     orientation: Quaternion
 
 
-class PoseStamped(NamedTuple):
+@dataclass(slots=True, eq=False)
+class PoseStamped:
     """geometry_msgs/PoseStamped."""
 
     header: Header
     pose: Pose
 
 
-class LaserScan(NamedTuple):
+@dataclass(slots=True, eq=False)
+class LaserScan:
     """sensor_msgs/LaserScan without its intensities, its last angle and the time between two scans."""
 
     header: Header
@@ -99,21 +108,21 @@ def quick_reader(msgtype: str, *, ros1: bool) -> Read | None:
     def read(raw: bytes | memoryview) -> Any | None:
         try:
             length = _LENGTH.unpack_from(raw, _LENGTH_AT)[0]
-            if length > _LONGEST_NAME or not (ros1 or raw[:2] == _LITTLE_ENDIAN):
+            if length > _LONGEST_NAME or not (ros1 or _as_expected(raw, length)):
                 return None
             if length not in forms:
                 forms[length] = _form(length, body, alignment, ros1=ros1)
             form = forms[length]
-            sec, nanosec, name, *values = form.unpack_from(raw)
-            if not ros1:
-                if name[-1:] != b"\0":
-                    return None
-                name = name[:-1]
-            return make(Header(Stamp(sec, nanosec), name.decode()), values, raw, form.size)
-        except (error, ValueError):
+            return make(form.unpack_from(raw), raw, form.size)
+        except (error, IndexError, ValueError):
             return None
 
     return read
+
+
+def _as_expected(raw: bytes | memoryview, length: int) -> bool:
+    """Whether bytes of ROS 2 have their lowest first, and a name that ends with its length."""
+    return raw[:2] == _LITTLE_ENDIAN and length > 0 and raw[_NAME_AT + length - 1] == 0
 
 
 def _form(length: int, body: str, alignment: int, *, ros1: bool) -> Struct:
@@ -121,28 +130,33 @@ def _form(length: int, body: str, alignment: int, *, ros1: bool) -> Struct:
     if ros1:
         return Struct(f"<4xiI4x{length}s{body}")
     padding = -(_NAME_AT - 4 + length) % alignment  # counted from behind the encapsulation
-    return Struct(f"<4xiI4x{length}s{padding}x{body}")
+    return Struct(f"<4xiI4x{length - 1}sx{padding}x{body}")
 
 
-def _imu(header: Header, v: list[float], raw: bytes | memoryview, end: int) -> Imu | None:
+def _imu(values: tuple[Any, ...], raw: bytes | memoryview, end: int) -> Imu | None:
     if len(raw) != end:
         return None
-    turn, push = Vector(v[5], v[6], v[7]), Vector(v[9], v[10], v[11])
-    return Imu(header, Quaternion(v[0], v[1], v[2], v[3]), (v[4],), turn, (v[8],), push, (v[12],))
+    sec, nanosec, name, qx, qy, qz, qw, turned, wx, wy, wz, turning, ax, ay, az, pushed = values
+    turn, push = Vector(wx, wy, wz), Vector(ax, ay, az)
+    header = Header(Stamp(sec, nanosec), name.decode())
+    return Imu(header, Quaternion(qx, qy, qz, qw), (turned,), turn, (turning,), push, (pushed,))
 
 
-def _pose(header: Header, v: list[float], raw: bytes | memoryview, end: int) -> PoseStamped | None:
+def _pose(values: tuple[Any, ...], raw: bytes | memoryview, end: int) -> PoseStamped | None:
     if len(raw) != end:
         return None
-    return PoseStamped(header, Pose(Vector(v[0], v[1], v[2]), Quaternion(v[3], v[4], v[5], v[6])))
+    sec, nanosec, name, x, y, z, qx, qy, qz, qw = values
+    header = Header(Stamp(sec, nanosec), name.decode())
+    return PoseStamped(header, Pose(Vector(x, y, z), Quaternion(qx, qy, qz, qw)))
 
 
-def _scan(header: Header, v: list[Any], raw: bytes | memoryview, end: int) -> LaserScan | None:
-    beams = v[5]
+def _scan(values: tuple[Any, ...], raw: bytes | memoryview, end: int) -> LaserScan | None:
+    sec, nanosec, name, first, step, pause, least, most, beams = values
     rest = end + 4 * beams
     if len(raw) != rest + 4 + 4 * _LENGTH.unpack_from(raw, rest)[0]:
         return None
-    return LaserScan(header, v[0], v[1], v[2], v[3], v[4], np.frombuffer(raw, "<f4", beams, end))
+    header = Header(Stamp(sec, nanosec), name.decode())
+    return LaserScan(header, first, step, pause, least, most, np.frombuffer(raw, "<f4", beams, end))
 
 
 # Of each type: what follows the header, its alignment, and what is made of it.

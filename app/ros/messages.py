@@ -59,7 +59,7 @@ def laser_scan(message: Any, time_ns: int, T_base_laser: Transform) -> LaserScan
     if abs(increment) * (n - 1) > MAX_SWEEP_RAD:
         raise BadMessage("scan over more than two turns: its angle_increment cannot be right")
     ranges = np.array(message.ranges, np.float32)
-    if not (ranges == ranges).any():  # noqa: PLR0124  NaN is what differs from itself
+    if math.isnan(ranges[0]) and np.isnan(ranges).all():
         raise BadMessage("scan with nothing but NaN ranges")
     return LaserScan(
         time_ns,
@@ -141,7 +141,8 @@ def quaternion(what: str, q: Any) -> Float64s:
     norm = math.sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z)
     if not (math.isfinite(norm) and norm > 1e-6):
         raise BadMessage(f"{what} with a zero or NaN quaternion")
-    return np.array([q.w, q.x, q.y, q.z]) / math.copysign(norm, q.w)
+    size = math.copysign(norm, q.w)
+    return np.array([q.w / size, q.x / size, q.y / size, q.z / size])
 
 
 def finite_vector(what: str, x: float, y: float, z: float) -> Float64s:

@@ -45,6 +45,8 @@ class Repairs:
 
     def magnetic(self, magnetic: MagneticField) -> MagneticField:
         """The field by the magnetometer of an IMU that sits turned."""
+        if self._turned[0] == 1.0:
+            return magnetic
         return replace(magnetic, field=geometry.rotate(self._turned, magnetic.field))
 
     def scan(self, scan: LaserScan) -> LaserScan:

@@ -10,8 +10,7 @@ from typing import NamedTuple
 from app.ros.decode import DefinitionFormat, Generation
 
 
-@dataclass(frozen=True, slots=True)
-class Channel:
+class Channel(NamedTuple):
     """One topic in one type, as the container describes it; definition is empty where it carries none."""
 
     topic: str
@@ -21,7 +20,8 @@ class Channel:
     form: DefinitionFormat = "msg"
 
 
-class Raw(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Raw:
     """One serialised message and when it was recorded."""
 
     channel: Channel
