@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -84,8 +85,8 @@ def _recognise(path: Path) -> str:
 def _indexed(path: Path, container: str) -> Recording:
     """By the container's own index."""
     generation: Generation = "ros1" if path.suffix in (".bag", ".active") else "ros2"
-    make: Any = rosbag1.Reader if generation == "ros1" else rosbag2.Reader
-    with make(path) as reader:
+    readers = _Readers(path, rosbag1.Reader if generation == "ros1" else rosbag2.Reader)
+    with readers.one() as reader:
         messages: Counter[Channel] = Counter()
         for connection in reader.connections:
             messages[_channel(connection, generation)] += connection.msgcount
@@ -96,10 +97,41 @@ def _indexed(path: Path, container: str) -> Recording:
         if index is not None:
             yield from _messages(index, channels, generation)
             return
-        with make(path) as reader:
+        with readers.one() as reader:
             yield from _messages(reader, channels, generation)
 
-    return Recording(path, container, messages, span_ns, read)
+    return Recording(path, container, messages, span_ns, read, close=readers.close)
+
+
+class _Readers:
+    """Open readers of one recording, each for one reading at a time: to open one may take unpacking all of it."""
+
+    def __init__(self, path: Path, make: Any) -> None:
+        self._path, self._make = path, make
+        self._idle: list[Any] = []
+        self._closed = False
+
+    @contextmanager
+    def one(self) -> Iterator[Any]:
+        """One that nobody else has."""
+        reader = self._idle.pop() if self._idle else self._opened()
+        try:
+            yield reader
+        finally:
+            self._idle.append(reader)
+            if self._closed:
+                self.close()
+
+    def _opened(self) -> Any:
+        reader = self._make(self._path)
+        reader.open()
+        return reader
+
+    def close(self) -> None:
+        """Close those that are not in use, and from now on each that has been used."""
+        self._closed = True
+        while self._idle:
+            self._idle.pop().close()
 
 
 def _messages(container: Any, channels: Collection[Channel], generation: Generation) -> Iterator[Raw]:

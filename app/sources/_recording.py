@@ -37,7 +37,7 @@ class Recording:
     """An open container. `read` gives the messages of some channels by time; every call starts anew.
 
     container: what it is, for people. span_ns: times of the first and the last message.
-    damage: why it is known not to be whole; empty if it is.
+    damage: why it is known not to be whole; empty if it is. close: let go of the files.
     """
 
     path: Path
@@ -46,6 +46,7 @@ class Recording:
     span_ns: tuple[int, int]
     read: Read
     damage: str = ""
+    close: Callable[[], None] = lambda: None
 
 
 def by_scanning(path: Path, container: str, scan: Callable[[], Iterator[Raw]], damage: str) -> Recording:
@@ -76,7 +77,13 @@ def joined(path: Path, parts: Iterable[Recording], damage: str) -> Recording:
     full = [piece.span_ns for piece in pieces if piece.messages]
     span_ns = (min((s[0] for s in full), default=0), max((s[1] for s in full), default=0))
     damages = [damage, *(piece.damage for piece in pieces)]
-    return Recording(path, pieces[0].container, messages, span_ns, read, "; ".join(filter(None, damages)))
+
+    def close() -> None:
+        for piece in pieces:
+            piece.close()
+
+    damage = "; ".join(filter(None, damages))
+    return Recording(path, pieces[0].container, messages, span_ns, read, damage, close)
 
 
 def _log_time(raw: Raw) -> int:

@@ -76,6 +76,7 @@ class BagSource:
     def close(self) -> None:
         """End the readings that are under way; no file stays open."""
         self._closed = True
+        self.recording.close()
 
     def log_times_ns(self) -> dict[str, list[int]]:
         """When the messages of each usable topic were recorded."""

@@ -4,6 +4,7 @@ import itertools
 import math
 import shutil
 import sqlite3
+import tempfile
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from rosbags import rosbag1
 
+from app.cli import demo_bag
 from app.ros.recorder import Recorder
 from app.sources import Source, SourceError, SourceOptions, open_source
 from app.sources.bag import open_bag
@@ -84,6 +86,20 @@ def test_close_ends_the_items(tmp_path: Path) -> None:
     next(items)
     source.close()
     assert len(list(items)) <= 1
+
+
+def test_a_packed_recording_is_unpacked_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However often it is read; closing it leaves nothing behind, even with a reading under way."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    source = open_run(demo_bag("handheld"))
+    for _ in range(2):
+        assert len(list(itertools.islice(source.items(), 7))) == 7
+    items = source.items()
+    next(items)
+    assert len(list(tmp_path.iterdir())) == 1
+    source.close()
+    list(items)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("suffix", [".db3", ".mcap"])
