@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from app.compiled import keep_compiled, user_cache
-from app.interruption import delivered_later
+from app.interruption import delivered_later, ended_by_interruption, undisturbed
 from app.options import (
     MapArgs,
     MapFlags,
@@ -118,10 +118,14 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
         from app.web.server import serve  # noqa: PLC0415  while the engine loads its kernels
 
         serve(engine, host=page.host, port=page.port, token=page.token)
+    except KeyboardInterrupt:  # once more, while the page was being closed
+        pass
     finally:
-        engine.stop()
-    if page.out is not None:
-        print(engine.save())
+        with undisturbed():
+            engine.stop()
+            told = engine.save() if page.out is not None else ""
+    if told:
+        print(told)
     sys.exit(INTERRUPTED)  # nothing else ends the serving
 
 
@@ -177,7 +181,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
     }
     try:
-        with delivered_later():
+        with ended_by_interruption(), delivered_later():
             tyro.extras.subcommand_cli_from_dict(
                 commands,
                 prog="hectorscope",

@@ -154,7 +154,7 @@ def _scan_detail(scan: LaserScan) -> str:
     sweep = f"sweep {(scan.end_ns - scan.stamp_ns) * 1e-6:.1f} ms" if scan.time_increment else "no beam timing"
     x, y, z = scan.T_base_laser.translation
     angles = (math.degrees(angle) for angle in to_euler(scan.T_base_laser.rotation))
-    mount = f"{x:.3f} {y:.3f} {z:.3f} m, " + " ".join(f"{angle:.1f}" for angle in angles) + "°"
+    mount = f"{x:z.3f} {y:z.3f} {z:z.3f} m, " + " ".join(f"{angle:z.1f}" for angle in angles) + "°"
     return f"{n} beams over {field:.0f}°, {scan.range_min:g} to {scan.range_max:g} m, {sweep}, mount {mount}"
 
 
@@ -187,7 +187,7 @@ def _devices(measures: Measures) -> Iterator[str]:
     """What the data tells of the sensors, whether it is as it should be or not."""
     felt = measures.gravity
     if felt is not None:
-        up = " ".join(f"{part:.2f}" for part in felt.up)
+        up = " ".join(f"{part:z.2f}" for part in felt.up)
         yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
     for name, turn in (
         ("gyroscope against the scans", measures.turn),
@@ -195,8 +195,8 @@ def _devices(measures: Measures) -> Iterator[str]:
         ("odometry against the scans", measures.wheels),
     ):
         if turn is not None:
-            late = f", the scans {turn.lag:.2f} s late" if turn is measures.turn else ""
-            yield f"{name}: turns {turn.ratio:.2f} times as far, correlation {turn.correlation:.2f}{late}"
+            late = f", the scans {turn.lag:z.2f} s late" if turn is measures.turn else ""
+            yield f"{name}: turns {turn.ratio:z.2f} times as far, correlation {turn.correlation:z.2f}{late}"
 
 
 def _wrong(found: tuple[Finding, ...]) -> Iterator[str]:

@@ -1,17 +1,38 @@
-"""Ctrl-C while the compiler is at work: Python cannot raise through its callbacks, it prints and forgets it."""
+"""The end of the program from outside: Ctrl-C, a service that is stopped, a terminal whose link broke."""
 
 import _thread
+import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 RETRY_S = 0.05
+# By which a program is asked to end; a system without terminals has no SIGHUP.
+ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
+@contextmanager
+def ended_by_interruption() -> Iterator[None]:
+    """Whatever asks the program to end raises KeyboardInterrupt, as Ctrl-C does; on the main thread."""
+    with _handled(signal.default_int_handler):
+        yield
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """What is done here is finished, whoever asks for the end meanwhile; on the main thread."""
+    with _handled(signal.SIG_IGN):
+        yield
 
 
 @contextmanager
 def delivered_later() -> Iterator[None]:
-    """An interruption that got lost in a callback of compiled code is raised again a moment later."""
+    """An interruption that got lost in a callback of compiled code is raised again a moment later.
+
+    Python cannot raise through the compiler's callbacks: it prints the exception and forgets it.
+    """
     previous = sys.unraisablehook
 
     def hook(lost: "sys.UnraisableHookArgs") -> None:
@@ -27,3 +48,13 @@ def delivered_later() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = previous
+
+
+@contextmanager
+def _handled(handler: Any) -> Iterator[None]:
+    previous = [(number, signal.signal(number, handler)) for number in ENDING]
+    try:
+        yield
+    finally:
+        for number, before in previous:
+            signal.signal(number, before)

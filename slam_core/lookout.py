@@ -80,5 +80,5 @@ class Lookout:
 def _begins(found: MatchResult, told: PlanarGaussian | None, share: float) -> str:
     x, y, psi = found.pose.tolist()
     how = "does not start where it was said to, but" if told and apart(found.pose, told.mean) else "starts"
-    where = f"x {x:.2f} m, y {y:.2f} m, yaw {psi:.2f} rad of the map"
+    where = f"x {x:z.2f} m, y {y:z.2f} m, yaw {psi:z.2f} rad of the map"
     return f"the robot {how} at {where}: {share:.0%} of the scan agree"

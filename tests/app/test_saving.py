@@ -2,12 +2,15 @@
 
 import json
 import math
+import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from app.cli import main
+from app.engine import Engine
+from app.interruption import ENDING
 from app.runner import run_headless
 from app.saved_map import load_map
 from app.simulation import SimulateOptions, simulate
@@ -61,13 +64,25 @@ def test_a_folder_that_went_away_does_not_stop_the_run(drive: list[Item], tmp_pa
     assert refused.playback.state == "ended"
 
 
+@pytest.mark.parametrize("ending", ENDING)
 def test_the_end_of_the_program_saves(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+    ending: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ):
-    """`view --out` leaves the results when the serving ends, and prints where."""
+    """Ctrl-C, a stopped service or a lost terminal, even twice: `view --out` leaves all and prints where."""
     bag, out = tmp_path / "short.bag", tmp_path / "out"
     simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91))
-    monkeypatch.setattr(server, "serve", lambda engine, **_: until(engine, state("ended")))
+    stop = Engine.stop
+
+    def serve(engine: Engine, **_: object) -> None:
+        until(engine, state("ended"))
+        signal.raise_signal(ending)
+
+    def stop_and_be_asked_again(engine: Engine) -> None:
+        signal.raise_signal(ending)
+        stop(engine)
+
+    monkeypatch.setattr(server, "serve", serve)
+    monkeypatch.setattr(Engine, "stop", stop_and_be_asked_again)
     with pytest.raises(SystemExit) as ended:
         main(["view", str(bag), "--out", str(out), "--map.size", "512"])
     assert ended.value.code == 130
