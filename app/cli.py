@@ -130,11 +130,10 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
 
 
 def _get_ready(tell: Callable[[str], None] = lambda _: None) -> None:
-    """Load or compile the kernels. What is loaded by now stays: the garbage collector may pass it over."""
+    """Load or compile the kernels."""
     from app.warmup import warm_up  # noqa: PLC0415
 
     warm_up(tell)
-    gc.freeze()
     gc.enable()
 
 

@@ -1,5 +1,6 @@
 """Runs every compiled kernel once, so that the first real scan does not wait for the compiler."""
 
+import gc
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -28,6 +29,7 @@ def warm_up(tell: Tell = lambda _: None) -> None:
     with _watched(tell):
         for inertial in (True, False):
             _run(inertial)
+    gc.freeze()  # what is loaded by now stays: the garbage collector may pass it over
 
 
 @contextmanager
