@@ -63,8 +63,9 @@ class PlanarMotion:
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant near the last one known."""
         x, y, psi = self._extrapolated(time_ns)
-        stabilised = geometry.split_heading(self._attitude(time_ns))[1]
-        rotation = geometry.multiply(geometry.yaw_quaternion(psi), stabilised)
+        rotation = geometry.yaw_quaternion(psi)
+        if self._attitudes:
+            rotation = geometry.multiply(rotation, geometry.split_heading(self._attitude(time_ns))[1])
         return Transform(np.array([x, y, 0.0]), rotation)
 
     def poses(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
@@ -187,9 +188,7 @@ class PlanarMotion:
         self._covariance = 0.5 * (covariance + covariance.T)
 
     def _attitude(self, time_ns: int) -> Float64s:
-        """Orientation between the two attitudes around an instant; level when there is none."""
-        if not self._attitudes:
-            return Transform().rotation
+        """Orientation between the two attitudes around an instant."""
         i = bisect_left(self._attitudes, time_ns, key=lambda a: a.stamp_ns)
         if i == 0 or i == len(self._attitudes):
             return self._attitudes[min(i, len(self._attitudes) - 1)].rotation
