@@ -166,7 +166,7 @@ class PlanarMotion:
 
     def _extrapolated(self, time_ns: int) -> Float64s:
         dt = self._lapse(time_ns)
-        x, y, psi, forward, left, rate = self._mean
+        x, y, psi, forward, left, rate = self._mean.tolist()
         middle = psi + 0.5 * rate * dt
         c, s = math.cos(middle), math.sin(middle)
         return np.array(
@@ -174,8 +174,8 @@ class PlanarMotion:
         )
 
     def _transition(self, dt: float) -> Float64s:
-        forward, left, rate = self._mean[3:]
-        middle = self._mean[2] + 0.5 * rate * dt
+        _, _, psi, forward, left, rate = self._mean.tolist()
+        middle = psi + 0.5 * rate * dt
         c, s = math.cos(middle), math.sin(middle)
         transition = np.eye(6)
         transition[0, 3:5], transition[1, 3:5] = (c * dt, -s * dt), (s * dt, c * dt)
@@ -211,8 +211,7 @@ def _noise(dt: float, psi: float, config: MotionConfig) -> Float64s:
     noise = np.zeros((6, 6))
     c, s = math.cos(psi), math.sin(psi)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    noise[:3, :3] = np.diag(density * dt**3 / 3.0)
+    noise.flat[::7] = *(density * dt**3 / 3.0), *(density * dt)
     noise[:3, 3:] = turn * (density * dt**2 / 2.0)
     noise[3:, :3] = noise[:3, 3:].T
-    noise[3:, 3:] = np.diag(density * dt)
     return noise
