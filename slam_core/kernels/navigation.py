@@ -100,13 +100,12 @@ def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float) -> Float64s
 @njit(cache=True, error_model="numpy")
 def _moved_errors(Phi: Float64s, P: Float64s) -> Float64s:
     """(Phi P)^T, by those elements of Phi (see `transition`) alone that are neither 0 nor on the diagonal."""
-    out = np.empty((ERRORS, ERRORS))
+    out, dt = np.empty((ERRORS, ERRORS)), Phi[3, 6]
     for j in range(ERRORS):
         for i in range(3):
             a, b = (1 if i == 0 else 0), (1 if i == 2 else 2)
             out[j, i] = P[i, j] + Phi[i, 9] * P[9, j] + Phi[i, 10] * P[10, j] + Phi[i, 11] * P[11, j]
-            place = Phi[3 + i, a] * P[a, j] + Phi[3 + i, b] * P[b, j] + P[3 + i, j]
-            place += Phi[3 + i, 6 + i] * P[6 + i, j]
+            place = Phi[3 + i, a] * P[a, j] + Phi[3 + i, b] * P[b, j] + P[3 + i, j] + dt * P[6 + i, j]
             speed = Phi[6 + i, a] * P[a, j] + Phi[6 + i, b] * P[b, j] + P[6 + i, j]
             for k in range(9, ERRORS):
                 place += Phi[3 + i, k] * P[k, j]
