@@ -39,16 +39,13 @@ class History:
     last one that was asked for between two samples is kept with the sample before it.
     """
 
-    _staged: Belief
-    _stages: Stages
-    _asked: Belief
-
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
         self._samples = Samples()
         self._samples.append(stamp_ns, sample)
         self._corrections: list[tuple[int, Correction]] = []
         self._beliefs = [Belief(stamp_ns, x, P, {})]
-        self._begin_stages(self._beliefs[0])
+        self._staged = self._asked = self._beliefs[0]
+        self._stages = Stages(stamp_ns, x, P)
 
     def configure(self, config: NavigationConfig, platform: PlatformConfig) -> None:
         """The settings that hold from now on; needed before anything else."""
@@ -162,12 +159,9 @@ class History:
     def _stage(self, base: Belief, time_ns: int) -> None:
         """Work out the beliefs at the samples after a base, up to an instant."""
         if self._staged is not base:
-            self._begin_stages(base)
+            self._staged = self._asked = base
+            self._stages.begin(base.stamp_ns, base.x, base.P)
         self._stages.reach(time_ns, self._model, self._samples)
-
-    def _begin_stages(self, base: Belief) -> None:
-        self._staged, self._stages = base, Stages(base.stamp_ns, base.x, base.P)
-        self._asked = base
 
     def _forget(self, before_ns: int) -> None:
         """Begin with the belief at the last sample or correction before an instant."""

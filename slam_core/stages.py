@@ -13,12 +13,16 @@ FIRST_SIZE = 8
 
 
 class Stages:
-    """Rows are added and never changed, so that others may keep them."""
+    """What it hands out are views of its rows: they hold until it begins anew."""
 
     def __init__(self, stamp_ns: int, x: Float64s, P: Float64s) -> None:
-        self._stamps = [stamp_ns]
         self._known = np.empty(FIRST_SIZE, np.int64)
         self._xs, self._Ps = np.empty((FIRST_SIZE, STATES)), np.empty((FIRST_SIZE, ERRORS, ERRORS))
+        self.begin(stamp_ns, x, P)
+
+    def begin(self, stamp_ns: int, x: Float64s, P: Float64s) -> None:
+        """Begin anew with another belief: a copy of it, in the memory of the rows before."""
+        self._stamps = [stamp_ns]
         self._known[0], self._xs[0], self._Ps[0] = stamp_ns, x, P
 
     def reach(self, time_ns: int, model: Strapdown, samples: Samples) -> None:

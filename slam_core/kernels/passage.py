@@ -36,7 +36,9 @@ def predict(
     blind: Float64s,
     bounds: Float64s,
 ) -> tuple[Float64s, Float64s]:
-    """The belief of one instant at a later one."""
+    """The belief of one instant at a later one, in arrays of its own."""
+    if from_ns >= to_ns:
+        return x.copy(), P.copy()
     k = begin + int(np.searchsorted(stamps[begin:end], from_ns, side="right"))
     while from_ns < to_ns:
         until, u, known = _interval(k, to_ns, stamps, samples, end)

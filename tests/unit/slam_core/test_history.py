@@ -123,3 +123,15 @@ def test_a_copy_goes_its_own_way() -> None:
             branch.predict(sample)
         branch.fuse_planar(stamp(3.5), xi(ride, 3.5), R, OMEGA)
     assert same(estimator.state, other.state, 0.0) and estimator.counts == other.counts
+
+
+@pytest.mark.parametrize("t", [0.9, 0.905])
+def test_a_belief_that_was_handed_out_stays_as_it_was(t: float) -> None:
+    """At a sample or between two, neither matches nor samples that come later change the numbers in it."""
+    estimator = begun(1.0)
+    estimator.fuse_planar(stamp(0.8), np.zeros(3), R, OMEGA)
+    held = estimator.at(stamp(t))
+    kept = replace(held, velocity=held.velocity.copy(), covariance=held.covariance.copy())
+    estimator.fuse_planar(stamp(0.85), np.array([0.1, 0.0, 0.0]), R, OMEGA)
+    later = estimator.at(stamp(0.99))
+    assert not same(later, kept) and same(held, kept, 0.0)
