@@ -136,9 +136,7 @@ class NavigationFilter:
             self._history = self._belief.begin_again(stamp_ns, sample)
         elif stamp_ns <= sample_ns:
             self.counts["inertial sample not later than the one before"] += 1
-        elif stamp_ns - sample_ns <= MAX_GAP_NS:
-            self._belief.add_sample(stamp_ns, sample)
-        elif not self._believes(stamp_ns):
+        elif stamp_ns - sample_ns > MAX_GAP_NS and not self._believes(stamp_ns):
             self.counts["stamp far ahead"] += 1
         else:
             if stamp_ns - self.sample_ns > MAX_GAP_NS:
