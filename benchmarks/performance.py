@@ -65,7 +65,7 @@ def measure_accuracy() -> Accuracy:
         crowded = [pool.submit(crowd, HALLS, seed) for seed in SEEDS]
         empty = [pool.submit(nobody, HALLS, seed) for seed in HALL_SEEDS]
         panes = [pool.submit(glass, GLASS, seed) for seed in HALL_SEEDS]
-        strays = [pool.submit(struck, STRAYS, seed) for seed in HALL_SEEDS]
+        strays = [pool.submit(struck, STRAYS, seed) for seed in SEEDS]
         lost = {name: [pool.submit(run, seed) for seed in OUTAGE_SEEDS] for name, run in OUTAGES.items()}
         replays = {recording: pool.submit(replay, recording) for recording in present((*DEMOS, *REAL))}
         names: dict[Future[Any], str] = {future: case.name for case in drives for future in drives[case]}

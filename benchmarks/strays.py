@@ -1,11 +1,13 @@
 """Whether beams that tell nothing of the walls pull the match: panes of glass, dust, people.
 
 Glass returns the beams that meet it head on and lets the others through to what is behind: the hall of the scene
-`glass`, beside the same hall with walls in place of the panes. Stray beams end anywhere before the wall.
+`glass`, beside the same hall with walls in place of the panes. Stray beams end anywhere before the wall; beside
+them the same drives without those beams, as if somebody had known which they are.
 """
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +25,15 @@ from slam_core.measurements import LaserScan
 
 EVERY = 8  # scans between two looks at the panes
 NEAREST = 0.3  # m: stray beams end from there on
-STRUCK = tuple((rate, share) for rate in (40.0, 10.0) for share in (0.0, 0.1, 0.2, 0.3))
-"""Scans a second, and the share of the beams that end on the way."""
+RATES, SHARES = (40.0, 10.0), (0.0, 0.1, 0.2, 0.3)
 
-Struck = dict[tuple[float, float], dict[str, Outcome]]
+
+class Struck(NamedTuple):
+    """Scans a second, the share of the beams that do not reach the wall, and whether those are missing."""
+
+    rate: float
+    share: float
+    missing: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,19 +61,21 @@ def glass(options: SceneOptions, seed: int) -> dict[str, GlassOutcome]:
     return results
 
 
-def struck(options: SceneOptions, seed: int) -> Struck:
-    """Drives through the rooms with more and more stray beams, by every method."""
+def struck(options: SceneOptions, seed: int) -> dict[Struck, dict[str, Outcome]]:
+    """Drives through the rooms with more and more beams that do not reach the wall, by every method."""
     results = {}
-    for rate in dict.fromkeys(rate for rate, _ in STRUCK):
+    for rate in RATES:
         items = list(Simulation("rooms", replace(options, seed=seed, scan_rate=rate)).items())
-        for share in (share for each, share in STRUCK if each == rate):
-            with_strays = list(astray(items, share, seed))
-            results[rate, share] = {name: outcome(process(with_strays, c)) for name, c in METHODS.items()}
+        for share in SHARES:
+            for missing in (False, True) if share else (False,):
+                changed = list(astray(items, share, seed, missing=missing))
+                outcomes = {name: outcome(process(changed, config)) for name, config in METHODS.items()}
+                results[Struck(rate, share, missing)] = outcomes
     return results
 
 
-def astray(items: Iterable[Item], share: float, seed: int) -> Iterator[Item]:
-    """The items, with so many of the beams ending anywhere from NEAREST to where they should."""
+def astray(items: Iterable[Item], share: float, seed: int, *, missing: bool = False) -> Iterator[Item]:
+    """The items, with so many of the beams ending anywhere from NEAREST to where they should, or left out."""
     rng = np.random.default_rng([seed, 9])
     for item in items:
         if not isinstance(item, LaserScan):
@@ -75,7 +84,7 @@ def astray(items: Iterable[Item], share: float, seed: int) -> Iterator[Item]:
         far = np.where(np.isfinite(item.ranges), item.ranges, item.range_max)
         short = np.minimum(far, NEAREST) + rng.random(len(far)) * np.maximum(far - NEAREST, 0.0)
         hit = rng.random(len(far)) < share
-        yield replace(item, ranges=np.where(hit, short, item.ranges).astype(np.float32))
+        yield replace(item, ranges=np.where(hit, np.nan if missing else short, item.ranges).astype(np.float32))
 
 
 def watched(world: World, items: Iterable[Item], config: SlamConfig) -> tuple["Panes", Pipeline]:

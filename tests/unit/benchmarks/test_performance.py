@@ -15,7 +15,7 @@ from benchmarks.inertial import Ride
 from benchmarks.others import INSTALLED, OURS, Judged
 from benchmarks.outage import Outage
 from benchmarks.performance import MARKS
-from benchmarks.strays import GlassOutcome
+from benchmarks.strays import GlassOutcome, Struck
 from benchmarks.whole_map import Finding
 from slam_core.measurements import Transform
 from slam_core.results import NavigationState
@@ -52,7 +52,7 @@ def accuracy() -> Accuracy:
         [dict.fromkeys(METHODS, HallOutcome(near, 0, 2.5))],
         [dict.fromkeys(METHODS, near)],
         [dict.fromkeys(METHODS, GlassOutcome(near, near, 0.42))],
-        [{(40.0, 0.1): dict.fromkeys(METHODS, near)}],
+        [{Struck(40.0, 0.1, missing=False): dict.fromkeys(METHODS, near)}],
         {"satellites": [Outage(0.03, 0.04, 0.01)]},
         {Recording("jackal", Path("a"), 0.0143): dict.fromkeys(METHODS, Replay(414, near, 1.0, ()))},
         {Recording("jarvis", Path("c")): {OURS: Judged(0.0141, 0.03, 0.0142, 1.6, 0.43)}} if INSTALLED else {},

@@ -14,7 +14,7 @@ PANE = fence(np.array([(0.0, 0.0), (1.0, 0.0)]), -1.0, 1.0)
 
 
 def test_so_many_beams_end_on_the_way_and_the_others_are_as_they_were() -> None:
-    """A fifth of them, nowhere nearer than allowed and never behind the wall; other items go by."""
+    """A fifth of them, nowhere nearer than allowed and never behind the wall, or missing; other items go by."""
     scan = LaserScan(0, np.full(20000, 5.0, np.float32), 0.0, 1e-4)
     imu = Imu(1, np.zeros(3), np.zeros(3))
     struck, passed = astray([scan, imu], 0.2, seed=1)
@@ -22,6 +22,8 @@ def test_so_many_beams_end_on_the_way_and_the_others_are_as_they_were() -> None:
     assert np.mean(changed) == pytest.approx(0.2, abs=0.01)
     assert NEAREST <= struck.ranges[changed].min() < struck.ranges[changed].max() <= 5.0
     assert passed is imu
+    without, _ = astray([scan, imu], 0.2, seed=1, missing=True)
+    assert np.array_equal(np.isnan(without.ranges), changed)
     assert np.array_equal(next(iter(astray([scan], 0.0, seed=1))).ranges, scan.ranges)
 
 
