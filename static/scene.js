@@ -74,8 +74,13 @@
   // ------------------------------------------------------------------------------------------------ camera
 
   // auto: keep the whole map in view until somebody touches the camera. goal: angles on the way to.
-  // moved: when anything here moved the camera last.
-  const state = { auto: true, follow: false, top: false, goal: null, distance: null, last: null, pan: null, moved: 0 };
+  // moved: when anything here moved the camera last; still: frames since then.
+  const state = { auto: true, follow: false, top: false, goal: null, distance: null, last: null, pan: null, moved: 0, still: 0 };
+
+  function moving() {
+    state.moved = performance.now();
+    state.still = 0;
+  }
 
   const minus = (a, b) => ({ x: a.x - b.x, y: a.y - b.y, z: a.z - b.z });
   const plus = (a, b) => ({ x: a.x + b.x, y: a.y + b.y, z: a.z + b.z });
@@ -133,7 +138,7 @@
     const [a, p] = [azimuth - controls.azimuthAngle, state.goal.polar - controls.polarAngle];
     const done = Math.abs(a) + Math.abs(p) < 0.002;
     const k = done ? 1 : share;
-    state.moved = performance.now();
+    moving();
     controls.rotateTo(controls.azimuthAngle + k * a, controls.polarAngle + k * p, false);
     if (done) state.goal = null;
   }
@@ -141,7 +146,7 @@
   function dolly(controls, goal, share) {
     const gap = goal - controls.distance;
     if (Math.abs(gap) < 0.002 * goal) return;
-    state.moved = performance.now();
+    moving();
     controls.dollyTo(controls.distance + share * gap, false);
   }
 
@@ -149,7 +154,7 @@
     const at = controls.getTarget();
     const gap = minus(goal, at);
     if (size(gap) < 1e-3) return;
-    state.moved = performance.now();
+    moving();
     const to = plus(at, times(gap, share));
     controls.moveTo(to.x, to.y, to.z, false);
   }
@@ -199,7 +204,7 @@
     state.distance = state.follow && controls.distance > NEAR ? NEAR : null;
     state.last = null;
     state.pan = { x: 0, y: 0, z: 0 };
-    state.moved = performance.now();
+    moving();
   }
 
   function touched(event) {
@@ -243,6 +248,7 @@
     if (!page?.cameraControl || !page.camera || !page.canvas) return;
     watch(page.canvas);
     mapMeshes().forEach(prepare);
+    state.still += 1;
     meshesBelow(POINTS).forEach((points) => (points.onBeforeRender = widen));
     magnify(page);
     order();
