@@ -219,7 +219,7 @@ def lightest(P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, trace:
     low, high = LIGHTEST, HEAVIEST
     a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     at_a, at_b = _size(a, n, G, projected, R, trace), _size(b, n, G, projected, R, trace)
-    while high - low > 1e-4:
+    while high - low > 1e-3:
         if at_a < at_b:
             high, b, at_b = b, a, at_a
             a = high - GOLDEN * (high - low)
