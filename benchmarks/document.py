@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from benchmarks import others, reading, returning, tables
+from benchmarks import kernels, others, reading, returning, tables
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import DRIVES, LOST_M, PLAIN_SETTINGS, SEEDS, Drive, Recording
 from benchmarks.ghosts import SIGHT_S, HallOutcome
@@ -120,8 +120,8 @@ How soon the demo `arena` is there, and how long that keeps a core busy: with th
 the first start of all, when the terminal and the page tell how many are.
 
 {starts}
-What a step is made of, in the rooms below; medians, but for the whole step. A beam evaluation is one endpoint's
-share of eqs. (11) and (13).
+What a step is made of, in the rooms below; medians over the scans, but for the whole step, and of those the best
+of {kernels.LOOKS} looks some seconds apart. A beam evaluation is one endpoint's share of eqs. (11) and (13).
 
 {parts}
 How the match and the update of one scan grow: there with other beams, levels and sizes of the first map.

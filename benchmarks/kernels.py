@@ -28,6 +28,7 @@ from slam_core.surfaces import Beams
 
 REPEATS = 200
 TILES = 16
+LOOKS, PAUSE_S = 5, 4.0  # a shared machine is slower for seconds on end
 BEAMS, LEVELS, SIZES = (271, 541, 1081, 2161), (1, 2, 3, 4, 5), (512, 1024, 2048, 4096)
 SCALING_S = 8.0  # of the drive: what it has seen by then is larger than a scan's reach
 OFF = np.array([0.03, -0.02, 0.01])  # of the start estimate
@@ -136,10 +137,21 @@ def _row(name: str, results: list[StepResult], config: MapConfig) -> tuple[str, 
 def parts(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> list[tuple[str, float, str]]:
     """Name, value and unit of everything but the scaling."""
     recording = list(measurements(SceneOptions(duration=seconds, seed=seed), only_pose))
-    slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
-    results, took = run(slam, recording)
+    looks = []
+    for k in range(LOOKS):
+        time.sleep(PAUSE_S if k else 0.0)
+        slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
+        results, took = run(slam, recording)
+        looks.append([*steps(results, took), *kernels(slam, results[-1])])
     scans = sum(isinstance(measurement, LaserScan) for measurement in recording)
-    return [("scans", scans, ""), *steps(results, took), *kernels(slam, results[-1])]
+    return [("scans", scans, ""), *map(_best, zip(*looks, strict=True))]
+
+
+def _best(looks: tuple[tuple[str, float, str], ...]) -> tuple[str, float, str]:
+    """Others who use the machine only make it slower."""
+    name, _, unit = looks[0]
+    values = [value for _, value, _ in looks]
+    return name, max(values) if unit == "scans/s" else min(values), unit
 
 
 def parts_table() -> str:
