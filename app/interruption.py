@@ -15,7 +15,10 @@ ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if h
 
 @contextmanager
 def ended_by_interruption() -> Iterator[None]:
-    """Whatever asks the program to end raises KeyboardInterrupt, as Ctrl-C does; on the main thread."""
+    """Whatever asks the program to end raises KeyboardInterrupt, as Ctrl-C does; on the main thread.
+
+    A signal that whoever started the program has it ignore, as `nohup` does, stays ignored.
+    """
     with _handled(signal.default_int_handler):
         yield
 
@@ -52,7 +55,8 @@ def delivered_later() -> Iterator[None]:
 
 @contextmanager
 def _handled(handler: Any) -> Iterator[None]:
-    previous = [(number, signal.signal(number, handler)) for number in ENDING]
+    heard = [number for number in ENDING if signal.getsignal(number) != signal.SIG_IGN]
+    previous = [(number, signal.signal(number, handler)) for number in heard]
     try:
         yield
     finally:

@@ -170,8 +170,7 @@ over {len(SEEDS)} seeds.
 What is in the way of the beams must not pull the match. Centimetres, median / worst over the seeds: this hall; one
 with panes that return the beams that meet them head on and let most others through, and with walls in their place;
 the rooms, with beams that end anywhere before the wall, and with the same beams missing, which no rejection of
-outliers could better. Raw errors contain where in its cells the first scan came to lie, and what a drive gains of
-heading at one doorway, where few beams meet known map.
+outliers could better. Raw errors contain where in its cells the first scan came to lie.
 
 {tables.pulled(in_the_way(accuracy))}
 Glass is there for some beams and not for others. Of the cells along the panes that ever were occupied:

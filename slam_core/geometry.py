@@ -92,7 +92,7 @@ def to_rotation_vector(q: Float64s) -> Float64s:
 def rotation_matrix(q: Float64s) -> Float64s:
     """R (3, 3): the direction cosine matrix of eq. (3), from child axes to parent axes."""
     w, x, y, z = q[0], q[1], q[2], q[3]
-    # A flat list: from nested ones compiled code makes an array in seven times the time.
+    # A flat list: compiled code makes an array of it much faster than of nested ones.
     elements = np.array([
         1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y),
         2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),

@@ -36,7 +36,7 @@ class History:
     """Samples and corrections in order of time, and beliefs: the oldest, and after each correction worked out.
 
     Since one of them is carried on again and again, its beliefs at the samples after it are kept as `stages`; the
-    last one that was asked for between two samples is kept with the sample before it.
+    last one that was asked for is kept, too.
     """
 
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:

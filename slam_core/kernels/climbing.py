@@ -104,7 +104,7 @@ def hessian(cells, corner, inverse, beams, pose, residuals):
 
 @njit(inline="always")
 def _symmetric(a00, a01, a02, a11, a12, a22):
-    """(3, 3); of nested lists compiled code would make it in seven times the time."""
+    """(3, 3); compiled code makes it of a flat list much faster than of nested ones."""
     return np.array([a00, a01, a02, a01, a11, a12, a02, a12, a22]).reshape(3, 3)
 
 

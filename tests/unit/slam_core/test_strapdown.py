@@ -3,7 +3,7 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import NavigationConfig, PlatformConfig
-from slam_core.kernels.navigation import ERRORS, STATES, bound, inject, level, move, transition
+from slam_core.kernels.navigation import ERRORS, STATES, advance, bound, inject, level, move, transition
 from slam_core.samples import Samples
 from slam_core.strapdown import Strapdown
 from tests.motions import GRAVITY, cross_matrix
@@ -107,6 +107,16 @@ def test_transition_is_the_derivative_of_the_motion(seed: int) -> None:
         for e in np.eye(ERRORS)
     ]
     assert np.allclose(transition(x, ahead, u, dt), np.array(columns).T, atol=2e-6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_covariance_is_carried_on_by_the_whole_transition(seed: int) -> None:
+    """Phi P Phi^T where there is no noise and no bound: no element that is not empty is left out."""
+    root = np.random.default_rng(seed).normal(size=(ERRORS, ERRORS))
+    x, u, dt, P = start(seed), inputs(0.3 + seed), 0.01, root @ root.T
+    ahead, later = advance(x, P, u, dt, np.array([G, 0.5, *np.zeros(6)]), np.full((ERRORS, 2), np.inf))
+    Phi = transition(x, ahead, u, dt)
+    np.testing.assert_allclose(later, Phi @ P @ Phi.T, rtol=0, atol=1e-12 * np.abs(P).max())
 
 
 def fed(u: np.ndarray, seconds: float) -> Samples:
