@@ -78,10 +78,8 @@ class History:
 
     def states_at(self, times_ns: Sequence[int]) -> Float64s:
         """The x alone at several instants, (k, 19): a correction between the first and the last is left out."""
-        base = self._after(self._corrections_until(min(times_ns)))
-        last_ns = max(times_ns)
-        self._stage(base, last_ns)
-        return self._model.predict_states(*self._stages.until(last_ns), np.array(times_ns), self._samples)
+        self._stage(self._after(self._corrections_until(min(times_ns))))
+        return self._stages.states(np.array(times_ns), self._model, self._samples)
 
     def statuses(self) -> Mapping[str, AidingStatus]:
         """What became of every source's measurements."""
@@ -150,18 +148,16 @@ class History:
         if time_ns <= base.stamp_ns:
             return base
         if self._staged is not base or self._asked.stamp_ns != time_ns:
-            self._stage(base, time_ns)
-            from_ns, x, P = self._stages.last(time_ns)
-            x, P = self._model.predict(x, P, from_ns, time_ns, self._samples)
+            self._stage(base)
+            x, P = self._stages.belief(time_ns, self._model, self._samples)
             self._asked = Belief(time_ns, x, P, base.statuses)
         return self._asked
 
-    def _stage(self, base: Belief, time_ns: int) -> None:
-        """Work out the beliefs at the samples after a base, up to an instant."""
+    def _stage(self, base: Belief) -> None:
+        """The stages are those of the belief that is carried on."""
         if self._staged is not base:
             self._staged = self._asked = base
             self._stages.begin(base.stamp_ns, base.x, base.P)
-        self._stages.reach(time_ns, self._model, self._samples)
 
     def _forget(self, before_ns: int) -> None:
         """Begin with the belief at the last sample or correction before an instant."""

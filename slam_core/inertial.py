@@ -19,6 +19,7 @@ class Intake:
 
     def __init__(self) -> None:
         self._memory = np.zeros((3, 3))
+        self._sample = np.zeros(7)
         self._behind: tuple[int, int] | None = None
 
     def copy(self) -> "Intake":
@@ -28,16 +29,16 @@ class Intake:
         return other
 
     def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
-        """The sample as in `Samples` (None if it is broken), and what is wrong with it (empty if nothing)."""
-        sample = np.empty(7)
-        sample[:3], sample[3:6], sample[6] = imu.angular_velocity, imu.linear_acceleration, 0.0
-        found = check(sample, self._memory, config.gyro_range)
+        """The sample as in `Samples` (None if it is broken), and what is wrong with it (empty if nothing).
+
+        It holds until the next one is checked.
+        """
+        sample = self._sample
+        found = check(imu.angular_velocity, imu.linear_acceleration, self._memory, config.gyro_range, sample)
         if found == BROKEN:
             return None, NO_NUMBER
-        if found == CLIPPED:
-            sample[6] = CLIPPED_NOISE**2
-            return sample, AT_RANGE
-        return sample, ""
+        sample[6] = CLIPPED_NOISE**2 if found == CLIPPED else 0.0
+        return sample, AT_RANGE if found == CLIPPED else ""
 
     def set_back(self, stamp_ns: int, newest_ns: int) -> bool:
         """Whether samples of the past have come in order for so long that the clock must have been set."""

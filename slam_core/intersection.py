@@ -10,6 +10,7 @@ import numpy as np
 from slam_core.config import FusionMethod
 from slam_core.kernels import fusion
 from slam_core.measurements import Float64s
+from slam_core.results import NOWHERE
 
 RULES: dict[FusionMethod, int] = {
     "fixed": fusion.FIXED,
@@ -17,7 +18,6 @@ RULES: dict[FusionMethod, int] = {
     "determinant": fusion.MIN_DETERMINANT,
     "kalman": fusion.KALMAN,
 }
-NOWHERE = np.zeros(2)
 NOTHING = np.zeros((0, 0))
 
 

@@ -5,20 +5,18 @@ import math
 import numpy as np
 
 from slam_core.config import MatcherConfig
-from slam_core.geometry import wrap
 from slam_core.grid import GridLevel
 from slam_core.kernels import climbing, matching
 from slam_core.kernels.climbing import climb
 from slam_core.measurements import Float32s, Float64s
 from slam_core.pyramid import Pyramid
-from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.results import NOWHERE, MatchResult, PlanarGaussian
 from slam_core.surfaces import Beams
 
 # The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
 NO_TRACE = np.empty((0, 4))
-NOWHERE = np.zeros(2)  # in the place of a blind direction
 NOTHING_KNOWN = np.eye(3)  # in the place of a prior's covariance, with a weight of 0
 
 
@@ -43,7 +41,8 @@ def coarse_to_fine(
     residuals = np.empty(len(points), np.float32)
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
     steps = np.empty((len(levels), kept, 3))
-    found, taken, converged = climb(
+    found, taken = np.empty((8, 3)), np.empty(len(levels), np.int64)
+    converged = climb(
         tuple([level.cells for level in levels]),
         levels[0].corner,
         levels[0].resolution,
@@ -59,17 +58,19 @@ def coarse_to_fine(
         config.sigma,
         config.weak_share,
         config.blind_share,
+        found,
+        taken,
         residuals,
         steps,
     )
-    pose, blind, weakest_share = found[0], found[1, :2], float(found[1, 2])
-    hessian, covariance = found[2:5], found[5:]
-    pose[2] = wrap(pose[2])
+    pose, blind, hessian, covariance = found[0], found[1, :2], found[2:5], found[5:]
     if config.covariance == "sampled":
         covariance = sampled_covariance(levels[0], points, pose, config.sigma, blind)
     iterations = tuple(taken.tolist())
     iterates = _in_order(steps, iterations) if trace else NO_TRACE
-    return MatchResult(pose, covariance, hessian, residuals, iterations, converged, iterates, blind, weakest_share)
+    return MatchResult(
+        pose, covariance, hessian, residuals, iterations, converged, iterates, blind, float(found[1, 2])
+    )
 
 
 def _in_order(steps: Float64s, taken: tuple[int, ...]) -> Float64s:

@@ -14,12 +14,12 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import FusionConfig, MotionConfig
-from slam_core.intersection import NOWHERE, intersect
+from slam_core.intersection import intersect
 from slam_core.kernels.fusion import kalman
 from slam_core.kernels.inertial import FASTEST
 from slam_core.kernels.navigation import SLIP_SIGMA
 from slam_core.measurements import Attitude, Float64s, Int64s, Odometry, Transform
-from slam_core.results import PlanarGaussian
+from slam_core.results import NOWHERE, PlanarGaussian
 
 MEMORY = 256  # attitudes kept: some seconds
 YAW_RATE_SIGMA = 0.05  # rad/s, of a gyro with its bias

@@ -13,13 +13,12 @@ from slam_core.aiding.ledger import Ledger
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
 from slam_core.history import Belief, History
 from slam_core.inertial import Intake
-from slam_core.intersection import NOWHERE
 from slam_core.kernels.fusion import planar_belief
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
 from slam_core.measurements import Float64s, Imu, Int64s, Transform
 from slam_core.placement import Placement
-from slam_core.results import AidingStatus, NavigationState, PlanarGaussian
+from slam_core.results import NOWHERE, AidingStatus, NavigationState, PlanarGaussian
 
 # A stamp this far ahead is believed only when the next one confirms it.
 LEAP_NS = 10_000_000_000
@@ -114,7 +113,9 @@ class NavigationFilter:
     def planar(self, time_ns: int) -> PlanarGaussian:
         """The belief at an instant projected on the plane: C x and C P C^T."""
         _, x, P, _ = self._belief.at(time_ns)
-        return PlanarGaussian(*planar_belief(x, P))
+        seen = np.empty((4, 3))
+        planar_belief(x, P, seen)
+        return PlanarGaussian(seen[0], seen[1:])
 
     def predict(self, imu: Imu) -> None:
         """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
@@ -134,9 +135,11 @@ class NavigationFilter:
         if self._intake.set_back(stamp_ns, sample_ns):
             self.counts[SET_BACK] += 1
             self._history = self._belief.begin_again(stamp_ns, sample)
+        elif 0 < stamp_ns - sample_ns <= MAX_GAP_NS:
+            self._belief.add_sample(stamp_ns, sample)
         elif stamp_ns <= sample_ns:
             self.counts["inertial sample not later than the one before"] += 1
-        elif stamp_ns - sample_ns > MAX_GAP_NS and not self._believes(stamp_ns):
+        elif not self._believes(stamp_ns):
             self.counts["stamp far ahead"] += 1
         else:
             if stamp_ns - self.sample_ns > MAX_GAP_NS:
@@ -161,10 +164,10 @@ class NavigationFilter:
     ) -> NavigationState:
         """Eqs. (18)-(20) with a match at an instant: the belief there, as it was if the match is of no use.
 
-        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, widen_vertical: see PlanarPose.
+        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, widen_vertical: see PlanarPose. Arrays are kept
+        as they are, for as long as the history lasts.
         """
-        match = PlanarPose(np.array(xi), np.array(R), omega, method, gate, np.array(blind), widen_vertical)
-        self.correct(time_ns, match)
+        self.correct(time_ns, PlanarPose(xi, R, omega, method, gate, blind, widen_vertical))
         return self.at(time_ns)
 
     def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:
@@ -210,7 +213,7 @@ class NavigationFilter:
         elif since_ns <= 0:
             self.counts["inertial sample not later than the one before"] += 1
             return
-        self._first.append((stamp_ns, sample))
+        self._first.append((stamp_ns, sample.copy()))
         if stamp_ns - self._first[0][0] < self._config.level_time * 1e9:
             return
         belief = start_belief(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
@@ -248,4 +251,4 @@ class NavigationFilter:
 
 def _as_state(belief: Belief) -> NavigationState:
     stamp_ns, x, P, _ = belief
-    return NavigationState(stamp_ns, Transform(x[4:7], x[:4]), x[7:10], x[10:13], x[13:16], P)
+    return NavigationState(stamp_ns, x, P)

@@ -1,8 +1,10 @@
-"""What a step returns: plain frozen values that views, exporters and tests read."""
+"""What a step returns: plain values that never change, for views, exporters and tests to read.
+
+Named tuples, as a step makes a dozen of them: a frozen dataclass takes three times as long.
+"""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -12,18 +14,17 @@ from slam_core.measurements import Float32s, Float64s, Transform
 
 Tracking = Literal["tracking", "recovered", "degraded", "lost"]
 _NOTHING: Mapping[str, int] = {}
+NOWHERE = np.zeros(2)  # in the place of a direction
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PlanarGaussian:
+class PlanarGaussian(NamedTuple):
     """A planar pose with its uncertainty: mean (3,) x, y in metres and heading in radians; covariance (3, 3)."""
 
     mean: Float64s
     covariance: Float64s
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MatchResult:
+class MatchResult(NamedTuple):
     """The outcome of section IV-B on one scan.
 
     pose: (3,) xi* = x, y, psi of the stabilised frame in the map. covariance: (3, 3) R of eq. (15), metres
@@ -41,7 +42,7 @@ class MatchResult:
     iterations: tuple[int, ...]
     converged: bool
     trace: Float64s
-    blind: Float64s = field(default_factory=lambda: np.zeros(2))
+    blind: Float64s = NOWHERE
     weakest_share: float = 1.0
 
     @property
@@ -62,39 +63,55 @@ class MatchResult:
         return PlanarGaussian(self.pose, self.covariance)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class NavigationState:
+class NavigationState(NamedTuple):
     """The filter's belief at one instant (section V-A).
 
-    T_map_base: position and attitude. velocity: (3,) m/s in the map frame. gyro_bias: (3,) rad/s.
-    accel_bias: (3,) m/s^2. covariance: (15, 15) of the errors of attitude (small rotation about the map's axes),
-    position, velocity, gyro bias, accelerometer bias, in that order.
+    x: (19,) attitude as a quaternion, position, velocity and biases, as below, and the specific force, smoothed.
+    covariance: (15, 15) of the errors of attitude (small rotation about the map's axes), position, velocity, gyro
+    bias, accelerometer bias, in that order.
     """
 
     stamp_ns: int
-    T_map_base: Transform
-    velocity: Float64s
-    gyro_bias: Float64s
-    accel_bias: Float64s
+    x: Float64s
     covariance: Float64s
+
+    @property
+    def T_map_base(self) -> Transform:
+        """Position and attitude."""
+        return Transform(self.x[4:7], self.x[:4])
+
+    @property
+    def velocity(self) -> Float64s:
+        """(3,) m/s in the map frame."""
+        return self.x[7:10]
+
+    @property
+    def gyro_bias(self) -> Float64s:
+        """(3,) rad/s."""
+        return self.x[10:13]
+
+    @property
+    def accel_bias(self) -> Float64s:
+        """(3,) m/s^2."""
+        return self.x[13:16]
 
 
 class AidingStatus(NamedTuple):
     """What became of the measurements of one source, up to some instant.
 
     measures: the error states (0-2 attitude, 3-5 position, 6-8 velocity) that it is about. used, rejected: how
-    many passed the gate, and how many not. dropped: others, by reason. returns: how often it came back after a
-    rejection that lasted. Of the last one: stamp_ns, innovation (m,) with covariance S (m, m), the normalised
-    innovation squared (nis) and the bound on that (inf: no gate). used_ns: time of the last that was used. streak,
-    streak_ns: rejections in a row that agree with each other, and since when. reading, reading_ns, reading_at: a
-    value that repeats itself, since when, and where the base was; frozen: the base moved on and it still does.
+    many passed the gate, and how many not. returns: how often it came back after a rejection that lasted. Of the
+    last one: stamp_ns, innovation (m,) with covariance S (m, m), the normalised innovation squared (nis) and the
+    bound on that (inf: no gate). used_ns: time of the last that was used. streak, streak_ns: rejections in a row
+    that agree with each other, and since when. reading, reading_ns, reading_at: a value that repeats itself, since
+    when, and where the base was; frozen: the base moved on and it still does. dropped: those that did not come to
+    the gate, by reason.
     """
 
     source: str
     measures: tuple[int, ...] = ()
     used: int = 0
     rejected: int = 0
-    dropped: Mapping[str, int] = _NOTHING
     returns: int = 0
     stamp_ns: int = 0
     innovation: Float64s = np.zeros(0)
@@ -108,6 +125,7 @@ class AidingStatus(NamedTuple):
     reading_ns: int = 0
     reading_at: tuple[float, ...] = ()
     frozen: bool = False
+    dropped: Mapping[str, int] = _NOTHING
 
     @property
     def sigma(self) -> Float64s:
@@ -120,8 +138,7 @@ class AidingStatus(NamedTuple):
         return self.used > 0 and self.streak == 0 and not self.frozen
 
 
-@dataclass(frozen=True, slots=True)
-class Durations:
+class Durations(NamedTuple):
     """Nanoseconds spent in each part of a step, by the clock that was handed to the pipeline."""
 
     stabilise: int = 0
@@ -130,8 +147,7 @@ class Durations:
     filter: int = 0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StepResult:
+class StepResult(NamedTuple):
     """Everything that one scan brought.
 
     stamp_ns: the middle of the sweep, which all poses here belong to. T_map_base: the fused 6DOF pose; without
@@ -148,7 +164,7 @@ class StepResult:
     the map in the tangent plane of the satellites (east, north, heading from east); None while not known.
     """
 
-    index: int
+    index: int  # type: ignore[assignment]  # it hides the method of tuples
     stamp_ns: int
     T_map_base: Transform
     planar: Float64s

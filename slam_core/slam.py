@@ -20,7 +20,7 @@ from slam_core.results import Durations, MatchResult, PlanarGaussian, StepResult
 from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
-from slam_core.tracking import Tracker, Verdict, disagreement, fit, search_window
+from slam_core.tracking import WELL, Tracker, Verdict, disagreement, fit, search_window
 
 # Where the map begins is where the first scan was taken: this sure.
 FIRST = MatchResult(
@@ -112,36 +112,38 @@ class HectorSlam:
         if self._motion.awaits_filter(self._index > 0):
             self.skipped["scan before the attitude was known"] += 1
             return None
-        lap = _Laps(self._clock)
+        clock = self._clock
+        begun = clock()
         leveled = stabilise(scan, self._motion.poses, self.config.scan)
-        lap("stabilise")
+        leveled_at = clock()
         if not len(leveled.points):
             self.skipped[NO_BEAM] += 1
             return None
         if not self._placed and not self._begin(leveled, mid_ns):
             self.skipped["scan before the robot was found in the map"] += 1
             return None
+        predicting_at = clock()
         prior = self._motion.prior(mid_ns)
-        lap("filter")
+        matching_at = clock()
         match, verdict = self._match(leveled, prior, mid_ns)
         if match and verdict.believed and (guess := self._motion.guessed):
             leveled, match = refine(
                 scan, leveled, match, prior, self.pyramid, guess, self.config, trace=self.trace
             )
             self._pose = match.pose
-        lap("match")
+        matched_at = clock()
         unexpected = self.pyramid.unexpected(leveled.points, self._pose)
         updated = verdict.believed and self._map(leveled)
         if match and verdict.believed:
             self._doubt(leveled, mid_ns)
-        lap("update")
+        mapped_at = clock()
         seen, motion = match or FIRST, self._motion
         fused, navigation = motion.fuse(mid_ns, seen) if verdict.believed else motion.coast(mid_ns)
         self._fused = fused.mean
         if self._writes:  # a map that is only read was drawn by another drive, whatever this one loses
             fused = self._drawn.claim(fused, seen.blind)
         T_map_base = navigation.T_map_base if navigation else motion.estimate(mid_ns, self._pose)
-        lap("filter", self._waiting_ns)
+        filtering_ns = matching_at - predicting_at + clock() - mapped_at + self._waiting_ns
         self._index, self._waiting_ns = self._index + 1, 0
         return StepResult(
             index=self._index - 1,
@@ -157,7 +159,9 @@ class HectorSlam:
             navigation=navigation,
             map_updated=updated,
             beams=len(scan.ranges),
-            durations=lap.durations(),
+            durations=Durations(
+                leveled_at - begun, matched_at - matching_at, mapped_at - matched_at, filtering_ns
+            ),
             tracking=verdict.state,
             reason=verdict.reason,
             aiding=motion.aiding,
@@ -184,12 +188,12 @@ class HectorSlam:
     ) -> tuple[MatchResult | None, Verdict]:
         """Align the scan with the map and judge that; no match for the first scan, whose pose is the origin."""
         if self.pyramid.empty:
-            return None, Verdict()
+            return None, WELL
         start = self._start_estimate(prior)
         match = coarse_to_fine(
             self.pyramid, leveled.points, start, self.config.matcher, prior=prior, trace=self.trace
         )
-        verdict = Verdict()
+        verdict = WELL
         if self.config.tracking.check:
             match, verdict = self._judge(match, leveled.points, prior)
         if verdict.state == "lost" and self.config.tracking.relocalise:
@@ -254,20 +258,3 @@ class HectorSlam:
         if self._writes and 0 < interval_ns <= time_ns - self._doubted_ns:
             self._doubted_ns = time_ns
             self.pyramid.doubt(leveled.points, leveled.laser, self._pose, self.config.map)
-
-
-class _Laps:
-    """Nanoseconds between calls, summed by name."""
-
-    def __init__(self, clock: Callable[[], int]) -> None:
-        self._clock = clock
-        self._last = clock()
-        self._sums: Counter[str] = Counter()
-
-    def __call__(self, name: str, extra: int = 0) -> None:
-        now = self._clock()
-        self._sums[name] += now - self._last + extra
-        self._last = now
-
-    def durations(self) -> Durations:
-        return Durations(**self._sums)

@@ -76,7 +76,7 @@ def _instants(scan: LaserScan, config: ScanConfig) -> list[int]:
     if not config.deskew or sweep_ns <= 0:
         return [mid_ns] * 3
     steps = 1 + sweep_ns // KNOT_NS
-    return [mid_ns, *(stamp_ns + sweep_ns * i // steps for i in range(steps + 1))]
+    return [mid_ns, *[stamp_ns + sweep_ns * i // steps for i in range(steps + 1)]]
 
 
 @lru_cache(maxsize=8)

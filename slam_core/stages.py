@@ -1,70 +1,74 @@
 """A belief and those that follow from it at the samples after it, in arrays that compiled code runs through."""
 
-from bisect import bisect_right
-
 import numpy as np
 
 from slam_core.kernels.navigation import ERRORS, STATES
 from slam_core.measurements import Float64s, Int64s
 from slam_core.samples import Samples
-from slam_core.strapdown import Strapdown
+from slam_core.strapdown import Rows, Strapdown
 
 FIRST_SIZE = 8
 
 
 class Stages:
-    """What it hands out are views of its rows: they hold until it begins anew."""
+    """Its rows are worked out when somebody asks for an instant beyond them."""
 
     def __init__(self, stamp_ns: int, x: Float64s, P: Float64s) -> None:
-        self._known = np.empty(FIRST_SIZE, np.int64)
-        self._xs, self._Ps = np.empty((FIRST_SIZE, STATES)), np.empty((FIRST_SIZE, ERRORS, ERRORS))
+        self._rows = _rows(FIRST_SIZE)
         self.begin(stamp_ns, x, P)
+
+    @property
+    def stamps(self) -> Int64s:
+        """Of the rows that are known, (n,)."""
+        return self._rows[2][: self._count]
 
     def begin(self, stamp_ns: int, x: Float64s, P: Float64s) -> None:
         """Begin anew with another belief: a copy of it, in the memory of the rows before."""
-        self._stamps = [stamp_ns]
-        self._known[0], self._xs[0], self._Ps[0] = stamp_ns, x, P
+        xs, Ps, stamps = self._rows
+        xs[0], Ps[0], stamps[0] = x, P, stamp_ns
+        self._count = 1
 
-    def reach(self, time_ns: int, model: Strapdown, samples: Samples) -> None:
-        """Go on up to the last sample that is not later than an instant."""
-        while self._stamps[-1] < time_ns:
-            n = len(self._stamps)
-            rows = slice(n - 1, None)
-            added = model.predict_each(self._xs[rows], self._Ps[rows], self._known[rows], time_ns, samples) - 1
-            self._stamps += self._known[n : n + added].tolist()
-            if len(self._stamps) < len(self._known):
-                break
+    def belief(self, time_ns: int, model: Strapdown, samples: Samples) -> tuple[Float64s, Float64s]:
+        """X and P at an instant; those of the first row for one before it."""
+        x, P = np.empty(STATES), np.empty((ERRORS, ERRORS))
+        while True:
+            self._count = model.believe(self._rows, self._count, time_ns, samples, x, P)
+            if self._count < len(self._rows[2]):
+                return x, P
             self._make_room()
 
-    def until(self, time_ns: int) -> tuple[Float64s, Int64s]:
-        """States (k, 19) and stamps (k,) up to an instant, the first of all in any case."""
-        k = max(bisect_right(self._stamps, time_ns), 1)
-        return self._xs[:k], self._known[:k]
-
-    def last(self, time_ns: int) -> tuple[int, Float64s, Float64s]:
-        """Stamp, x and P of the last row up to an instant, or of the first."""
-        k = max(bisect_right(self._stamps, time_ns), 1) - 1
-        return self._stamps[k], self._xs[k], self._Ps[k]
+    def states(self, times_ns: Int64s, model: Strapdown, samples: Samples) -> Float64s:
+        """The x alone at several instants, (k, 19)."""
+        states = np.empty((len(times_ns), STATES))
+        while True:
+            self._count = model.predict_states(self._rows, self._count, times_ns, samples, states)
+            if self._count < len(self._rows[2]):
+                return states
+            self._make_room()
 
     def since(self, stamp_ns: int, x: Float64s, P: Float64s) -> "Stages":
         """Those later than a stamp, after a belief that takes the place of those before."""
-        other = Stages(stamp_ns, x, P)
-        k = bisect_right(self._stamps, stamp_ns)
-        other._stamps += self._stamps[k:]
-        other._known = np.append(other._known[:1], self._known[k:])
-        other._xs, other._Ps = np.append(x[None], self._xs[k:], 0), np.append(P[None], self._Ps[k:], 0)
+        other = self.copy()
+        first = int(np.searchsorted(self.stamps, stamp_ns, side="right"))
+        other.begin(stamp_ns, x, P)
+        for rows, later in zip(other._rows, self._rows, strict=True):
+            rows[1 : 1 + self._count - first] = later[first : self._count]
+        other._count += self._count - first
         return other
 
     def copy(self) -> "Stages":
         """An independent copy."""
         other = Stages.__new__(Stages)
-        other._stamps, other._known = self._stamps.copy(), self._known.copy()
-        other._xs, other._Ps = self._xs.copy(), self._Ps.copy()
+        (xs, Ps, stamps), other._count = self._rows, self._count
+        other._rows = xs.copy(), Ps.copy(), stamps.copy()
         return other
 
     def _make_room(self) -> None:
-        n = len(self._stamps)
-        known, xs, Ps = self._known, self._xs, self._Ps
-        self._known = np.empty(2 * n, np.int64)
-        self._xs, self._Ps = np.empty((2 * n, STATES)), np.empty((2 * n, ERRORS, ERRORS))
-        self._known[:n], self._xs[:n], self._Ps[:n] = known, xs, Ps
+        grown = _rows(2 * len(self._rows[2]))
+        for rows, known in zip(grown, self._rows, strict=True):
+            rows[: self._count] = known[: self._count]
+        self._rows = grown
+
+
+def _rows(n: int) -> Rows:
+    return np.empty((n, STATES)), np.empty((n, ERRORS, ERRORS)), np.empty(n, np.int64)

@@ -1,5 +1,7 @@
 """Eqs. (1)-(3) with the noise of the configuration: what the filter believes a moment later."""
 
+from typing import Any
+
 import numpy as np
 
 from slam_core.config import NavigationConfig, PlatformConfig
@@ -11,6 +13,9 @@ from slam_core.samples import Samples
 # Without inertial data the motion goes on straight, with white noise that stands for every turn and push.
 BLIND_GYRO_NOISE = 0.5  # rad/s/√Hz
 BLIND_ACCEL_NOISE = 2.0  # m/s²/√Hz
+
+Rows = tuple[Float64s, Float64s, Int64s]
+"""Beliefs at the samples: x (n, 19), P (n, 15, 15), and stamps (n,)."""
 
 SMOOTHING = 0.5  # s: over which the specific force is smoothed to show where down is
 
@@ -35,16 +40,17 @@ class Strapdown:
         )
         return later
 
-    def predict_each(self, xs: Float64s, Ps: Float64s, stamps: Int64s, to_ns: int, samples: Samples) -> int:
-        """The same at every sample up to an instant: see `kernels.passage.predict_each`."""
-        return int(
-            passage.predict_each(xs, Ps, stamps, to_ns, *samples.rows, self._model, self._blind, self.bounds)
-        )
+    def believe(self, rows: Rows, count: int, to_ns: int, samples: Samples, *belief: Float64s) -> int:
+        """The belief at an instant from those in rows: see `kernels.passage.believe`."""
+        constants = self._model, self._blind, self.bounds
+        arguments: tuple[Any, ...] = *rows, count, to_ns, *samples.rows, *constants, *belief
+        return int(passage.believe(*arguments))
 
-    def predict_states(self, xs: Float64s, stamps: Int64s, times_ns: Int64s, samples: Samples) -> Float64s:
-        """States alone, (k, 19) at as many instants, from those known (n, 19) at stamps (n,) in order of time."""
-        later: Float64s = passage.predict_states(xs, stamps, times_ns, *samples.rows, self._model)
-        return later
+    def predict_states(self, rows: Rows, count: int, times_ns: Int64s, samples: Samples, states: Float64s) -> int:
+        """States alone at several instants: see `kernels.passage.predict_states`."""
+        constants = self._model, self._blind, self.bounds
+        arguments: tuple[Any, ...] = *rows, count, times_ns, *samples.rows, *constants, states
+        return int(passage.predict_states(*arguments))
 
     def coast(self, x: Float64s, P: Float64s, seconds: float) -> Float64s:
         """P of a belief after so long without any input."""

@@ -1,7 +1,7 @@
 """Whether a match can be believed: it must put the scan on walls about as well as the matches before it did."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from slam_core.config import TrackingConfig
 from slam_core.grid import GridLevel
@@ -17,25 +17,22 @@ MOSTLY, NEAR = 0.6, 5.0
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: a prediction that failed may be too sure of itself
 
 
-@dataclass(frozen=True, slots=True)
-class Fit:
+class Fit(NamedTuple):
     """known: share of the endpoints on known cells. hit: share of those that lie on occupied cells."""
 
     known: float
     hit: float
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """What became of a scan's match; reason is empty while all is well."""
+class Verdict(NamedTuple):
+    """What became of a scan's match: if it is not believed, the pose is the prediction; reason: what is wrong."""
 
     state: Tracking = "tracking"
     reason: str = ""
+    believed: bool = True
 
-    @property
-    def believed(self) -> bool:
-        """Whether the pose is a match; otherwise it is the prediction."""
-        return self.state in {"tracking", "recovered"}
+
+WELL = Verdict()
 
 
 def fit(level: GridLevel, points: Float32s, pose: Float64s) -> Fit:
@@ -84,12 +81,12 @@ class Tracker:
         self._usual += MEMORY * (seen.hit - self._usual)
         recovered = bool(reason) or self._missed > 0
         self._missed = 0
-        return Verdict("recovered", reason) if recovered else Verdict()
+        return Verdict("recovered", reason) if recovered else WELL
 
     def miss(self, reason: str, config: TrackingConfig) -> Verdict:
         """Go on with the prediction."""
         self._missed += 1
-        return Verdict("degraded" if self._missed < config.lost_after else "lost", reason)
+        return Verdict("degraded" if self._missed < config.lost_after else "lost", reason, believed=False)
 
 
 def _astray(seen: Fit, sigmas: float) -> bool:

@@ -14,9 +14,9 @@ RESOLUTION = 0.25  # metres a cell of the finest level
 LEVELS = 3
 AIDING = (
     AidingStatus("height", (5,), 100, innovation=np.array([0.1]), S=np.array([[0.04]]), nis=0.25, bound=25.0),
-    AidingStatus("scan", (2, 3, 4), 400, 0, {"correction older than the history": 1}, nis=0.5),
+    AidingStatus("scan", (2, 3, 4), 400, nis=0.5, dropped={"correction older than the history": 1}),
     AidingStatus("gps", (3, 4, 5), 60, 7, innovation=np.ones(3), S=np.eye(3), nis=2500.0, bound=34.0, streak=7),
-    AidingStatus("compass", (2,), 30, 0, {"<metal>": 4}, stamp_ns=-5_000_000_000),
+    AidingStatus("compass", (2,), 30, stamp_ns=-5_000_000_000, dropped={"<metal>": 4}),
 )
 
 
@@ -79,7 +79,7 @@ def step_result(index: int = 0, x: float = 0.0, y: float = 0.0, beams: int = 180
         match=match,
         prior=planar_gaussian(x, y, 0.003, 0.003),
         fused=planar_gaussian(x, y, 0.0012, 0.0018),
-        navigation=NavigationState(0, pose, np.zeros(3), np.zeros(3), np.zeros(3), np.eye(15) * 1e-4),
+        navigation=NavigationState(0, np.zeros(19), np.eye(15) * 1e-4),
         map_updated=True,
         beams=beams,
         durations=Durations(),
@@ -116,5 +116,5 @@ def restarted(snapshot: Snapshot) -> Snapshot:
 def without_filter(snapshot: Snapshot) -> Snapshot:
     """The first scan of a run without inertial data: nothing to match, nothing before."""
     assert snapshot.result is not None
-    result = replace(snapshot.result, match=None, prior=None, navigation=None)
+    result = snapshot.result._replace(match=None, prior=None, navigation=None)
     return replace(snapshot, result=result, sequence=snapshot.sequence + 1)

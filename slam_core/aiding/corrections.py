@@ -13,11 +13,12 @@ import numpy as np
 from slam_core import geometry
 from slam_core.aiding.chi_square import bound
 from slam_core.config import FusionMethod
-from slam_core.intersection import NOWHERE, RULES
+from slam_core.intersection import RULES
 from slam_core.kernels import fusion
 from slam_core.kernels.linear import is_measurement
 from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import Float64s
+from slam_core.results import NOWHERE
 
 # Nothing that a robot reports about its place or its speed is further out than this, in metres or m/s.
 PLAUSIBLE = 1e7
@@ -110,7 +111,9 @@ class PlanarPose(Correction):
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
         rule = RULES[self.method], self.omega, self.blind, False, self.widen_vertical
-        return Update(*fusion.correct_planar(x, P, self.xi, self.R, *rule, limit), limit)
+        after = np.empty(len(x)), np.empty(P.shape), np.empty(3), np.empty((3, 3))
+        nis = fusion.correct_planar(x, P, self.xi, self.R, *rule, limit, *after)
+        return Update(*after, nis, limit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -42,7 +42,9 @@ def fuse(
             update = correction.update(x, _doubting(P, *correction.observe(x)[:2], doubted))
             returned = update.accepted
     used = update.accepted
-    status = old._replace(
+    status = AidingStatus(
+        old.source,
+        old.measures,
         used=old.used + used,
         rejected=old.rejected + (not used),
         returns=old.returns + returned,
@@ -54,6 +56,9 @@ def fuse(
         used_ns=stamp_ns if used else old.used_ns,
         streak=0 if used else streak,
         streak_ns=0 if used else streak_ns,
+        reading=old.reading,
+        reading_ns=old.reading_ns,
+        reading_at=old.reading_at,
     )
     if used:
         x, P = update.x, update.P

@@ -11,30 +11,25 @@ class Ledger:
 
     def __init__(self) -> None:
         self.counts: Counter[str] = Counter()
-        self._dropped: dict[str, Counter[str]] = {}
-        # By source: its status without what was dropped, and with that; a status is asked for at every scan.
-        self._told: dict[str, tuple[AidingStatus | None, AidingStatus]] = {}
+        self._dropped: dict[str, Mapping[str, int]] = {}  # replaced, never changed: statuses hold them
 
     def copy(self) -> "Ledger":
         """An independent copy."""
         other = Ledger()
         other.counts = self.counts.copy()
-        other._dropped = {source: reasons.copy() for source, reasons in self._dropped.items()}
+        other._dropped = self._dropped.copy()
         return other
 
     def drop(self, source: str, reason: str) -> None:
         """Count a measurement of a source that is of no use."""
         self.counts[reason] += 1
-        self._dropped.setdefault(source, Counter())[reason] += 1
-        self._told.pop(source, None)
+        reasons = self._dropped.get(source, {})
+        self._dropped[source] = {**reasons, reason: reasons.get(reason, 0) + 1}
 
     def told(self, statuses: Mapping[str, AidingStatus]) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source: what the gates say, and what never came to them."""
         both = dict(statuses)
         for source, reasons in self._dropped.items():
-            status = statuses.get(source)
-            if source not in self._told or self._told[source][0] is not status:
-                whole = (status or AidingStatus(source))._replace(dropped=dict(reasons))
-                self._told[source] = status, whole
-            both[source] = self._told[source][1]
+            status = statuses.get(source) or AidingStatus(source)
+            both[source] = AidingStatus._make((*status[:-1], reasons))  # all but what was dropped
         return tuple(both.values())

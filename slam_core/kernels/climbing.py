@@ -35,18 +35,20 @@ def climb(
     sigma,
     weak_share,
     blind_share,
+    found,
+    taken,
     residuals,
     trace,
 ):
-    """The match (8, 3), steps of each level, and whether the finest converged.
+    """Match the points: whether the finest level converged.
 
     cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
     corner: (2,) of the finest.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
-    trace: (levels, k, 3) takes the first k iterates of each level. The match is the pose, the direction that the
-    scan leaves open, if any, with the share of beams that fix it, the Hessian (13) and the covariance (15).
+    found: (8, 3) takes the pose, the direction that the scan leaves open, if any, with the share of beams that fix
+    it, the Hessian (13) and the covariance (15). taken: (levels,) takes the steps of each level.
+    trace: (levels, k, 3) takes the first k iterates of each level.
     """
-    found = np.zeros((8, 3))
     pose, blind = found[0], found[1, :2]
     pose[:] = start
     xs, ys = points[:, 0].copy(), points[:, 1].copy()
@@ -58,7 +60,6 @@ def climb(
     if found[1, 2] >= blind_share:
         blind[:] = 0.0
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
-    taken = np.zeros(len(cells), np.int64)
     converged = False
     for i in range(len(cells) - 1, -1, -1):
         allowed = iterations_coarse if i else iterations_fine
@@ -78,7 +79,8 @@ def climb(
         )
     found[2:5] = hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals)
     found[5:] = hessian_covariance(found[2:5], sigma, blind)
-    return found, taken, converged
+    pose[2] -= 2.0 * math.pi * np.floor(pose[2] / (2.0 * math.pi) + 0.5)
+    return converged
 
 
 @njit(cache=True, error_model="numpy")

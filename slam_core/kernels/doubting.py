@@ -5,14 +5,15 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.bilinear import LEFT_HALF, UNKNOWN, WHOLE
 from slam_core.kernels.mapping import cells_of
-from slam_core.kernels.memory import lane
+from slam_core.kernels.memory import lane, pair
 
 get, _ = lane(0)
+_, put = lane(1)
 
-BINS = 720  # of half a degree each
-BIN = 2.0 * math.pi / BINS
+BINS = 720  # of about half a degree each
+WIDEST = 1.1 * 2.0 * math.pi / BINS  # rad
 BLOCK = 64  # cells that are looked at together: nearly all are free or unknown
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
@@ -34,8 +35,8 @@ def by_bearing(laser, ends):
         for j in range(2):
             box[0, j], box[1, j] = min(box[0, j], ends[k, j]), max(box[1, j], ends[k, j])
     for j in range(2):
-        box[0, j] -= BIN * longest
-        box[1, j] += BIN * longest
+        box[0, j] -= WIDEST * longest
+        box[1, j] += WIDEST * longest
     for b in range(BINS):
         begin[b + 1] += begin[b]
     lengths, place = np.empty(len(ends)), begin[:-1].copy()
@@ -108,22 +109,41 @@ def ends_in_free_space(cells, corner, resolution, points, pose, around, found):
 
     found: (n,) takes the answers.
     """
-    rows, columns = cells.shape
-    c, s = math.cos(pose[2]), math.sin(pose[2])
+    (rows, columns), flat, where = cells.shape, cells.reshape(-1), np.empty(len(points), np.int32)
+    _free_ends(flat, rows, columns, corner, resolution, points.reshape(-1), pose, around, where)
     for k in range(len(points)):
-        x, y = np.float64(points[k, 0]), np.float64(points[k, 1])
-        u = np.int64(np.floor((c * x - s * y + pose[0]) / resolution)) - corner[0]
-        v = np.int64(np.floor((s * x + c * y + pose[1]) / resolution)) - corner[1]
-        inside = around <= u < columns - around and around <= v < rows - around
-        found[k] = inside and cells[v, u] < UNKNOWN
+        found[k] = where[k] >= 0
         if found[k]:
-            for row in range(v - around, v + around + 1):
-                for column in range(u - around, u + around + 1):
-                    if cells[row, column] > UNKNOWN:
+            for row in range(-around, around + 1):
+                first = where[k] + row * columns - around
+                for i in range(first, first + 2 * around + 1):
+                    if flat[i] > UNKNOWN:
                         found[k] = False
+
+
+@njit(cache=True, error_model="numpy")
+def _free_ends(cells, rows, columns, corner, resolution, points, pose, around, where):
+    """(n,) the cells of those points that lie in free ones, not so near the edge, and -1; without a branch."""
+    c, s = math.cos(pose[2]) / resolution, math.sin(pose[2]) / resolution
+    shift_u, shift_v = pose[0] / resolution - corner[0], pose[1] / resolution - corner[1]
+    width, edge = np.int32(columns), np.int32(max(around, 1))  # `pair` reads one cell further
+    last_u, last_v = np.int32(columns - edge), np.int32(rows - edge)
+    for k in range(len(where)):
+        x, y = np.float64(get(points, 2 * k)), np.float64(get(points, 2 * k + 1))
+        u, v = np.int32(c * x - s * y + shift_u), np.int32(s * x + c * y + shift_v)
+        inside = (u >= edge) & (u < last_u) & (v >= edge) & (v < last_v)
+        i = np.int32(v * width + u) if inside else np.int32(0)
+        free = (pair(cells, i) & LEFT_HALF) < UNKNOWN
+        put(where, k, i if inside & free else np.int32(-1))
 
 
 @njit(inline="always")
 def _bin(dx, dy):
-    b = np.int64(np.floor(math.atan2(dy, dx) / BIN))
-    return b if b >= 0 else b + BINS
+    """By a parabola for the arc tangent of an eighth of a turn: wrong by 0.004 rad, in a third of its time."""
+    x, y = abs(dx), abs(dy)
+    t = min(x, y) / max(x, y, 1e-9)
+    angle = t * (0.25 * math.pi + 0.273 * (1.0 - t))
+    angle = 0.5 * math.pi - angle if y > x else angle
+    angle = math.pi - angle if dx < 0.0 else angle
+    angle = 2.0 * math.pi - angle if dy < 0.0 else angle
+    return min(np.int64(angle * (0.5 * BINS / math.pi)), BINS - 1)

@@ -9,7 +9,16 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.linear import cholesky, gain, is_sound, multiply, sandwich, solve_lower, squared_length
+from slam_core.kernels.linear import (
+    cholesky,
+    fill,
+    gain,
+    is_sound,
+    multiply,
+    sandwich,
+    solve_lower,
+    squared_length,
+)
 from slam_core.kernels.navigation import ERRORS, inject
 from slam_core.measurements import Float64s, Int64s
 
@@ -55,27 +64,40 @@ def correct_planar(
     observed_only: bool,
     widen_vertical: bool,
     bound: float,
-) -> tuple[Float64s, Float64s, Float64s, Float64s, float]:
-    """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate. As `correct`, with the innovation.
+    better: Float64s,
+    reduced: Float64s,
+    innovation: Float64s,
+    S: Float64s,
+) -> float:
+    """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate: nu^T S^-1 nu as of `correct`.
 
+    better (19,), reduced (15, 15), innovation (3,) and S (3, 3) take the rest: it is called for every scan, and
+    to return an array takes longer than to fill it.
     observed_only is an argument because a kernel that passes a literal has the other compiled once more for it.
     """
-    innovation = np.array([xi[0] - x[4], xi[1] - x[5], xi[2] - 2.0 * math.atan2(x[3], x[0])])
-    innovation[2] -= 2.0 * math.pi * round(innovation[2] / (2.0 * math.pi))
+    innovation[0], innovation[1] = xi[0] - x[4], xi[1] - x[5]
+    turn = xi[2] - 2.0 * math.atan2(x[3], x[0])
+    innovation[2] = turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
     C = planar_observer(x)
-    S = sandwich(C, P) + R
+    fill(S, sandwich(C, P) + R)
+    for i in range(len(x)):
+        better[i] = x[i]
+    fill(reduced, P)
     nis = squared_length(S, innovation)
     if not nis <= bound:
-        return x, P, innovation, S, nis
+        return nis
     held = np.zeros((2, ERRORS))
     for i in range(2):
         held[0, 3 + i] = held[1, 6 + i] = blind[i]
     spared = NONE if widen_vertical else VERTICAL
-    error, reduced = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only, spared)
-    better = inject(x, error)
-    if not is_sound(better, reduced):
-        return x, P, innovation, S, math.nan
-    return better, reduced, innovation, S, nis
+    error, spread = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only, spared)
+    moved = inject(x, error)
+    if not is_sound(moved, spread):
+        return math.nan
+    for i in range(len(x)):
+        better[i] = moved[i]
+    fill(reduced, spread)
+    return nis
 
 
 @njit(cache=True, error_model="numpy")
@@ -90,11 +112,11 @@ def planar_observer(x: Float64s) -> Float64s:
 
 
 @njit(cache=True, error_model="numpy")
-def planar_belief(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
-    """C x of eq. (19), position in the plane and heading (3,), and C P C^T."""
+def planar_belief(x: Float64s, P: Float64s, out: Float64s) -> None:
+    """C x of eq. (19), position in the plane and heading (3,), and below it C P C^T: out (4, 3)."""
     psi = 2.0 * math.atan2(x[3], x[0])
-    psi -= 2.0 * math.pi * round(psi / (2.0 * math.pi))
-    return np.array([x[4], x[5], psi]), sandwich(planar_observer(x), P)
+    out[0, 0], out[0, 1], out[0, 2] = x[4], x[5], psi - 2.0 * math.pi * round(psi / (2.0 * math.pi))
+    fill(out[1:], sandwich(planar_observer(x), P))
 
 
 @njit(cache=True, error_model="numpy")

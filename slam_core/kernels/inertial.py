@@ -13,21 +13,22 @@ REPEATS = 3
 
 
 @njit(cache=True, error_model="numpy")
-def check(sample: Float64s, memory: Float64s, gyro_range: float) -> int:
-    """GOOD, BROKEN or CLIPPED. sample: (6,) or longer, angular rate and specific force.
+def check(rate: Float64s, force: Float64s, memory: Float64s, gyro_range: float, sample: Float64s) -> int:
+    """GOOD, BROKEN or CLIPPED. rate, force: (3,), which `sample` (6,) or longer takes.
 
     memory: (3, 3), kept from one sample to the next: of each axis the last rate, how often it came, and its
     largest size. gyro_range: rad/s, 0 if not known.
     """
     for i in range(3):
-        if not (abs(sample[i]) < FASTEST and abs(sample[3 + i]) < HARDEST):
+        sample[i], sample[3 + i] = rate[i], force[i]
+        if not (abs(rate[i]) < FASTEST and abs(force[i]) < HARDEST):
             return BROKEN
     clipped = False
     for i in range(3):
-        last, size = memory[i, 0], abs(sample[i])
-        memory[i, 1] = memory[i, 1] + 1.0 if sample[i] == last else 1.0
+        last, size = memory[i, 0], abs(rate[i])
+        memory[i, 1] = memory[i, 1] + 1.0 if rate[i] == last else 1.0
         memory[i, 2] = max(memory[i, 2], size)
-        memory[i, 0] = sample[i]
+        memory[i, 0] = rate[i]
         stuck = memory[i, 1] >= REPEATS and size >= max(LEAST_RANGE, memory[i, 2])
         clipped |= stuck or (gyro_range > 0.0 and size >= 0.999 * gyro_range)
     return CLIPPED if clipped else GOOD

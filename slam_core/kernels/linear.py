@@ -22,6 +22,14 @@ def multiply(A: Float64s, B: Float64s) -> Float64s:
 
 
 @njit(cache=True, error_model="numpy")
+def fill(out: Float64s, A: Float64s) -> None:
+    """The values of A into an array of its shape: to assign a slice takes numba seconds to compile."""
+    for i in range(A.shape[0]):
+        for j in range(A.shape[1]):
+            out[i, j] = A[i, j]
+
+
+@njit(cache=True, error_model="numpy")
 def sandwich(A: Float64s, P: Float64s) -> Float64s:
     """A P A^T of a symmetric P, symmetric to the last bit."""
     AP = multiply(A, P)

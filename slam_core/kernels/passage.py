@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.navigation import ERRORS, STATES, advance, move
+from slam_core.kernels.linear import fill
+from slam_core.kernels.navigation import STATES, advance, move
 from slam_core.measurements import Float64s, Int64s
 
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
@@ -56,10 +57,66 @@ def predict(
 
 
 @njit(cache=True, error_model="numpy")
-def predict_each(
+def believe(
     xs: Float64s,
     Ps: Float64s,
     known: Int64s,
+    count: int,
+    to_ns: int,
+    stamps: Int64s,
+    samples: Float64s,
+    begin: int,
+    end: int,
+    model: Float64s,
+    blind: Float64s,
+    bounds: Float64s,
+    x: Float64s,
+    P: Float64s,
+) -> int:
+    """The belief at an instant into x and P, from rows of which `count` are known; how many are known then.
+
+    xs: (n, 19), Ps: (n, 15, 15), known: (n,), a belief a row: one that is given, and those at the samples after
+    it. They are worked out up to the instant, or until all rows are full: then x and P may be anything.
+    """
+    count = _extend(xs, Ps, known, count, to_ns, stamps, samples, begin, end, model, blind, bounds)
+    k = _last(known, count, to_ns)
+    last = predict(xs[k], Ps[k], known[k], to_ns, stamps, samples, begin, end, model, blind, bounds)
+    _write(x, P, *last)
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def predict_states(
+    xs: Float64s,
+    Ps: Float64s,
+    known: Int64s,
+    count: int,
+    times: Int64s,
+    stamps: Int64s,
+    samples: Float64s,
+    begin: int,
+    end: int,
+    model: Float64s,
+    blind: Float64s,
+    bounds: Float64s,
+    states: Float64s,
+) -> int:
+    """As `believe` for the instants (k,), but the states alone, (k, 19): carried on without their covariance."""
+    count = _extend(xs, Ps, known, count, times.max(), stamps, samples, begin, end, model, blind, bounds)
+    for i in range(len(times)):
+        k = _last(known, count, times[i])
+        state = _carry(xs[k], known[k], times[i], stamps, samples, begin, end, model)
+        for j in range(STATES):
+            states[i, j] = state[j]
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def _extend(
+    xs: Float64s,
+    Ps: Float64s,
+    known: Int64s,
+    count: int,
     to_ns: int,
     stamps: Int64s,
     samples: Float64s,
@@ -69,45 +126,36 @@ def predict_each(
     blind: Float64s,
     bounds: Float64s,
 ) -> int:
-    """`predict` from sample to sample: how many rows of xs (n, 19), Ps (n, 15, 15) and known (n,) are written.
-
-    The first row is where it begins. It ends at an instant, or when all rows are full.
-    """
-    x, P, n = xs[0], Ps[0], 1
-    first = begin + int(np.searchsorted(stamps[begin:end], known[0], side="right"))
-    for k in range(first, min(end, first + len(xs) - 1)):
-        if stamps[k] > to_ns:
-            break
-        x, P = predict(x, P, known[n - 1], stamps[k], stamps, samples, begin, end, model, blind, bounds)
-        known[n] = stamps[k]
-        for i in range(STATES):  # element by element, as a slice takes seconds to compile
-            xs[n, i] = x[i]
-        for i in range(ERRORS):
-            for j in range(ERRORS):
-                Ps[n, i, j] = P[i, j]
-        n += 1
+    """`predict` from sample to sample up to an instant, while there are rows; how many are known then."""
+    n = count
+    if known[n - 1] < to_ns:
+        first = begin + int(np.searchsorted(stamps[begin:end], known[n - 1], side="right"))
+        for k in range(first, min(end, first + len(xs) - n)):
+            if stamps[k] > to_ns:
+                break
+            x, P = predict(
+                xs[n - 1], Ps[n - 1], known[n - 1], stamps[k], stamps, samples, begin, end, model, blind, bounds
+            )
+            known[n] = stamps[k]
+            _write(xs[n], Ps[n], x, P)
+            n += 1
     return n
 
 
 @njit(cache=True, error_model="numpy")
-def predict_states(
-    xs: Float64s,
-    known: Int64s,
-    times: Int64s,
-    stamps: Int64s,
-    samples: Float64s,
-    begin: int,
-    end: int,
-    model: Float64s,
-) -> Float64s:
-    """States (k, 19) at `times`, each carried on without its covariance from the last of xs (n, 19) before."""
-    out = np.empty((len(times), STATES))
-    for i in range(len(times)):
-        start = max(int(np.searchsorted(known, times[i], side="right")) - 1, 0)
-        state = _carry(xs[start], known[start], times[i], stamps, samples, begin, end, model)
-        for j in range(STATES):
-            out[i, j] = state[j]
-    return out
+def _last(known: Int64s, count: int, time_ns: int) -> int:
+    """The last row that is not later than an instant, or the first of all."""
+    k = count - 1
+    while k > 0 and known[k] > time_ns:
+        k -= 1
+    return k
+
+
+@njit(cache=True, error_model="numpy")
+def _write(x: Float64s, P: Float64s, new_x: Float64s, new_P: Float64s) -> None:
+    for i in range(STATES):
+        x[i] = new_x[i]
+    fill(P, new_P)
 
 
 @njit(cache=True, error_model="numpy")

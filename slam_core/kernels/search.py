@@ -6,22 +6,26 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.memory import lane
+
+get, _ = lane(0)
 
 
 @njit(cache=True, error_model="numpy")
 def count_hits(cells, corner, inverse, points, pose):
-    """How many endpoints lie on known cells, and how many of those on occupied ones."""
+    """How many endpoints lie on known cells, and how many of those on occupied ones; without a branch."""
     rows, columns = cells.shape
+    flat, ends = cells.reshape(-1), points.reshape(-1)
     c, s = math.cos(pose[2]) * inverse, math.sin(pose[2]) * inverse
     shift_u, shift_v = pose[0] * inverse - corner[0], pose[1] * inverse - corner[1]
-    known = hits = 0
+    known = hits = np.int32(0)
     for i in range(len(points)):
-        u = c * points[i, 0] - s * points[i, 1] + shift_u
-        v = s * points[i, 0] + c * points[i, 1] + shift_v
-        if 0.0 <= u < columns and 0.0 <= v < rows:
-            value = cells[int(v), int(u)]
-            known += value != UNKNOWN
-            hits += value > UNKNOWN
+        x, y = np.float64(get(ends, 2 * i)), np.float64(get(ends, 2 * i + 1))
+        u, v = c * x - s * y + shift_u, s * x + c * y + shift_v
+        inside = (u >= 0.0) & (u < columns) & (v >= 0.0) & (v < rows)
+        value = get(flat, np.int32(v) * np.int32(columns) + np.int32(u) if inside else np.int32(0))
+        known += np.int32(inside & (value != UNKNOWN))
+        hits += np.int32(inside & (value > UNKNOWN))
     return known, hits
 
 

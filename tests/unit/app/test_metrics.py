@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 
 from app.metrics import map_in_world, medians, sources
@@ -34,7 +32,7 @@ def test_what_aids_the_filter_is_counted() -> None:
 def test_the_place_of_the_map_in_the_world_is_told_once_it_is_known() -> None:
     """Metres east and north of the first fix, degrees from east, and how sure that is."""
     world = PlanarGaussian(np.array([3.0, -2.0, np.pi / 2]), np.diag([0.25, 0.16, np.radians(2.0) ** 2]))
-    found = map_in_world(replace(step_result(), world=world))
+    found = map_in_world(step_result()._replace(world=world))
     assert found == {"east_m": 3.0, "north_m": -2.0, "from_east_deg": 90.0, "sigma_m": 0.5, "sigma_deg": 2.0}
     assert map_in_world(step_result()) is None
     assert map_in_world(None) is None

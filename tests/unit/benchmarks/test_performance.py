@@ -17,7 +17,6 @@ from benchmarks.outage import Outage
 from benchmarks.performance import MARKS
 from benchmarks.strays import GlassOutcome, Struck
 from benchmarks.whole_map import Finding
-from slam_core.measurements import Transform
 from slam_core.results import NavigationState
 from tests.conftest import ROOT
 
@@ -35,7 +34,7 @@ def leaning(angle: float) -> Ride:
     """Three samples at rest whose up is that many degrees off; the device has no opinion."""
     up = np.tile([0.0, 0.0, 1.0], (3, 1))
     lean = np.tile([math.sin(math.radians(angle)), 0.0, math.cos(math.radians(angle))], (3, 1))
-    start = NavigationState(0, Transform(), *np.zeros((3, 3)), np.eye(15))
+    start = NavigationState(0, np.eye(1, 19)[0], np.eye(15))
     return Ride(lean, up, np.empty((0, 3)), np.ones(3, bool), start)
 
 

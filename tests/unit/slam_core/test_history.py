@@ -131,7 +131,7 @@ def test_a_belief_that_was_handed_out_stays_as_it_was(t: float) -> None:
     estimator = begun(1.0)
     estimator.fuse_planar(stamp(0.8), np.zeros(3), R, OMEGA)
     held = estimator.at(stamp(t))
-    kept = replace(held, velocity=held.velocity.copy(), covariance=held.covariance.copy())
+    kept = held._replace(x=held.x.copy(), covariance=held.covariance.copy())
     estimator.fuse_planar(stamp(0.85), np.array([0.1, 0.0, 0.0]), R, OMEGA)
     later = estimator.at(stamp(0.99))
     assert not same(later, kept) and same(held, kept, 0.0)

@@ -26,43 +26,50 @@ def predicted(to_ns: int) -> tuple[np.ndarray, np.ndarray]:
     return x, spread
 
 
+def belief(stages: Stages, time_ns: int) -> tuple[np.ndarray, np.ndarray]:
+    """The state and its covariance at an instant."""
+    return stages.belief(time_ns, MODEL, SAMPLES)
+
+
 @pytest.mark.parametrize(
-    "steps", [(3,), (1, 2, 3), (FIRST_SIZE - 1, FIRST_SIZE, FIRST_SIZE + 1), (4 * FIRST_SIZE,)]
+    "steps", [(3,), (1, 2, 3), (FIRST_SIZE - 1, FIRST_SIZE, FIRST_SIZE + 1), (4 * FIRST_SIZE,), (5, 2)]
 )
 def test_every_sample_on_the_way_has_its_belief(steps: tuple[int, ...]) -> None:
     """However far and in whatever pieces it goes on, the rows are the predictions from sample to sample."""
     stages = Stages(BEGIN_NS, X, P)
     for k in steps:
-        stages.reach(k * STEP_NS + 1, MODEL, SAMPLES)
-        stamp_ns, x, spread = stages.last(k * STEP_NS + 1)
-        assert stamp_ns == k * STEP_NS
-        for got, wanted in zip((x, spread), predicted(stamp_ns), strict=True):
+        for got, wanted in zip(belief(stages, k * STEP_NS), predicted(k * STEP_NS), strict=True):
             assert np.array_equal(got, wanted)
-    assert [len(rows) for rows in stages.until(2 * STEP_NS)] == ([3, 3] if steps[-1] > 1 else [2, 2])
+    assert stages.stamps.tolist() == [BEGIN_NS, *[k * STEP_NS for k in range(1, max(steps) + 1)]]
+
+
+def test_several_states_are_those_of_the_beliefs() -> None:
+    """Whatever the order of the instants and wherever they lie, the states are as if each were asked for alone."""
+    times = [12 * STEP_NS + 7, BEGIN_NS, 3 * STEP_NS, 0, 40 * STEP_NS + 1]
+    states = Stages(BEGIN_NS, X, P).states(np.array(times), MODEL, SAMPLES)
+    for state, time_ns in zip(states, times, strict=True):
+        assert np.allclose(state, belief(Stages(BEGIN_NS, X, P), time_ns)[0], rtol=0, atol=1e-12)
 
 
 def test_an_instant_before_the_first_row_gets_the_first() -> None:
     """Nothing is known of what was before it begins."""
     stages = Stages(BEGIN_NS, X, P)
-    stages.reach(3 * STEP_NS, MODEL, SAMPLES)
-    assert stages.last(0)[0] == BEGIN_NS
-    assert stages.until(0)[1].tolist() == [BEGIN_NS]
+    belief(stages, 3 * STEP_NS)
+    assert np.array_equal(belief(stages, 0)[0], X) and np.array_equal(belief(stages, 0)[1], P)
 
 
 def test_what_goes_on_from_a_later_row_is_the_same() -> None:
     """After a new beginning at one of the rows the others are as before, and it goes on as it would have."""
     stages = Stages(BEGIN_NS, X, P)
-    stages.reach(6 * STEP_NS, MODEL, SAMPLES)
-    later = stages.since(*stages.last(3 * STEP_NS))
-    for each in (stages, later):
-        each.reach(20 * STEP_NS, MODEL, SAMPLES)
-    assert later.last(0)[0] == 3 * STEP_NS
+    belief(stages, 6 * STEP_NS)
+    later = stages.since(3 * STEP_NS, *belief(stages, 3 * STEP_NS))
+    assert later.stamps.tolist() == [k * STEP_NS for k in (3, 4, 5, 6)]
     for k in (4, 6, 7, 20):
-        assert np.array_equal(stages.last(k * STEP_NS)[2], later.last(k * STEP_NS)[2])
+        assert np.array_equal(belief(stages, k * STEP_NS)[1], belief(later, k * STEP_NS)[1])
 
 
 def test_a_copy_goes_its_own_way() -> None:
     """Rows that are added to a copy are not seen in the original."""
     stages = Stages(BEGIN_NS, X, P)
-    stages.copy().reach(5 * STEP_NS, MODEL, SAMPLES)
-    assert stages.last(5 * STEP_NS)[0] == BEGIN_NS
+    belief(stages.copy(), 5 * STEP_NS)
+    assert stages.stamps.tolist() == [BEGIN_NS]

@@ -5,6 +5,7 @@ from slam_core import geometry
 from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.kernels.navigation import ERRORS, STATES, advance, bound, inject, level, move, transition
 from slam_core.samples import Samples
+from slam_core.stages import Stages
 from slam_core.strapdown import Strapdown
 from tests.motions import GRAVITY, cross_matrix
 
@@ -150,7 +151,7 @@ def test_unknown_motion_goes_straight_and_forgets() -> None:
     later, spread = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.0))
     assert np.allclose(later[:4], x[:4]) and np.allclose(later[7:10], x[7:10])
     assert np.allclose(later[4:7], x[4:7] + 0.4 * x[7:10])
-    alone = model.predict_states(x[None], np.array([0]), np.array([400_000_000]), fed(inputs(0.0), 0.0))
+    alone = Stages(0, x, P).states(np.array([400_000_000]), model, fed(inputs(0.0), 0.0))
     assert np.allclose(later, alone[0], atol=1e-12)
     known = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.4))[1]
     assert (np.diag(spread)[:9] > np.diag(known)[:9]).all()
