@@ -12,8 +12,12 @@ from slam_core.kernels.memory import lane, pair
 get, _ = lane(0)
 _, put = lane(1)
 
-BINS = 720  # of about half a degree each
-WIDEST = 1.1 * 2.0 * math.pi / BINS  # rad
+BINS = 720  # of half a degree each
+BIN = 2.0 * math.pi / BINS
+# atan(t) / t for |t| <= 1 as a sum of even powers, the largest error 1e-5 (Abramowitz and Stegun, 4.4.49); twice
+# that, in bins.
+A1, A3, A5, A7, A9 = 0.9998660, -0.3302995, 0.1801410, -0.0851330, 0.0208351
+UNSURE = 2e-5 / BIN
 BLOCK = 64  # cells that are looked at together: nearly all are free or unknown
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
@@ -35,8 +39,8 @@ def by_bearing(laser, ends):
         for j in range(2):
             box[0, j], box[1, j] = min(box[0, j], ends[k, j]), max(box[1, j], ends[k, j])
     for j in range(2):
-        box[0, j] -= WIDEST * longest
-        box[1, j] += WIDEST * longest
+        box[0, j] -= BIN * longest
+        box[1, j] += BIN * longest
     for b in range(BINS):
         begin[b + 1] += begin[b]
     lengths, place = np.empty(len(ends)), begin[:-1].copy()
@@ -139,11 +143,15 @@ def _free_ends(cells, rows, columns, corner, resolution, points, pose, around, w
 
 @njit(inline="always")
 def _bin(dx, dy):
-    """By a parabola for the arc tangent of an eighth of a turn: wrong by 0.004 rad, in a third of its time."""
+    """The bin of a direction; the arc tangent itself, which takes three times as long, decides near an edge only."""
     x, y = abs(dx), abs(dy)
     t = min(x, y) / max(x, y, 1e-9)
-    angle = t * (0.25 * math.pi + 0.273 * (1.0 - t))
+    angle = t * (A1 + t * t * (A3 + t * t * (A5 + t * t * (A7 + t * t * A9))))
     angle = 0.5 * math.pi - angle if y > x else angle
     angle = math.pi - angle if dx < 0.0 else angle
-    angle = 2.0 * math.pi - angle if dy < 0.0 else angle
-    return min(np.int64(angle * (0.5 * BINS / math.pi)), BINS - 1)
+    angle = -angle if dy < 0.0 else angle
+    place = angle / BIN
+    if abs(place - np.floor(place + 0.5)) < UNSURE:
+        place = math.atan2(dy, dx) / BIN
+    b = np.int64(np.floor(place))
+    return b if b >= 0 else b + BINS
