@@ -32,9 +32,9 @@ class ConstantRate:
             self._next_ns = start_ns + -(-(now_ns - start_ns) // PERIOD_NS) * PERIOD_NS
         if self._next_ns > now_ns:
             return
-        times = np.arange(self._next_ns, now_ns + 1, PERIOD_NS)
-        self._next_ns = int(times[-1]) + PERIOD_NS
+        times = range(self._next_ns, now_ns + 1, PERIOD_NS)
+        self._next_ns = times[-1] + PERIOD_NS
         rows = np.empty((len(times), COLUMNS))
-        rows[:, 0] = (times - start_ns) / 1e9
+        rows[:, 0] = [(time_ns - start_ns) / 1e9 for time_ns in times]
         rows[:, 1:] = slam.motion_at(times)
         self._rows.extend(rows)

@@ -6,9 +6,11 @@ import numpy as np
 
 from app.snapshot import SERIES_FIELDS
 from slam_core.geometry import to_euler
-from slam_core.results import NavigationState, PlanarGaussian, StepResult
+from slam_core.measurements import Float64s
+from slam_core.results import NavigationState, StepResult
 
 _NAN = float("nan")
+_NO_SIGMAS = _NAN, _NAN, _NAN
 
 
 def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[float, ...]:
@@ -18,9 +20,9 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
         time_s,
         *result.T_map_base.translation.tolist(),
         *to_euler(result.T_map_base.rotation),
-        *_sigmas(match.gaussian if match else None),
-        *_sigmas(result.prior),
-        *_sigmas(result.fused),
+        *(_sigmas(match.covariance) if match else _NO_SIGMAS),
+        *(_sigmas(result.prior.covariance) if result.prior else _NO_SIGMAS),
+        *_sigmas(result.fused.covariance),
         match.mean_residual if match else _NAN,
         sum(match.iterations) if match else 0,
         result.beams,
@@ -38,14 +40,13 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
     return row
 
 
-def _sigmas(gaussian: PlanarGaussian | None) -> tuple[float, float, float]:
-    if gaussian is None:
-        return _NAN, _NAN, _NAN
-    (xx, _, _), (_, yy, _), (_, _, turn) = gaussian.covariance.tolist()
+def _sigmas(covariance: Float64s) -> tuple[float, float, float]:
+    (xx, _, _), (_, yy, _), (_, _, turn) = covariance.tolist()
     return math.sqrt(max(0.0, xx)), math.sqrt(max(0.0, yy)), math.sqrt(max(0.0, turn))
 
 
 def _navigation(state: NavigationState | None) -> tuple[float, ...]:
     if state is None:
         return (_NAN,) * 9
-    return (*state.gyro_bias.tolist(), *state.accel_bias.tolist(), *state.velocity.tolist())
+    vx, vy, vz, *biases = state.x[7:16].tolist()
+    return (*biases, vx, vy, vz)

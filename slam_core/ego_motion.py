@@ -16,7 +16,6 @@ from slam_core.measurements import (
     GroundDistance,
     Height,
     Imu,
-    Int64s,
     LaserScan,
     Measurement,
     Odometry,
@@ -135,8 +134,8 @@ class EgoMotion:
         """Positions (k, 3) and attitudes (k, 4) of the base in the map at so many instants."""
         return self._filter.poses(times_ns) if self.inertial else self._planar.poses(times_ns)
 
-    def motion_at(self, times_ns: Int64s) -> Float64s:
-        """(k, 10) position, attitude, and velocity in the map at instants (k,), predicted on if need be."""
+    def motion_at(self, times_ns: Sequence[int]) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at k instants, predicted on if need be."""
         return self._filter.motion_at(times_ns) if self.inertial else self._planar.motion_at(times_ns)
 
     def prior(self, time_ns: int) -> PlanarGaussian:

@@ -18,7 +18,7 @@ from slam_core.intersection import intersect
 from slam_core.kernels.fusion import kalman
 from slam_core.kernels.inertial import FASTEST
 from slam_core.kernels.navigation import SLIP_SIGMA
-from slam_core.measurements import Attitude, Float64s, Int64s, Odometry, Transform
+from slam_core.measurements import Attitude, Float64s, Odometry, Transform
 from slam_core.results import NOWHERE, PlanarGaussian
 
 MEMORY = 256  # attitudes kept: some seconds
@@ -73,9 +73,9 @@ class PlanarMotion:
         poses = [self.pose(time_ns) for time_ns in times_ns]
         return np.array([pose.translation for pose in poses]), np.array([pose.rotation for pose in poses])
 
-    def motion_at(self, times_ns: Int64s) -> Float64s:
-        """(k, 10) position, attitude, and velocity in the map at instants (k,)."""
-        positions, rotations = self.poses(times_ns.tolist())
+    def motion_at(self, times_ns: Sequence[int]) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at k instants."""
+        positions, rotations = self.poses(times_ns)
         forward, left = self._mean[3:5]
         headings = np.array([geometry.heading(q) for q in rotations])
         c, s = np.cos(headings), np.sin(headings)

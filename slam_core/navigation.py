@@ -16,7 +16,7 @@ from slam_core.inertial import Intake
 from slam_core.kernels.fusion import planar_belief
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
-from slam_core.measurements import Float64s, Imu, Int64s, Transform
+from slam_core.measurements import Float64s, Imu, Transform
 from slam_core.placement import Placement
 from slam_core.results import NOWHERE, AidingStatus, NavigationState, PlanarGaussian
 
@@ -105,9 +105,9 @@ class NavigationFilter:
         xs = self._belief.states_at(times_ns)
         return xs[:, 4:7], xs[:, :4]
 
-    def motion_at(self, times_ns: Int64s) -> Float64s:
-        """(k, 10) position, attitude, and velocity in the map at instants (k,)."""
-        xs = self._belief.states_at(times_ns.tolist())
+    def motion_at(self, times_ns: Sequence[int]) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at k instants."""
+        xs = self._belief.states_at(times_ns)
         return xs.take(MOTION, axis=1)
 
     def planar(self, time_ns: int) -> PlanarGaussian:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from slam_core.faults import NO_BEAM
 from slam_core.given import GivenMap
 from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
-from slam_core.measurements import Float32s, Float64s, Int64s, LaserScan, Measurement
+from slam_core.measurements import Float32s, Float64s, LaserScan, Measurement
 from slam_core.pyramid import Pyramid
 from slam_core.results import Durations, MatchResult, PlanarGaussian, StepResult
 from slam_core.resweep import refine
@@ -79,8 +79,8 @@ class HectorSlam:
         """The latest instant of which anything was heard; None before the first scan."""
         return self._motion.heard_ns(self._scan_ns) if self._index else None
 
-    def motion_at(self, times_ns: Int64s) -> Float64s:
-        """(k, 10) position, attitude, and velocity in the map at instants (k,), predicted on if need be."""
+    def motion_at(self, times_ns: Sequence[int]) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at k instants, predicted on if need be."""
         return self._motion.motion_at(times_ns)
 
     @property

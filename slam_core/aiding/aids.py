@@ -5,6 +5,7 @@ All of it is learned while scan matches can be trusted, and used against drift w
 """
 
 import math
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -32,7 +33,6 @@ from slam_core.measurements import (
     GpsVelocity,
     GroundDistance,
     Imu,
-    Int64s,
     MagneticField,
     Transform,
 )
@@ -56,8 +56,8 @@ class Estimator(Protocol):
     def pose(self, time_ns: int, /) -> Transform:
         """T_map_base at an instant."""
 
-    def motion_at(self, times_ns: Int64s, /) -> Float64s:
-        """(k, 10) position, attitude, velocity in the map at instants (k,)."""
+    def motion_at(self, times_ns: Sequence[int], /) -> Float64s:
+        """(k, 10) position, attitude, velocity in the map at k instants."""
 
     def correct(self, time_ns: int, correction: Correction, /) -> bool:
         """A measurement at its own time. Whether it came to its gate."""
@@ -194,7 +194,7 @@ class Aids:
             estimator.correct(gps.stamp_ns, Velocity(velocity, noise, share, config.gate))
             accepted = self._agrees("gps velocity", estimator)
         if share and accepted and self._trusted(gps.stamp_ns):
-            moving = estimator.motion_at(np.array([gps.stamp_ns]))[0, 7:]
+            moving = estimator.motion_at([gps.stamp_ns])[0, 7:]
             georeference.add_vector(moving, gps.velocity, share / variance)
 
     def _agrees(self, source: str, estimator: Estimator) -> bool:

@@ -7,6 +7,7 @@ vertical gyro's bias, which none of these sensors measures.
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from slam_core.aiding.corrections import Correction
 from slam_core.aiding.ledger import Ledger
 from slam_core.config import MotionConfig
 from slam_core.kernels.navigation import STATES
-from slam_core.measurements import Float64s, Int64s, Transform
+from slam_core.measurements import Float64s, Transform
 from slam_core.motion import PlanarMotion
 from slam_core.navigation import LEAP_NS, TOO_OLD, UNUSABLE
 from slam_core.results import AidingStatus
@@ -58,8 +59,8 @@ class PlanarEstimator:
         """T_map_base at an instant near the last one known."""
         return self._motion.pose(time_ns)
 
-    def motion_at(self, times_ns: Int64s) -> Float64s:
-        """(k, 10) position, attitude, and velocity in the map at instants (k,)."""
+    def motion_at(self, times_ns: Sequence[int]) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at k instants."""
         return self._motion.motion_at(times_ns)
 
     def drop(self, source: str, reason: str) -> None:

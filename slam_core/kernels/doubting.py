@@ -143,7 +143,7 @@ def _free_ends(cells, rows, columns, corner, resolution, points, pose, around, w
 
 @njit(inline="always")
 def _bin(dx, dy):
-    """The bin of a direction; the arc tangent itself, which takes three times as long, decides near an edge only."""
+    """The bin of a direction; the arc tangent itself, three times as slow, decides near an edge only."""
     x, y = abs(dx), abs(dy)
     t = min(x, y) / max(x, y, 1e-9)
     angle = t * (A1 + t * t * (A3 + t * t * (A5 + t * t * (A7 + t * t * A9))))

@@ -53,7 +53,7 @@ def test_satellites_hold_the_place_and_teach_the_speed() -> None:
         assert estimator.correct(10 * S + round(t * S), place(0.0, 2.0 * t))
     belief = motion.prior(20 * S, CONFIG)
     np.testing.assert_allclose(belief.mean[:2], [0.0, 20.0], atol=0.3)
-    np.testing.assert_allclose(motion.motion_at(np.array([20 * S]))[0, 7:9], [0.0, 2.0], atol=0.2)
+    np.testing.assert_allclose(motion.motion_at([20 * S])[0, 7:9], [0.0, 2.0], atol=0.2)
     (status,) = estimator.aiding
     assert (status.source, status.used, status.rejected) == ("gps", 50, 0)
 
