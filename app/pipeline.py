@@ -20,6 +20,9 @@ from slam_core.results import StepResult, Tracking
 from slam_core.sequence import Sequencer
 from slam_core.slam import HectorSlam
 
+# Results whose rows are written in one go: one by one between the scans, each would find the caches full of map.
+TOGETHER = 32
+
 
 class Pipeline:
     """Sequencer and HectorSlam, with the trajectory, the truth and the series of the scans so far.
@@ -43,6 +46,7 @@ class Pipeline:
         self._sequencer = Sequencer()
         self._passed_over: Counter[str] = Counter()
         self._changes = 0
+        self._unkept: list[tuple[StepResult, int]] = []
         self._trajectory = GrowingRows(8)
         self._truth = GrowingRows(8)
         self._series = GrowingRows(len(SERIES_FIELDS))
@@ -102,11 +106,19 @@ class Pipeline:
             self._changes = due
 
     def _keep(self, result: StepResult) -> None:
-        row = self._row(result.stamp_ns, result.T_map_base)
-        self._trajectory.append(row)
-        self._series.append(series_row(result, row[0], self.slam.pyramid.updates))
         self.states[result.tracking] += 1
         self.result = result
+        self._unkept.append((result, self.slam.pyramid.updates))
+        if len(self._unkept) == TOGETHER:
+            self._write_rows()
+
+    def _write_rows(self) -> None:
+        """The rows of the last results."""
+        for result, updates in self._unkept:
+            row = self._row(result.stamp_ns, result.T_map_base)
+            self._trajectory.append(row)
+            self._series.append(series_row(result, row[0], updates))
+        self._unkept.clear()
 
     def _row(self, stamp_ns: int, pose: Transform) -> tuple[float, ...]:
         return ((stamp_ns - (self.start_ns or 0)) / 1e9, *pose.translation.tolist(), *pose.rotation.tolist())
@@ -119,11 +131,12 @@ class Pipeline:
     @property
     def scans(self) -> int:
         """Scans that gave a result."""
-        return len(self._trajectory)
+        return len(self._trajectory) + len(self._unkept)
 
     @property
     def trajectory(self) -> Rows:
         """(n, 8) seconds since the start, x, y, z, qw, qx, qy, qz; one row a result."""
+        self._write_rows()
         return self._trajectory.view
 
     @property
@@ -139,12 +152,13 @@ class Pipeline:
     @property
     def series(self) -> Rows:
         """(n, len(SERIES_FIELDS)); one row a result."""
+        self._write_rows()
         return self._series.view
 
     @property
     def truth_in_map(self) -> Rows:
         """(4,) x, y, z, yaw that carry the truth into the map: at the first scan it covers, both are one."""
-        if self._truth_in_map is None and len(self._trajectory):
+        if self._truth_in_map is None and self.scans:
             self._truth_in_map = _onto(self.truth, self.trajectory)
         return np.zeros(4) if self._truth_in_map is None else self._truth_in_map
 

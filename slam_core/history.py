@@ -129,8 +129,8 @@ class History:
 
     def _corrections_until(self, time_ns: int) -> int:
         """How many are not later than an instant: from the newest on, as it is nearly always one of the last."""
-        i = len(self._corrections)
-        while i and self._corrections[i - 1][0] > time_ns:
+        i, corrections = len(self._corrections), self._corrections
+        while i and corrections[i - 1][0] > time_ns:
             i -= 1
         return i
 
