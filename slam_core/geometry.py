@@ -7,6 +7,7 @@ The stabilised frame (REP-105 base_stabilized) stands in the base, turned by psi
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -70,7 +71,7 @@ def normalise(q: Float64s) -> Float64s:
 
 def rotate(q: Float64s, vectors: Float64s) -> Float64s:
     """Vectors (3,) or (n, 3) of the child, in the axes of the parent."""
-    turned: Float64s = vectors @ rotation_matrix(q).T
+    turned: Float64s = vectors @ rotation_matrix(q.tolist()).T  # numpy's scalars are slow
     return turned
 
 
@@ -89,7 +90,7 @@ def to_rotation_vector(q: Float64s) -> Float64s:
     return np.array([scale * x, scale * y, scale * z])
 
 
-def rotation_matrix(q: Float64s) -> Float64s:
+def rotation_matrix(q: Float64s | Sequence[float]) -> Float64s:
     """R (3, 3): the direction cosine matrix of eq. (3), from child axes to parent axes."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     # A flat list: compiled code makes an array of it much faster than of nested ones.

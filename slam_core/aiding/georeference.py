@@ -85,9 +85,14 @@ class Georeference:
 
     def pose(self) -> PlanarGaussian:
         """The map's origin and heading in the plane; it must be `known`."""
-        away = geometry.rotate(geometry.yaw_quaternion(self.turn), self._in_map)
-        x, y, _ = self._in_plane - away
-        across = np.array([away[1], -away[0], 1.0])
-        covariance = self.turn_variance * np.outer(across, across)
-        covariance[:2, :2] += np.eye(2) / self._weight
-        return PlanarGaussian(np.array([x, y, self.turn]), covariance)
+        turn, variance = self.turn, self.turn_variance
+        (x, y, _), (east, north, _) = self._in_map.tolist(), self._in_plane.tolist()
+        c, s = math.cos(turn), math.sin(turn)
+        x, y = c * x - s * y, s * x + c * y
+        place = 1.0 / self._weight
+        covariance = np.array([
+            [variance * y * y + place, -variance * x * y, variance * y],
+            [-variance * x * y, variance * x * x + place, -variance * x],
+            [variance * y, -variance * x, variance],
+        ])  # fmt: skip
+        return PlanarGaussian(np.array([east - x, north - y, turn]), covariance)
