@@ -22,6 +22,7 @@ from slam_core.results import NOWHERE
 
 # Nothing that a robot reports about its place or its speed is further out than this, in metres or m/s.
 PLAUSIBLE = 1e7
+HEIGHT = np.eye(1, ERRORS, 5)  # how p_z follows the errors
 
 
 class Update(NamedTuple):
@@ -73,7 +74,8 @@ class Correction(ABC):
         """The belief after the measurement."""
         innovation, C, R = self.observe(x)
         limit = bound(self.gate, len(innovation))
-        better, reduced, S, nis = fusion.correct(x, P, innovation, C, R, limit)
+        better, reduced, S = np.empty(len(x)), np.empty(P.shape), np.empty(R.shape)
+        nis = fusion.correct(x, P, innovation, C, R, limit, better, reduced, S)
         return Update(better, reduced, innovation, S, nis, limit)
 
 
@@ -138,7 +140,7 @@ class HeightAid(Correction):
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
         """C x = p_z."""
-        return np.array([self.height - x[6]]), np.eye(1, ERRORS, 5), np.array([[self.sigma**2]])
+        return np.array([self.height - x[6]]), HEIGHT, np.array([[self.sigma**2]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

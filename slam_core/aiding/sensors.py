@@ -38,7 +38,8 @@ class Lasting(Correction):
         nis = float(innovation @ np.linalg.solve(S, innovation))
         if not nis <= limit:
             return Update(x, P, innovation, S, nis, limit)
-        better, reduced, _, weighed = correct(x, P, innovation, C, R / self.share, math.inf)
+        better, reduced, wider = np.empty(len(x)), np.empty(P.shape), np.empty(R.shape)
+        weighed = correct(x, P, innovation, C, R / self.share, math.inf, better, reduced, wider)
         return Update(better, reduced, innovation, S, nis if math.isfinite(weighed) else math.nan, limit)
 
 

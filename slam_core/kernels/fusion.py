@@ -34,22 +34,41 @@ _heading_gradient = njit(error_model="numpy")(geometry.heading_gradient)
 
 @njit(cache=True, error_model="numpy")
 def correct(
-    x: Float64s, P: Float64s, innovation: Float64s, C: Float64s, R: Float64s, bound: float
-) -> tuple[Float64s, Float64s, Float64s, float]:
-    """One Kalman update behind a gate: x, P, S = C P C^T + R, and nu^T S^-1 nu.
+    x: Float64s,
+    P: Float64s,
+    innovation: Float64s,
+    C: Float64s,
+    R: Float64s,
+    bound: float,
+    better: Float64s,
+    reduced: Float64s,
+    S: Float64s,
+) -> float:
+    """One Kalman update behind a gate: nu^T S^-1 nu.
 
     Where that passes `bound`, or the numbers do not bear the update (it is NaN then), x and P stay as they were.
+    better (19,), reduced (15, 15) and S (m, m) take x, P and C P C^T + R: to return an array takes longer than to
+    fill it.
     """
     CP = multiply(C, P)
-    S = multiply(C, CP.T.copy()) + R
+    fill(S, multiply(C, CP.T.copy()) + R)
     nis = squared_length(S, innovation)
+    _keep(better, reduced, x, P)
     if not nis <= bound:
-        return x, P, S, nis
-    error, reduced = gain(P, CP, S, innovation)
-    better = inject(x, error)
-    if not is_sound(better, reduced):
-        return x, P, S, math.nan
-    return better, reduced, S, nis
+        return nis
+    error, spread = gain(P, CP, S, innovation)
+    moved = inject(x, error)
+    if not is_sound(moved, spread):
+        return math.nan
+    _keep(better, reduced, moved, spread)
+    return nis
+
+
+@njit(cache=True, error_model="numpy")
+def _keep(better: Float64s, reduced: Float64s, x: Float64s, P: Float64s) -> None:
+    for i in range(len(x)):
+        better[i] = x[i]
+    fill(reduced, P)
 
 
 @njit(cache=True, error_model="numpy")
@@ -71,8 +90,7 @@ def correct_planar(
 ) -> float:
     """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate: nu^T S^-1 nu as of `correct`.
 
-    better (19,), reduced (15, 15), innovation (3,) and S (3, 3) take the rest: it is called for every scan, and
-    to return an array takes longer than to fill it.
+    better (19,), reduced (15, 15), innovation (3,) and S (3, 3) take the rest.
     observed_only is an argument because a kernel that passes a literal has the other compiled once more for it.
     """
     innovation[0], innovation[1] = xi[0] - x[4], xi[1] - x[5]
@@ -80,9 +98,7 @@ def correct_planar(
     innovation[2] = turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
     C = planar_observer(x)
     fill(S, sandwich(C, P) + R)
-    for i in range(len(x)):
-        better[i] = x[i]
-    fill(reduced, P)
+    _keep(better, reduced, x, P)
     nis = squared_length(S, innovation)
     if not nis <= bound:
         return nis
@@ -94,9 +110,7 @@ def correct_planar(
     moved = inject(x, error)
     if not is_sound(moved, spread):
         return math.nan
-    for i in range(len(x)):
-        better[i] = moved[i]
-    fill(reduced, spread)
+    _keep(better, reduced, moved, spread)
     return nis
 
 
