@@ -11,6 +11,7 @@ from slam_core.kernels.memory import lane, pair
 
 get, _ = lane(0)
 _, put = lane(1)
+_, put_too = lane(2)
 
 BINS = 720  # of half a degree each
 BIN = 2.0 * math.pi / BINS
@@ -18,22 +19,24 @@ BIN = 2.0 * math.pi / BINS
 # that, in bins.
 A1, A3, A5, A7, A9 = 0.9998660, -0.3302995, 0.1801410, -0.0851330, 0.0208351
 UNSURE = 2e-5 / BIN
+MANY = 4096  # cells whose directions are worked out together
 BLOCK = 64  # cells that are looked at together: nearly all are free or unknown
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
 
 @njit(cache=True, error_model="numpy")
 def by_bearing(laser, ends):
-    """(n,) metres from the laser to the ends (n, 2), by bin of bearings; (BINS + 1,) where each bin begins; a box.
+    """(n,) metres from the laser to the ends (n, 2), by bin of bearings and by length; where bins begin; a box.
 
     The box, lowest and highest coordinates (2, 2), holds every place that a beam or its bin passes.
     """
-    bins, begin = np.empty(len(ends), np.int64), np.zeros(BINS + 1, np.int64)
-    ways, box, longest = np.empty(len(ends)), np.empty((2, 2)), 0.0
+    n, box, longest = len(ends), np.empty((2, 2)), 0.0
+    ways, places = np.empty(n), np.empty(n)
+    _polar(ends.reshape(-1), laser, ways, places)
+    bins, begin = np.empty(n, np.int64), np.zeros(BINS + 1, np.int64)
     box[:] = laser
-    for k in range(len(ends)):
-        dx, dy = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
-        bins[k], ways[k] = _bin(dx, dy), math.sqrt(dx * dx + dy * dy)
+    for k in range(n):
+        bins[k] = _bin(ends[k, 0] - laser[0], ends[k, 1] - laser[1], places[k])
         begin[bins[k] + 1] += 1
         longest = max(longest, ways[k])
         for j in range(2):
@@ -43,11 +46,25 @@ def by_bearing(laser, ends):
         box[1, j] += BIN * longest
     for b in range(BINS):
         begin[b + 1] += begin[b]
-    lengths, place = np.empty(len(ends)), begin[:-1].copy()
-    for k in range(len(ends)):
-        lengths[place[bins[k]]] = ways[k]
-        place[bins[k]] += 1
+    lengths, filled = np.empty(n), begin[:-1].copy()
+    for k in range(n):
+        i, first = filled[bins[k]], begin[bins[k]]
+        filled[bins[k]] += 1
+        while i > first and lengths[i - 1] > ways[k]:
+            lengths[i] = lengths[i - 1]
+            i -= 1
+        lengths[i] = ways[k]
     return lengths, begin, box
+
+
+@njit(cache=True, error_model="numpy")
+def _polar(ends, laser, ways, places):
+    """Metres from the laser to ends (n, 2), flat, and their `_place`; without a branch."""
+    x, y = laser[0], laser[1]
+    for k in range(len(ways)):
+        dx, dy = get(ends, 2 * k) - x, get(ends, 2 * k + 1) - y
+        put(ways, k, math.sqrt(dx * dx + dy * dy))
+        put_too(places, k, _place(dx, dy))
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,24 +75,41 @@ def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, beg
     beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a
     wall that is met at a slant, or an edge. Returns how many were.
     """
-    columns, flat = cells.shape[1], cells.reshape(-1)
     (left, right), (low, high) = cells_of(box, corner, resolution)
-    last, passed = min(known[3], right + 1), 0
-    for row in range(max(known[0], low), min(known[1], high + 1)):
-        dy = (row + corner[1] + 0.5) * resolution - laser[1]
-        for first in range(max(known[2], left), last, BLOCK):
-            if first + BLOCK <= last and not _any_occupied(flat, row * columns + first):
-                continue
-            for column in range(first, min(first + BLOCK, last)):
-                if get(flat, row * columns + column) <= UNKNOWN:
-                    continue
-                dx = (column + corner[0] + 0.5) * resolution - laser[0]
-                if _is_passed(dx, dy, lengths, begin, behind):
-                    value = min(log_odds[row, column], most) + free
-                    log_odds[row, column] = value
-                    cells[row, column] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
-                    passed += 1
+    first, last = max(known[2], left), min(known[3], right + 1)
+    row, end = max(known[0], low), min(known[1], high + 1)
+    room = MANY + cells.shape[1]
+    us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
+    ways, places = np.empty(room), np.empty(room)
+    passed = 0
+    while row < end:
+        n, row = _occupied(cells, row, end, first, last, us, vs)
+        _directions(us, vs, n, corner, resolution, laser, ways, places)
+        for k in range(n):
+            u, v = us[k], vs[k]
+            dx, dy = (u + corner[0] + 0.5) * resolution - laser[0], (v + corner[1] + 0.5) * resolution - laser[1]
+            if _is_passed(_bin(dx, dy, places[k]), ways[k], lengths, begin, behind):
+                value = min(log_odds[v, u], most) + free
+                log_odds[v, u] = value
+                cells[v, u] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
+                passed += 1
     return passed
+
+
+@njit(cache=True, error_model="numpy")
+def _occupied(cells, row, end, first, last, us, vs):
+    """Columns and rows of the occupied cells from a row on, until there are many: how many, and the next row."""
+    columns, flat, n = cells.shape[1], cells.reshape(-1), 0
+    while row < end and n < MANY:
+        for begin in range(first, last, BLOCK):
+            if begin + BLOCK <= last and not _any_occupied(flat, row * columns + begin):
+                continue
+            for column in range(begin, min(begin + BLOCK, last)):
+                if get(flat, row * columns + column) > UNKNOWN:
+                    us[n], vs[n] = column, row
+                    n += 1
+        row += 1
+    return n, row
 
 
 @njit(inline="always")
@@ -86,10 +120,21 @@ def _any_occupied(cells, first):
     return count > 0
 
 
+@njit(cache=True, error_model="numpy")
+def _directions(us, vs, n, corner, resolution, laser, ways, places):
+    """Metres from the laser to so many cells, and their `_place`; without a branch."""
+    x, y = laser[0], laser[1]
+    left, low = corner[0] + 0.5, corner[1] + 0.5
+    for k in range(n):
+        dx, dy = (get(us, k) + left) * resolution - x, (get(vs, k) + low) * resolution - y
+        put(ways, k, math.sqrt(dx * dx + dy * dy))
+        put_too(places, k, _place(dx, dy))
+
+
 @njit(inline="always")
-def _is_passed(dx, dy, lengths, begin, behind):
-    distance = math.sqrt(dx * dx + dy * dy)
-    b = _bin(dx, dy)
+def _is_passed(b, distance, lengths, begin, behind):
+    if begin[b] == begin[b + 1] or lengths[begin[b + 1] - 1] <= distance + behind:  # of most cells
+        return False
     reach = _nearest(lengths, begin, b, NEAR * distance)
     if distance + behind < reach < np.inf:
         for beside in ((b + 1) % BINS, (b - 1) % BINS):
@@ -100,11 +145,10 @@ def _is_passed(dx, dy, lengths, begin, behind):
 @njit(inline="always")
 def _nearest(lengths, begin, b, least):
     """The shortest way of a bin's beams that end `least` metres away or further; inf without one."""
-    shortest = np.inf
     for k in range(begin[b], begin[b + 1]):
         if lengths[k] > least:
-            shortest = min(shortest, lengths[k])
-    return shortest
+            return lengths[k]
+    return np.inf
 
 
 @njit(cache=True, error_model="numpy")
@@ -142,15 +186,19 @@ def _free_ends(cells, rows, columns, corner, resolution, points, pose, around, w
 
 
 @njit(inline="always")
-def _bin(dx, dy):
-    """The bin of a direction; the arc tangent itself, three times as slow, decides near an edge only."""
+def _place(dx, dy):
+    """The bearing in bins from -BINS / 2 to BINS / 2, nearly: the library's arc tangent is a call."""
     x, y = abs(dx), abs(dy)
     t = min(x, y) / max(x, y, 1e-9)
     angle = t * (A1 + t * t * (A3 + t * t * (A5 + t * t * (A7 + t * t * A9))))
     angle = 0.5 * math.pi - angle if y > x else angle
     angle = math.pi - angle if dx < 0.0 else angle
-    angle = -angle if dy < 0.0 else angle
-    place = angle / BIN
+    return (-angle if dy < 0.0 else angle) / BIN
+
+
+@njit(inline="always")
+def _bin(dx, dy, place):
+    """The bin of a direction with its `_place`; near an edge the arc tangent itself decides."""
     if abs(place - np.floor(place + 0.5)) < UNSURE:
         place = math.atan2(dy, dx) / BIN
     b = np.int64(np.floor(place))
