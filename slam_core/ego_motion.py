@@ -22,7 +22,7 @@ from slam_core.measurements import (
     Transform,
 )
 from slam_core.motion import PlanarMotion, odometry_sigmas
-from slam_core.navigation import UNUSABLE, NavigationFilter
+from slam_core.navigation import UNUSABLE, NavigationFilter, projected
 from slam_core.results import AidingStatus, MatchResult, NavigationState, PlanarGaussian
 
 
@@ -174,7 +174,7 @@ class EgoMotion:
                 blind=match.blind,
                 widen_vertical=config.widen_vertical,
             )
-            fused = self._filter.planar(time_ns)
+            fused = projected(navigation)
         self._aids.believe(time_ns)
         return fused, navigation
 

@@ -11,7 +11,7 @@ import numpy as np
 from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
 from slam_core.aiding.ledger import Ledger
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
-from slam_core.history import Belief, History
+from slam_core.history import History
 from slam_core.inertial import Intake
 from slam_core.kernels.fusion import planar_belief
 from slam_core.kernels.passage import MAX_GAP_NS
@@ -93,7 +93,7 @@ class NavigationFilter:
 
     def at(self, time_ns: int) -> NavigationState:
         """The belief at exactly that instant, or the oldest that is kept if that is later (see its stamp)."""
-        return _as_state(self._belief.at(time_ns))
+        return NavigationState(*self._belief.at(time_ns)[:3])
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant, without the cost of its covariance."""
@@ -111,11 +111,8 @@ class NavigationFilter:
         return xs.take(MOTION, axis=1)
 
     def planar(self, time_ns: int) -> PlanarGaussian:
-        """The belief at an instant projected on the plane: C x and C P C^T."""
-        _, x, P, _ = self._belief.at(time_ns)
-        seen = np.empty((4, 3))
-        planar_belief(x, P, seen)
-        return PlanarGaussian(seen[0], seen[1:])
+        """The belief at an instant projected on the plane."""
+        return projected(self.at(time_ns))
 
     def predict(self, imu: Imu) -> None:
         """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
@@ -249,6 +246,8 @@ class NavigationFilter:
         return confirmed
 
 
-def _as_state(belief: Belief) -> NavigationState:
-    stamp_ns, x, P, _ = belief
-    return NavigationState(stamp_ns, x, P)
+def projected(state: NavigationState) -> PlanarGaussian:
+    """A belief projected on the plane: C x and C P C^T."""
+    seen = np.empty((4, 3))
+    planar_belief(state.x, state.covariance, seen)
+    return PlanarGaussian(seen[0], seen[1:])

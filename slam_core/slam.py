@@ -108,7 +108,8 @@ class HectorSlam:
         return None
 
     def _scan(self, scan: LaserScan) -> StepResult | None:
-        self._scan_ns, mid_ns = scan.end_ns, scan.mid_ns
+        self._scan_ns = scan.end_ns
+        mid_ns = (scan.stamp_ns + self._scan_ns) // 2
         if self._motion.awaits_filter(self._index > 0):
             self.skipped["scan before the attitude was known"] += 1
             return None

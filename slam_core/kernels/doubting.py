@@ -19,7 +19,7 @@ BIN = 2.0 * math.pi / BINS
 # that, in bins.
 A1, A3, A5, A7, A9 = 0.9998660, -0.3302995, 0.1801410, -0.0851330, 0.0208351
 UNSURE = 2e-5 / BIN
-MANY = 4096  # cells whose directions are worked out together
+MANY = 512  # cells whose directions are worked out together
 BLOCK = 64  # cells that are looked at together: nearly all are free or unknown
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
