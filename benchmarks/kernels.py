@@ -15,13 +15,15 @@ from functools import partial
 import numpy as np
 
 from app.simulation import SceneOptions, Simulation
+from app.sources import open_source
 from app.warmup import warm_up
+from benchmarks.cases import DEMOS, Recording, present
 from benchmarks.tables import table
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.matcher import coarse_to_fine, normal_equations
 from slam_core.measurements import Height, Imu, LaserScan, Measurement, TruthPose
 from slam_core.pyramid import Pyramid
-from slam_core.results import StepResult
+from slam_core.results import Durations, StepResult
 from slam_core.sequence import Sequencer
 from slam_core.slam import HectorSlam
 from slam_core.surfaces import Beams
@@ -32,6 +34,7 @@ LOOKS, PAUSE_S = 5, 4.0  # a shared machine is slower for seconds on end
 BEAMS, LEVELS, SIZES = (271, 541, 1081, 2161), (1, 2, 3, 4, 5), (512, 1024, 2048, 4096)
 SCALING_S = 8.0  # of the drive: what it has seen by then is larger than a scan's reach
 OFF = np.array([0.03, -0.02, 0.01])  # of the start estimate
+WHOLE = "whole step, inertial data and updates included"
 LASER, NONE = np.zeros(2), np.empty((0, 2), np.float32)
 
 
@@ -54,23 +57,42 @@ def measurements(options: SceneOptions, only_pose: bool = False) -> Iterator[Mea
     yield from sequencer.flush()
 
 
-def run(slam: HectorSlam, recording: list[Measurement]) -> tuple[list[StepResult], float]:
-    """Every step's result, and the seconds that all of them took."""
+def demo(recording: Recording) -> list[Measurement]:
+    """What a recording gives to the pipeline."""
+    sequencer, ready = Sequencer(), []
+    for item in open_source(str(recording.path), recording.options).items():
+        if not isinstance(item, TruthPose):
+            ready += sequencer.push(item)
+    return ready + sequencer.flush()
+
+
+def run(slam: HectorSlam, recording: list[Measurement]) -> tuple[list[Durations], list[bool], StepResult, float]:
+    """Of every scan its durations and whether it was written into the map; the last result; seconds for all.
+
+    As in the application, no other result is kept.
+    """
+    durations, mapped, last = [], [], None
     begin = time.perf_counter()
-    results = [slam.step(measurement) for measurement in recording]
+    for measurement in recording:
+        result = slam.step(measurement)
+        if result is not None:
+            durations.append(result.durations)
+            mapped.append(result.map_updated)
+            last = result
     took = time.perf_counter() - begin
-    return [result for result in results if result is not None], took
+    assert last is not None
+    return durations, mapped, last, took
 
 
-def steps(results: list[StepResult], took: float) -> Iterator[tuple[str, float, str]]:
+def steps(durations: list[Durations], mapped: list[bool], took: float) -> Iterator[tuple[str, float, str]]:
     """Medians of the parts of a step, and scans a second over all."""
     for part in ("stabilise", "filter", "match"):
-        yield part, float(np.median([getattr(r.durations, part) for r in results])) * 1e-3, "us"
-    updates = [r.durations.update for r in results if r.map_updated]
-    yield f"map update, {len(updates)} of {len(results)} scans", float(np.median(updates)) * 1e-3, "us"
-    alone = [r.durations.match + r.durations.update for r in results]
+        yield part, float(np.median([getattr(each, part) for each in durations])) * 1e-3, "us"
+    updates = [each.update for each, written in zip(durations, mapped, strict=True) if written]
+    yield f"map update, {len(updates)} of {len(durations)} scans", float(np.median(updates)) * 1e-3, "us"
+    alone = [each.match + each.update for each in durations]
     yield "match and map alone, as others are measured", 1e9 / float(np.mean(alone)), "scans/s"
-    yield "whole step, inertial data and updates included", len(results) / took, "scans/s"
+    yield WHOLE, len(durations) / took, "scans/s"
 
 
 def kernels(slam: HectorSlam, scan: StepResult) -> Iterator[tuple[str, float, str]]:
@@ -125,7 +147,8 @@ def scaling(seed: int = 1) -> str:
 
 
 def _drive(options: SceneOptions) -> list[StepResult]:
-    return run(HectorSlam(SlamConfig()), list(measurements(options)))[0]
+    slam = HectorSlam(SlamConfig())
+    return [result for each in measurements(options) if (result := slam.step(each)) is not None]
 
 
 def _row(name: str, results: list[StepResult], config: MapConfig) -> tuple[str, ...]:
@@ -137,14 +160,22 @@ def _row(name: str, results: list[StepResult], config: MapConfig) -> tuple[str, 
 def parts(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> list[tuple[str, float, str]]:
     """Name, value and unit of everything but the scaling."""
     recording = list(measurements(SceneOptions(duration=seconds, seed=seed), only_pose))
+    demos = {each.name: demo(each) for each in present(DEMOS)}
     looks = []
     for k in range(LOOKS):
         time.sleep(PAUSE_S if k else 0.0)
         slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
-        results, took = run(slam, recording)
-        looks.append([*steps(results, took), *kernels(slam, results[-1])])
+        durations, mapped, last, took = run(slam, recording)
+        looks.append([*steps(durations, mapped, took), *kernels(slam, last), *demo_steps(demos)])
     scans = sum(isinstance(measurement, LaserScan) for measurement in recording)
     return [("scans", scans, ""), *map(_best, zip(*looks, strict=True))]
+
+
+def demo_steps(demos: dict[str, list[Measurement]]) -> Iterator[tuple[str, float, str]]:
+    """Scans a second of the recordings that come with the project, with all that they hold."""
+    for name, recording in demos.items():
+        durations, _, _, took = run(HectorSlam(SlamConfig(), time.perf_counter_ns), recording)
+        yield f"whole step, {name}", len(durations) / took, "scans/s"
 
 
 def _best(looks: tuple[tuple[str, float, str], ...]) -> tuple[str, float, str]:
