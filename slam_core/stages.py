@@ -1,13 +1,19 @@
 """A belief and those that follow from it at the samples after it, in arrays that compiled code runs through."""
 
+from typing import Any
+
 import numpy as np
 
+from slam_core.kernels import passage
 from slam_core.kernels.navigation import ERRORS, STATES
 from slam_core.measurements import Float64s, Int64s
 from slam_core.samples import Samples
-from slam_core.strapdown import Rows, Strapdown
+from slam_core.strapdown import Strapdown
 
 FIRST_SIZE = 8
+
+Rows = tuple[Float64s, Float64s, Int64s]
+"""Beliefs: x (n, 19), P (n, 15, 15), and stamps (n,)."""
 
 
 class Stages:
@@ -31,20 +37,18 @@ class Stages:
     def belief(self, time_ns: int, model: Strapdown, samples: Samples) -> tuple[Float64s, Float64s]:
         """X and P at an instant; those of the first row for one before it."""
         x, P = np.empty(STATES), np.empty((ERRORS, ERRORS))
-        while True:
-            self._count = model.believe(self._rows, self._count, time_ns, samples, x, P)
-            if self._count < len(self._rows[2]):
-                return x, P
+        given: tuple[Any, ...] = time_ns, *samples.rows, *model.constants, x, P
+        while self._full(passage.believe(*self._rows, self._count, *given)):
             self._make_room()
+        return x, P
 
     def states(self, times_ns: Int64s, model: Strapdown, samples: Samples) -> Float64s:
         """The x alone at several instants, (k, 19)."""
         states = np.empty((len(times_ns), STATES))
-        while True:
-            self._count = model.predict_states(self._rows, self._count, times_ns, samples, states)
-            if self._count < len(self._rows[2]):
-                return states
+        given: tuple[Any, ...] = times_ns, *samples.rows, *model.constants, states
+        while self._full(passage.predict_states(*self._rows, self._count, *given)):
             self._make_room()
+        return states
 
     def since(self, stamp_ns: int, x: Float64s, P: Float64s) -> "Stages":
         """Those later than a stamp, after a belief that takes the place of those before."""
@@ -62,6 +66,11 @@ class Stages:
         (xs, Ps, stamps), other._count = self._rows, self._count
         other._rows = xs.copy(), Ps.copy(), stamps.copy()
         return other
+
+    def _full(self, count: int) -> bool:
+        """Whether so many rows are all there are: then what was worked out may not be the last of it."""
+        self._count = count
+        return count == len(self._rows[2])
 
     def _make_room(self) -> None:
         grown = _rows(2 * len(self._rows[2]))

@@ -1,60 +1,46 @@
 """Eqs. (1)-(3) with the noise of the configuration: what the filter believes a moment later."""
 
-from typing import Any
-
 import numpy as np
 
 from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.kernels import passage
 from slam_core.kernels.navigation import ERRORS
-from slam_core.measurements import Float64s, Int64s
+from slam_core.measurements import Float64s
 from slam_core.samples import Samples
 
 # Without inertial data the motion goes on straight, with white noise that stands for every turn and push.
 BLIND_GYRO_NOISE = 0.5  # rad/s/√Hz
 BLIND_ACCEL_NOISE = 2.0  # m/s²/√Hz
 
-Rows = tuple[Float64s, Float64s, Int64s]
-"""Beliefs at the samples: x (n, 19), P (n, 15, 15), and stamps (n,)."""
-
 SMOOTHING = 0.5  # s: over which the specific force is smoothed to show where down is
 
 
 class Strapdown:
-    """The system equation for one configuration."""
+    """The system equation for one configuration.
+
+    constants: model, model without input, and bounds, as compiled code takes them.
+    """
 
     def __init__(self, config: NavigationConfig, platform: PlatformConfig) -> None:
         walks = [config.gyro_bias_walk**2, config.accel_bias_walk**2]
         common = [config.gravity, SMOOTHING]
         limits = [float(platform.planar), float(platform.no_slip)]
-        self.bounds = _bounds(config)
-        self._model = np.array([*common, config.gyro_noise**2, config.accel_noise**2, *walks, *limits])
-        self._blind = np.array([*common, BLIND_GYRO_NOISE**2, BLIND_ACCEL_NOISE**2, *walks, *limits])
+        self.constants = (
+            np.array([*common, config.gyro_noise**2, config.accel_noise**2, *walks, *limits]),
+            np.array([*common, BLIND_GYRO_NOISE**2, BLIND_ACCEL_NOISE**2, *walks, *limits]),
+            _bounds(config),
+        )
 
     def predict(
         self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, samples: Samples
     ) -> tuple[Float64s, Float64s]:
         """State and covariance at a later instant, through the samples between."""
-        later: tuple[Float64s, Float64s] = passage.predict(
-            x, P, from_ns, to_ns, *samples.rows, self._model, self._blind, self.bounds
-        )
+        later: tuple[Float64s, Float64s] = passage.predict(x, P, from_ns, to_ns, *samples.rows, *self.constants)
         return later
-
-    def believe(self, rows: Rows, count: int, to_ns: int, samples: Samples, *belief: Float64s) -> int:
-        """The belief at an instant from those in rows: see `kernels.passage.believe`."""
-        constants = self._model, self._blind, self.bounds
-        arguments: tuple[Any, ...] = *rows, count, to_ns, *samples.rows, *constants, *belief
-        return int(passage.believe(*arguments))
-
-    def predict_states(self, rows: Rows, count: int, times_ns: Int64s, samples: Samples, states: Float64s) -> int:
-        """States alone at several instants: see `kernels.passage.predict_states`."""
-        constants = self._model, self._blind, self.bounds
-        arguments: tuple[Any, ...] = *rows, count, times_ns, *samples.rows, *constants, states
-        return int(passage.predict_states(*arguments))
 
     def coast(self, x: Float64s, P: Float64s, seconds: float) -> Float64s:
         """P of a belief after so long without any input."""
-        spread: Float64s = passage.coast(x, P, seconds, self._blind, self.bounds)[1]
+        spread: Float64s = passage.coast(x, P, seconds, *self.constants[1:])[1]
         return spread
 
 

@@ -1,12 +1,15 @@
 """What every test may ask for: the real recordings, a Chromium, and kernels compiled from today's sources."""
 
 import shutil
+import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from app.compiled import keep_compiled
+from app.interruption import ENDING
 
 ROOT = Path(__file__).resolve().parents[1]
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -36,6 +39,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _needs_browser(item: pytest.Item) -> bool:
     return item.get_closest_marker("browser") is not None
+
+
+@pytest.fixture(scope="session", autouse=True)
+def heard_endings() -> Iterator[None]:
+    """Programs that tests start hear Ctrl-C and its like, also where the tests run in a shell's background."""
+    deaf = [number for number in ENDING if signal.getsignal(number) == signal.SIG_IGN]
+    for number in deaf:
+        signal.signal(number, signal.default_int_handler)
+    yield
+    for number in deaf:
+        signal.signal(number, signal.SIG_IGN)
 
 
 @pytest.fixture(scope="session")

@@ -28,6 +28,8 @@ class Ledger:
 
     def told(self, statuses: Mapping[str, AidingStatus]) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source: what the gates say, and what never came to them."""
+        if not self._dropped:
+            return tuple(statuses.values())
         both = dict(statuses)
         for source, reasons in self._dropped.items():
             status = statuses.get(source) or AidingStatus(source)
