@@ -35,7 +35,7 @@ class Stages:
         self._count = 1
 
     def belief(self, time_ns: int, model: Strapdown, samples: Samples) -> tuple[Float64s, Float64s]:
-        """X and P at an instant; those of the first row for one before it."""
+        """The x and P at an instant; those of the first row for one before it."""
         x, P = np.empty(STATES), np.empty((ERRORS, ERRORS))
         given: tuple[Any, ...] = time_ns, *samples.rows, *model.constants, x, P
         while self._full(passage.believe(*self._rows, self._count, *given)):
