@@ -70,8 +70,11 @@ class PlanarMotion:
 
     def poses(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
         """`pose` at several instants: positions (k, 3) and attitudes (k, 4)."""
-        poses = [self.pose(time_ns) for time_ns in times_ns]
-        return np.array([pose.translation for pose in poses]), np.array([pose.rotation for pose in poses])
+        rows = np.empty((len(times_ns), 7))  # in one, as from the filter: kernels are compiled for one layout
+        for row, time_ns in zip(rows, times_ns, strict=True):
+            pose = self.pose(time_ns)
+            row[:3], row[3:] = pose.translation, pose.rotation
+        return rows[:, :3], rows[:, 3:]
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at k instants."""

@@ -8,6 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
+from slam_core.kernels.linear import fill
 from slam_core.kernels.matching import gauss_newton, normal_equations, without
 from slam_core.kernels.planar import inverse3
 from slam_core.kernels.surfaces import tangents, weakest_direction
@@ -77,8 +78,8 @@ def climb(
             residuals,
             trace[i],
         )
-    found[2:5] = hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals)
-    found[5:] = hessian_covariance(found[2:5], sigma, blind)
+    fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals))
+    fill(found[5:], hessian_covariance(found[2:5], sigma, blind))
     pose[2] -= 2.0 * math.pi * np.floor(pose[2] / (2.0 * math.pi) + 0.5)
     return converged
 
@@ -120,7 +121,9 @@ def hessian_covariance(matrix, sigma, blind):
     for j in range(3):
         information[j, j] += LARGEST_SIGMA[j] ** -2.0
     covariance = inverse3(information)
-    covariance[:2, :2] += LARGEST_SIGMA[0] ** 2.0 * blind.reshape(2, 1) * blind
+    for i in range(2):
+        for j in range(2):
+            covariance[i, j] += LARGEST_SIGMA[0] ** 2.0 * blind[i] * blind[j]
     return covariance
 
 
@@ -129,7 +132,10 @@ def _prior(mean, covariance, scale, heading):
     """(4, 3): information in units of the cost, whose scale is sigma^2 by eq. (15); the mean near `heading`."""
     term = np.zeros((4, 3))
     if scale > 0.0:
-        term[:3] = scale * inverse3(covariance)
-        term[3] = mean
+        information = inverse3(covariance)
+        for j in range(3):
+            term[3, j] = mean[j]
+            for i in range(3):
+                term[i, j] = scale * information[i, j]
         term[3, 2] -= 2.0 * math.pi * np.floor((mean[2] - heading) / (2.0 * math.pi) + 0.5)
     return term

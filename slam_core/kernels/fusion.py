@@ -26,6 +26,7 @@ FIXED, MIN_TRACE, MIN_DETERMINANT, KALMAN = range(4)
 LIGHTEST, HEAVIEST = 1e-6, 0.999
 NONE = np.zeros(0, np.int64)
 VERTICAL = np.array([5, 8, 14])  # errors of height, of the velocity up, and of the accelerometer that feels it
+NONE.setflags(write=False)  # as kernels see it: else what takes it would be compiled once more for other callers
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 _matrix = njit(error_model="numpy")(geometry.rotation_matrix)
@@ -254,16 +255,21 @@ def lightest(P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, trace:
                 G[i, j] += CP[i, k] * CP[j, k] / P[k, k]
     low, high = LIGHTEST, HEAVIEST
     a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_a, at_b = _size(a, n, G, projected, R, trace), _size(b, n, G, projected, R, trace)
-    while high - low > 1e-3:
-        if at_a < at_b:
+    at_a = at_b = math.inf
+    known, here = 0, a  # the size is worked out in one place, as it is compiled into this function at each
+    while known < 2 or high - low > 1e-3:
+        if known >= 2 and at_a < at_b:
             high, b, at_b = b, a, at_a
-            a = high - GOLDEN * (high - low)
-            at_a = _size(a, n, G, projected, R, trace)
-        else:
+            a = here = high - GOLDEN * (high - low)
+        elif known >= 2:
             low, a, at_a = a, b, at_b
-            b = low + GOLDEN * (high - low)
-            at_b = _size(b, n, G, projected, R, trace)
+            b = here = low + GOLDEN * (high - low)
+        size = _size(here, n, G, projected, R, trace)
+        if here == a:
+            at_a = size
+        else:
+            at_b = size
+        known, here = known + 1, b
     return low if low == LIGHTEST else 0.5 * (low + high)
 
 
