@@ -17,7 +17,7 @@ from slam_core.measurements import Height, Imu, LaserScan, Measurement, Odometry
 
 PATIENCE_S = 3.0  # what was compiled before is loaded sooner
 PERIOD_S = 0.25
-# Objects made before the collector looks for cycles among them: a step makes hundreds, and no cycle.
+# Objects made before the collector looks for cycles among them: a step makes many, and no cycle.
 GARBAGE = 20_000
 
 Tell = Callable[[str], None]

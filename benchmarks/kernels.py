@@ -8,16 +8,16 @@ every beam sixteen times over, so that the call itself hardly counts. --only-pos
 
 import argparse
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from app.simulation import SceneOptions, Simulation
-from app.sources import open_source
+from app.sources import Item, open_source
 from app.warmup import warm_up
-from benchmarks.cases import DEMOS, Recording, present
+from benchmarks.cases import DEMOS, present
 from benchmarks.tables import table
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.matcher import coarse_to_fine, normal_equations
@@ -34,7 +34,6 @@ LOOKS, PAUSE_S = 5, 4.0  # a shared machine is slower for seconds on end
 BEAMS, LEVELS, SIZES = (271, 541, 1081, 2161), (1, 2, 3, 4, 5), (512, 1024, 2048, 4096)
 SCALING_S = 8.0  # of the drive: what it has seen by then is larger than a scan's reach
 OFF = np.array([0.03, -0.02, 0.01])  # of the start estimate
-WHOLE = "whole step, inertial data and updates included"
 LASER, NONE = np.zeros(2), np.empty((0, 2), np.float32)
 
 
@@ -49,21 +48,18 @@ def microseconds(call: Callable[[], object], repeats: int = REPEATS) -> float:
 
 
 def measurements(options: SceneOptions, only_pose: bool = False) -> Iterator[Measurement]:
-    """Scans and, unless left out, inertial data, in the order of a Sequencer."""
+    """Of the rooms, scans and, unless left out, inertial data."""
+    items = Simulation("rooms", options).items()
+    return in_order(item for item in items if not (only_pose and isinstance(item, Imu | Height)))
+
+
+def in_order(items: Iterable[Item]) -> Iterator[Measurement]:
+    """What items give to the pipeline, in the order of a Sequencer."""
     sequencer = Sequencer()
-    for item in Simulation("rooms", options).items():
-        if not isinstance(item, TruthPose) and not (only_pose and isinstance(item, Imu | Height)):
+    for item in items:
+        if not isinstance(item, TruthPose):
             yield from sequencer.push(item)
     yield from sequencer.flush()
-
-
-def demo(recording: Recording) -> list[Measurement]:
-    """What a recording gives to the pipeline."""
-    sequencer, ready = Sequencer(), []
-    for item in open_source(str(recording.path), recording.options).items():
-        if not isinstance(item, TruthPose):
-            ready += sequencer.push(item)
-    return ready + sequencer.flush()
 
 
 def run(slam: HectorSlam, recording: list[Measurement]) -> tuple[list[Durations], list[bool], StepResult, float]:
@@ -92,7 +88,7 @@ def steps(durations: list[Durations], mapped: list[bool], took: float) -> Iterat
     yield f"map update, {len(updates)} of {len(durations)} scans", float(np.median(updates)) * 1e-3, "us"
     alone = [each.match + each.update for each in durations]
     yield "match and map alone, as others are measured", 1e9 / float(np.mean(alone)), "scans/s"
-    yield WHOLE, len(durations) / took, "scans/s"
+    yield "whole step, inertial data and updates included", len(durations) / took, "scans/s"
 
 
 def kernels(slam: HectorSlam, scan: StepResult) -> Iterator[tuple[str, float, str]]:
@@ -160,7 +156,8 @@ def _row(name: str, results: list[StepResult], config: MapConfig) -> tuple[str, 
 def parts(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> list[tuple[str, float, str]]:
     """Name, value and unit of everything but the scaling."""
     recording = list(measurements(SceneOptions(duration=seconds, seed=seed), only_pose))
-    demos = {each.name: demo(each) for each in present(DEMOS)}
+    sources = {each.name: open_source(str(each.path), each.options) for each in present(DEMOS)}
+    demos = {name: list(in_order(source.items())) for name, source in sources.items()}
     looks = []
     for k in range(LOOKS):
         time.sleep(PAUSE_S if k else 0.0)

@@ -53,7 +53,6 @@ class Watch:
     def __init__(self) -> None:
         self._recent = Recent()
         self._counted: dict[tuple[str, str], int] = {}
-        self._dropped: dict[str, Mapping[str, int]] = {}  # of each source, as it was when it had changed last
 
     def look(
         self,
@@ -65,10 +64,8 @@ class Watch:
         """The filter and the sources as they are after a scan; skipped: scans without a result, by reason."""
         sentences = [*_states(estimator, time_ns), *self._news(estimator.counts), *self._news(skipped)]
         for status in aiding:
-            if status.frozen or status.streak >= LEAST_STREAK:
-                sentences += _of_source(status)
-            if status.dropped and status.dropped is not self._dropped.get(status.source):
-                self._dropped[status.source] = status.dropped
+            sentences += _of_source(status)
+            if status.dropped:
                 sentences += self._news(status.dropped, status.source)
         if sentences:
             self._recent.tell(sentences, time_ns)
@@ -96,6 +93,6 @@ def _states(estimator: NavigationFilter, time_ns: int) -> list[str]:
 def _of_source(status: AidingStatus) -> list[str]:
     if status.frozen:
         return [f"{status.source} repeats one value while the robot moves and is not used: check that sensor"]
-    if status.stamp_ns - status.streak_ns >= CONTRADICTED_NS:
+    if status.streak >= LEAST_STREAK and status.stamp_ns - status.streak_ns >= CONTRADICTED_NS:
         return [f"{status.source} contradicts the other sensors and is not used: check its frame, units and noise"]
     return []

@@ -123,7 +123,6 @@ class HectorSlam:
         if not self._placed and not self._begin(leveled, mid_ns):
             self.skipped["scan before the robot was found in the map"] += 1
             return None
-        predicting_at = clock()
         prior = self._motion.prior(mid_ns)
         matching_at = clock()
         match, verdict = self._match(leveled, prior, mid_ns)
@@ -144,7 +143,7 @@ class HectorSlam:
         if self._writes:  # a map that is only read was drawn by another drive, whatever this one loses
             fused = self._drawn.claim(fused, seen.blind)
         T_map_base = navigation.T_map_base if navigation else motion.estimate(mid_ns, self._pose)
-        filtering_ns = matching_at - predicting_at + clock() - mapped_at + self._waiting_ns
+        filtering_ns = matching_at - leveled_at + clock() - mapped_at + self._waiting_ns
         self._index, self._waiting_ns = self._index + 1, 0
         return StepResult(
             index=self._index - 1,

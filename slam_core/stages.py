@@ -1,5 +1,6 @@
 """A belief and those that follow from it at the samples after it, in arrays that compiled code runs through."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -37,17 +38,13 @@ class Stages:
     def belief(self, time_ns: int, model: Strapdown, samples: Samples) -> tuple[Float64s, Float64s]:
         """The x and P at an instant; those of the first row for one before it."""
         x, P = np.empty(STATES), np.empty((ERRORS, ERRORS))
-        given: tuple[Any, ...] = time_ns, *samples.rows, *model.constants, x, P
-        while self._full(passage.believe(*self._rows, self._count, *given)):
-            self._make_room()
+        self._work(passage.believe, time_ns, *samples.rows, *model.constants, x, P)
         return x, P
 
     def states(self, times_ns: Int64s, model: Strapdown, samples: Samples) -> Float64s:
         """The x alone at several instants, (k, 19)."""
         states = np.empty((len(times_ns), STATES))
-        given: tuple[Any, ...] = times_ns, *samples.rows, *model.constants, states
-        while self._full(passage.predict_states(*self._rows, self._count, *given)):
-            self._make_room()
+        self._work(passage.predict_states, times_ns, *samples.rows, *model.constants, states)
         return states
 
     def since(self, stamp_ns: int, x: Float64s, P: Float64s) -> "Stages":
@@ -67,10 +64,12 @@ class Stages:
         other._rows = xs.copy(), Ps.copy(), stamps.copy()
         return other
 
-    def _full(self, count: int) -> bool:
-        """Whether so many rows are all there are: then what was worked out may not be the last of it."""
-        self._count = count
-        return count == len(self._rows[2])
+    def _work(self, kernel: Callable[..., int], *given: Any) -> None:
+        """Call a kernel of `passage`; anew as long as it used up all rows, as then it may have lacked some."""
+        self._count = kernel(*self._rows, self._count, *given)
+        while self._count == len(self._rows[2]):
+            self._make_room()
+            self._count = kernel(*self._rows, self._count, *given)
 
     def _make_room(self) -> None:
         grown = _rows(2 * len(self._rows[2]))

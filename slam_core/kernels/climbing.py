@@ -10,7 +10,7 @@ from numba import njit
 
 from slam_core.kernels.linear import fill
 from slam_core.kernels.matching import gauss_newton, normal_equations, without
-from slam_core.kernels.planar import inverse3
+from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.surfaces import tangents, weakest_direction
 
 # Of the beams, evenly, this many at least show how well the shape of the scan fixes its position.
@@ -80,7 +80,7 @@ def climb(
         )
     fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals))
     fill(found[5:], hessian_covariance(found[2:5], sigma, blind))
-    pose[2] -= 2.0 * math.pi * np.floor(pose[2] / (2.0 * math.pi) + 0.5)
+    pose[2] -= whole_turns(pose[2])
     return converged
 
 
@@ -137,5 +137,5 @@ def _prior(mean, covariance, scale, heading):
             term[3, j] = mean[j]
             for i in range(3):
                 term[i, j] = scale * information[i, j]
-        term[3, 2] -= 2.0 * math.pi * np.floor((mean[2] - heading) / (2.0 * math.pi) + 0.5)
+        term[3, 2] -= whole_turns(mean[2] - heading)
     return term

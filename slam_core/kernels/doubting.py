@@ -31,12 +31,14 @@ def by_bearing(laser, ends):
     The box, lowest and highest coordinates (2, 2), holds every place that a beam or its bin passes.
     """
     n, box, longest = len(ends), np.empty((2, 2)), 0.0
-    ways, places = np.empty(n), np.empty(n)
-    _polar(ends.reshape(-1), laser, ways, places)
+    away, ways, places = np.empty((n, 2)), np.empty(n), np.empty(n)
+    for k in range(n):
+        away[k, 0], away[k, 1] = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
+    _polar(away.reshape(-1), n, ways, places)
     bins, begin = np.empty(n, np.int64), np.zeros(BINS + 1, np.int64)
     box[:] = laser
     for k in range(n):
-        bins[k] = _bin(ends[k, 0] - laser[0], ends[k, 1] - laser[1], places[k])
+        bins[k] = _bin(away[k, 0], away[k, 1], places[k])
         begin[bins[k] + 1] += 1
         longest = max(longest, ways[k])
         for j in range(2):
@@ -58,11 +60,10 @@ def by_bearing(laser, ends):
 
 
 @njit(cache=True, error_model="numpy")
-def _polar(ends, laser, ways, places):
-    """Metres from the laser to ends (n, 2), flat, and their `_place`; without a branch."""
-    x, y = laser[0], laser[1]
-    for k in range(len(ways)):
-        dx, dy = get(ends, 2 * k) - x, get(ends, 2 * k + 1) - y
+def _polar(away, n, ways, places):
+    """Metres from the laser to the first n of what lies `away` (n, 2), flat, and their `_place`; no branch."""
+    for k in range(n):
+        dx, dy = get(away, 2 * k), get(away, 2 * k + 1)
         put(ways, k, math.sqrt(dx * dx + dy * dy))
         put_too(places, k, _place(dx, dy))
 
@@ -80,15 +81,17 @@ def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, beg
     row, end = max(known[0], low), min(known[1], high + 1)
     room = MANY + cells.shape[1]
     us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
-    ways, places = np.empty(room), np.empty(room)
+    away, ways, places = np.empty((room, 2)), np.empty(room), np.empty(room)
     passed = 0
     while row < end:
         n, row = _occupied(cells, row, end, first, last, us, vs)
-        _directions(us, vs, n, corner, resolution, laser, ways, places)
+        for k in range(n):
+            away[k, 0] = (us[k] + corner[0] + 0.5) * resolution - laser[0]
+            away[k, 1] = (vs[k] + corner[1] + 0.5) * resolution - laser[1]
+        _polar(away.reshape(-1), n, ways, places)
         for k in range(n):
             u, v = us[k], vs[k]
-            dx, dy = (u + corner[0] + 0.5) * resolution - laser[0], (v + corner[1] + 0.5) * resolution - laser[1]
-            if _is_passed(_bin(dx, dy, places[k]), ways[k], lengths, begin, behind):
+            if _is_passed(_bin(away[k, 0], away[k, 1], places[k]), ways[k], lengths, begin, behind):
                 value = min(log_odds[v, u], most) + free
                 log_odds[v, u] = value
                 cells[v, u] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
@@ -118,17 +121,6 @@ def _any_occupied(cells, first):
     for k in range(BLOCK):
         count += np.int32(get(cells, first + k) > UNKNOWN)
     return count > 0
-
-
-@njit(cache=True, error_model="numpy")
-def _directions(us, vs, n, corner, resolution, laser, ways, places):
-    """Metres from the laser to so many cells, and their `_place`; without a branch."""
-    x, y = laser[0], laser[1]
-    left, low = corner[0] + 0.5, corner[1] + 0.5
-    for k in range(n):
-        dx, dy = (get(us, k) + left) * resolution - x, (get(vs, k) + low) * resolution - y
-        put(ways, k, math.sqrt(dx * dx + dy * dy))
-        put_too(places, k, _place(dx, dy))
 
 
 @njit(inline="always")

@@ -12,6 +12,7 @@ from slam_core import geometry
 from slam_core.kernels.linear import (
     cholesky,
     fill,
+    fill_belief,
     gain,
     is_sound,
     multiply,
@@ -54,22 +55,21 @@ def correct(
     CP = multiply(C, P)
     fill(S, multiply(C, CP.T.copy()) + R)
     nis = squared_length(S, innovation)
-    _keep(better, reduced, x, P)
+    fill_belief(better, reduced, x, P)
     if not nis <= bound:
         return nis
     error, spread = gain(P, CP, S, innovation)
-    moved = inject(x, error)
-    if not is_sound(moved, spread):
-        return math.nan
-    _keep(better, reduced, moved, spread)
-    return nis
+    return nis if _put_right(x, error, spread, better, reduced) else math.nan
 
 
 @njit(cache=True, error_model="numpy")
-def _keep(better: Float64s, reduced: Float64s, x: Float64s, P: Float64s) -> None:
-    for i in range(len(x)):
-        better[i] = x[i]
-    fill(reduced, P)
+def _put_right(x: Float64s, error: Float64s, spread: Float64s, better: Float64s, reduced: Float64s) -> bool:
+    """Take x with an error put right, and the covariance after that, if the numbers bear it."""
+    moved = inject(x, error)
+    sound = is_sound(moved, spread)
+    if sound:
+        fill_belief(better, reduced, moved, spread)
+    return sound
 
 
 @njit(cache=True, error_model="numpy")
@@ -99,7 +99,7 @@ def correct_planar(
     innovation[2] = turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
     C = planar_observer(x)
     fill(S, sandwich(C, P) + R)
-    _keep(better, reduced, x, P)
+    fill_belief(better, reduced, x, P)
     nis = squared_length(S, innovation)
     if not nis <= bound:
         return nis
@@ -108,11 +108,7 @@ def correct_planar(
         held[0, 3 + i] = held[1, 6 + i] = blind[i]
     spared = NONE if widen_vertical else VERTICAL
     error, spread = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only, spared)
-    moved = inject(x, error)
-    if not is_sound(moved, spread):
-        return math.nan
-    _keep(better, reduced, moved, spread)
-    return nis
+    return nis if _put_right(x, error, spread, better, reduced) else math.nan
 
 
 @njit(cache=True, error_model="numpy")

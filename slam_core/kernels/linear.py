@@ -30,6 +30,14 @@ def fill(out: Float64s, A: Float64s) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def fill_belief(x: Float64s, P: Float64s, new_x: Float64s, new_P: Float64s) -> None:
+    """The values of a state (n,) and its covariance (m, m) into arrays of their shapes."""
+    for i in range(len(x)):
+        x[i] = new_x[i]
+    fill(P, new_P)
+
+
+@njit(cache=True, error_model="numpy")
 def sandwich(A: Float64s, P: Float64s) -> Float64s:
     """A P A^T of a symmetric P, symmetric to the last bit."""
     AP = multiply(A, P)

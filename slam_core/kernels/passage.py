@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.linear import fill
+from slam_core.kernels.linear import fill_belief
 from slam_core.kernels.navigation import STATES, advance, move
 from slam_core.measurements import Float64s, Int64s
 
@@ -81,7 +81,7 @@ def believe(
     count = _extend(xs, Ps, known, count, to_ns, stamps, samples, begin, end, model, blind, bounds)
     k = _last(known, count, to_ns)
     last = predict(xs[k], Ps[k], known[k], to_ns, stamps, samples, begin, end, model, blind, bounds)
-    _write(x, P, *last)
+    fill_belief(x, P, *last)
     return count
 
 
@@ -137,7 +137,7 @@ def _extend(
                 xs[n - 1], Ps[n - 1], known[n - 1], stamps[k], stamps, samples, begin, end, model, blind, bounds
             )
             known[n] = stamps[k]
-            _write(xs[n], Ps[n], x, P)
+            fill_belief(xs[n], Ps[n], x, P)
             n += 1
     return n
 
@@ -149,13 +149,6 @@ def _last(known: Int64s, count: int, time_ns: int) -> int:
     while k > 0 and known[k] > time_ns:
         k -= 1
     return k
-
-
-@njit(cache=True, error_model="numpy")
-def _write(x: Float64s, P: Float64s, new_x: Float64s, new_P: Float64s) -> None:
-    for i in range(STATES):
-        x[i] = new_x[i]
-    fill(P, new_P)
 
 
 @njit(cache=True, error_model="numpy")
