@@ -8,7 +8,7 @@ made of random walls and boxes, and mapped and looked at from random places with
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,7 +21,7 @@ from app.warmup import warm_up
 from benchmarks.accuracy import process
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.measurements import Float64s, LaserScan
+from slam_core.measurements import Float64s, Int64s, LaserScan
 from slam_core.motion import PlanarMotion
 from slam_core.pyramid import Pyramid
 from slam_core.stabilise import StabilisedScan, stabilise
@@ -97,9 +97,9 @@ def driven(scene: ScenarioName) -> tuple[Pyramid, list[SEEN]]:
     return pipeline.slam.pyramid, seen
 
 
-def _motion(simulation: Simulation, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
-    poses = [simulation.truth_at(time_ns) for time_ns in times_ns]
-    return np.array([pose.translation for pose in poses]), np.array([pose.rotation for pose in poses])
+def _motion(simulation: Simulation, from_ns: int, since_ns: Int64s) -> Float64s:
+    poses = [simulation.truth_at(from_ns + time_ns) for time_ns in since_ns.tolist()]
+    return np.array([[*pose.rotation, *pose.translation] for pose in poses])
 
 
 def made_site() -> tuple[Pyramid, list[SEEN]]:

@@ -16,6 +16,7 @@ from slam_core.measurements import (
     GroundDistance,
     Height,
     Imu,
+    Int64s,
     LaserScan,
     Measurement,
     Odometry,
@@ -96,7 +97,7 @@ class EgoMotion:
         self._felt = True
         self._filter.predict(imu)
         self._aids.feel(imu, self._filter, self._config.aiding)
-        if self._filter.weightless:
+        if not self.inertial and self._filter.weightless:
             self._planar.add_yaw_rate(imu.stamp_ns, float(imu.angular_velocity[2]), self._config.motion)
 
     def _wheels(self, odometry: Odometry) -> None:
@@ -130,9 +131,9 @@ class EgoMotion:
             self.inertial = True
         return self._felt and not (self.inertial or begun or self._filter.weightless)
 
-    def poses(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
-        """Positions (k, 3) and attitudes (k, 4) of the base in the map at so many instants."""
-        return self._filter.poses(times_ns) if self.inertial else self._planar.poses(times_ns)
+    def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
+        """Attitude and position of the base in the map at instants (k,) after `from_ns`: (k, 7) or wider."""
+        return (self._filter if self.inertial else self._planar).poses(from_ns, since_ns)
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at k instants, predicted on if need be."""

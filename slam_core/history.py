@@ -4,16 +4,14 @@ The belief is a function of what was measured, whatever order it came in. It is 
 correction that is always late costs no more than one in time, and samples are run through in one piece.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
-
-import numpy as np
 
 from slam_core.aiding.corrections import Correction
 from slam_core.aiding.gates import fuse
 from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.leveling import turned_to
-from slam_core.measurements import Float64s
+from slam_core.measurements import Float64s, Int64s
 from slam_core.results import AidingStatus, PlanarGaussian
 from slam_core.samples import Samples
 from slam_core.stages import Stages
@@ -76,10 +74,17 @@ class History:
         """The belief at an instant; the oldest one for an instant before it."""
         return self._predicted(self._after(self._corrections_until(time_ns)), time_ns)
 
-    def states_at(self, times_ns: Sequence[int]) -> Float64s:
-        """The x alone at several instants, (k, 19): a correction between the first and the last is left out."""
-        self._stage(self._after(self._corrections_until(min(times_ns))))
-        return self._stages.states(np.array(times_ns), self._model, self._samples)
+    def states_at(self, from_ns: int, since_ns: Int64s) -> Float64s:
+        """The x alone at instants (k,) after `from_ns`, (k, 19); later corrections than that are left out.
+
+        What is believed at the last of them is kept.
+        """
+        base = self._after(self._corrections_until(from_ns))
+        self._stage(base)
+        time_ns = from_ns + since_ns.item(-1)
+        x, P, states = self._stages.belief(time_ns, self._model, self._samples, from_ns, since_ns)
+        self._asked = Belief(time_ns, x, P, base.statuses)
+        return states
 
     def statuses(self) -> Mapping[str, AidingStatus]:
         """What became of every source's measurements."""
@@ -149,7 +154,7 @@ class History:
             return base
         if self._staged is not base or self._asked.stamp_ns != time_ns:
             self._stage(base)
-            x, P = self._stages.belief(time_ns, self._model, self._samples)
+            x, P, _ = self._stages.belief(time_ns, self._model, self._samples)
             self._asked = Belief(time_ns, x, P, base.statuses)
         return self._asked
 

@@ -3,12 +3,10 @@
 import numpy as np
 
 from slam_core.config import NavigationConfig
-from slam_core.kernels.inertial import BROKEN, CLIPPED, check
+from slam_core.kernels.inertial import BROKEN, GOOD, check
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.measurements import Float64s, Imu
 
-# While a gyro is clipped the true rate is beyond what it says, nobody knows how far.
-CLIPPED_NOISE = 1.0  # rad/s/√Hz
 AT_RANGE = "gyro at the end of its range"
 NO_NUMBER = "inertial sample without a plausible value"
 BACK_FOR_NS = 200_000_000  # of samples in order, all of them in the past
@@ -35,15 +33,18 @@ class Intake:
         """
         sample = self._sample
         found = check(imu.angular_velocity, imu.linear_acceleration, self._memory, config.gyro_range, sample)
-        if found == BROKEN:
-            return None, NO_NUMBER
-        sample[6] = CLIPPED_NOISE**2 if found == CLIPPED else 0.0
-        return sample, AT_RANGE if found == CLIPPED else ""
+        if found == GOOD:
+            return sample, ""
+        return (None, NO_NUMBER) if found == BROKEN else (sample, AT_RANGE)
+
+    def goes_on(self) -> None:
+        """A sample was in order: none before it was of a clock that was set back."""
+        self._behind = None
 
     def set_back(self, stamp_ns: int, newest_ns: int) -> bool:
         """Whether samples of the past have come in order for so long that the clock must have been set."""
         if newest_ns - stamp_ns < MAX_GAP_NS:
-            self._behind = None
+            self.goes_on()
             return False
         first_ns, last_ns = self._behind or (stamp_ns, stamp_ns)
         if not last_ns <= stamp_ns <= last_ns + MAX_GAP_NS:

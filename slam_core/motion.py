@@ -18,7 +18,7 @@ from slam_core.intersection import intersect
 from slam_core.kernels.fusion import kalman
 from slam_core.kernels.inertial import FASTEST
 from slam_core.kernels.navigation import SLIP_SIGMA
-from slam_core.measurements import Attitude, Float64s, Odometry, Transform
+from slam_core.measurements import Attitude, Float64s, Int64s, Odometry, Transform
 from slam_core.results import NOWHERE, PlanarGaussian
 
 MEMORY = 256  # attitudes kept: some seconds
@@ -68,17 +68,15 @@ class PlanarMotion:
             rotation = geometry.multiply(rotation, geometry.split_heading(self._attitude(time_ns))[1])
         return Transform(np.array([x, y, 0.0]), rotation)
 
-    def poses(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
-        """`pose` at several instants: positions (k, 3) and attitudes (k, 4)."""
-        rows = np.empty((len(times_ns), 7))  # in one, as from the filter: kernels are compiled for one layout
-        for row, time_ns in zip(rows, times_ns, strict=True):
-            pose = self.pose(time_ns)
-            row[:3], row[3:] = pose.translation, pose.rotation
-        return rows[:, :3], rows[:, 3:]
+    def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
+        """Attitude and position at instants (k,) after `from_ns`: (k, 7)."""
+        poses = [self.pose(from_ns + time_ns) for time_ns in since_ns.tolist()]
+        return np.array([[*pose.rotation, *pose.translation] for pose in poses])
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at k instants."""
-        positions, rotations = self.poses(times_ns)
+        poses = self.poses(0, np.array(times_ns))
+        rotations, positions = poses[:, :4], poses[:, 4:]
         forward, left = self._mean[3:5]
         headings = np.array([geometry.heading(q) for q in rotations])
         c, s = np.cos(headings), np.sin(headings)

@@ -16,7 +16,7 @@ from slam_core.inertial import Intake
 from slam_core.kernels.fusion import planar_belief
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
-from slam_core.measurements import Float64s, Imu, Transform
+from slam_core.measurements import Float64s, Imu, Int64s, Transform
 from slam_core.placement import Placement
 from slam_core.results import NOWHERE, AidingStatus, NavigationState, PlanarGaussian
 
@@ -28,6 +28,7 @@ LEAPT = "clock leapt ahead"
 UNUSABLE = "correction without a usable value"
 TOO_OLD = "correction older than the history"
 TOO_EARLY = "correction before the attitude was known"
+AT_ONCE = np.zeros(1, np.int64)
 MOTION = np.array([4, 5, 6, 0, 1, 2, 3, 7, 8, 9])  # of a state: position, attitude and velocity
 
 
@@ -93,22 +94,22 @@ class NavigationFilter:
 
     def at(self, time_ns: int) -> NavigationState:
         """The belief at exactly that instant, or the oldest that is kept if that is later (see its stamp)."""
-        return NavigationState(*self._belief.at(time_ns)[:3])
+        belief = self._belief.at(time_ns)
+        return NavigationState(belief.stamp_ns, belief.x, belief.P)
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant, without the cost of its covariance."""
-        (x,) = self._belief.states_at([time_ns])
+        (x,) = self._belief.states_at(time_ns, AT_ONCE)
         return Transform(x[4:7], x[:4])
 
-    def poses(self, times_ns: Sequence[int]) -> tuple[Float64s, Float64s]:
-        """`pose` at several instants: positions (k, 3) and attitudes (k, 4)."""
-        xs = self._belief.states_at(times_ns)
-        return xs[:, 4:7], xs[:, :4]
+    def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
+        """Attitudes and positions at instants (k,) after `from_ns`, (k, 19) with what the state holds besides."""
+        return self._belief.states_at(from_ns, since_ns)
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at k instants."""
-        xs = self._belief.states_at(times_ns)
-        return xs.take(MOTION, axis=1)
+        since_ns = np.array(times_ns) - times_ns[0]
+        return self._belief.states_at(times_ns[0], since_ns).take(MOTION, axis=1)
 
     def planar(self, time_ns: int) -> PlanarGaussian:
         """The belief at an instant projected on the plane."""
@@ -124,16 +125,17 @@ class NavigationFilter:
         if self._history is None:
             self._level(imu.stamp_ns, sample)
         else:
-            self._feel(imu.stamp_ns, sample)
+            self._feel(imu.stamp_ns, sample, self._history)
 
-    def _feel(self, stamp_ns: int, sample: Float64s) -> None:
+    def _feel(self, stamp_ns: int, sample: Float64s, history: History) -> None:
         """A good sample once there is a belief: its stamp says whether it goes on from the last."""
-        sample_ns = self.sample_ns
-        if self._intake.set_back(stamp_ns, sample_ns):
+        sample_ns = history.sample_ns
+        if 0 < stamp_ns - sample_ns <= MAX_GAP_NS:
+            self._intake.goes_on()
+            history.add_sample(stamp_ns, sample)
+        elif self._intake.set_back(stamp_ns, sample_ns):
             self.counts[SET_BACK] += 1
-            self._history = self._belief.begin_again(stamp_ns, sample)
-        elif 0 < stamp_ns - sample_ns <= MAX_GAP_NS:
-            self._belief.add_sample(stamp_ns, sample)
+            self._history = history.begin_again(stamp_ns, sample)
         elif stamp_ns <= sample_ns:
             self.counts["inertial sample not later than the one before"] += 1
         elif not self._believes(stamp_ns):
@@ -248,6 +250,6 @@ class NavigationFilter:
 
 def projected(state: NavigationState) -> PlanarGaussian:
     """A belief projected on the plane: C x and C P C^T."""
-    seen = np.empty((4, 3))
-    planar_belief(state.x, state.covariance, seen)
-    return PlanarGaussian(seen[0], seen[1:])
+    seen = PlanarGaussian(np.empty(3), np.empty((3, 3)))
+    planar_belief(state.x, state.covariance, *seen)
+    return seen

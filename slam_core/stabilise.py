@@ -1,24 +1,24 @@
 """Section IV: from a sweep to endpoints in the stabilised frame, through mount, attitude and motion."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from slam_core import geometry
 from slam_core.config import ScanConfig
 from slam_core.kernels.sweeping import place_beams
-from slam_core.measurements import Float32s, Float64s, LaserScan, Transform
+from slam_core.measurements import Float32s, Float64s, Int64s, LaserScan, Transform
 
-# Positions (k, 3) and attitudes (k, 4) of the base in the map at so many instants in nanoseconds.
-Motion = Callable[[Sequence[int]], tuple[Float64s, Float64s]]
+# Attitude and position of the base in the map, (k, 7) or wider, at instants (k,) that are nanoseconds after one.
+Motion = Callable[[int, Int64s], Float64s]
 # The motion is taken as linear between instants this far apart.
 KNOT_NS = 10_000_000
+STANDING = np.zeros(3, np.int64)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StabilisedScan:
+class StabilisedScan(NamedTuple):
     """A scan turned level: points (n, 2) and heights (n,) over the laser; cleared (m, 2) ends of empty beams.
 
     laser: (2,) where the beams start. All in the stabilised frame at the middle of the sweep, metres.
@@ -42,7 +42,7 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
     kept, cleared = place_beams(
         np.ascontiguousarray(scan.ranges, np.float32),
         *_directions(scan.angle_min, scan.angle_increment, n),
-        *motion(_instants(scan, config)),
+        motion(*_instants(scan, config)),
         _mount(scan.T_base_laser),
         config.stabilise,
         max(config.range_min, scan.range_min),
@@ -69,14 +69,18 @@ def _directions(angle_min: float, angle_increment: float, n: int) -> tuple[Float
     return np.cos(angles), np.sin(angles)
 
 
-def _instants(scan: LaserScan, config: ScanConfig) -> list[int]:
-    """The middle of the sweep, and two at least in equal steps from its begin to its end."""
-    stamp_ns, end_ns = scan.stamp_ns, scan.end_ns
-    sweep_ns, mid_ns = end_ns - stamp_ns, (stamp_ns + end_ns) // 2
+def _instants(scan: LaserScan, config: ScanConfig) -> tuple[int, Int64s]:
+    """Two at least in equal steps from the begin of the sweep to its end, and the middle of it; as of `Motion`."""
+    sweep_ns = scan.end_ns - scan.stamp_ns
     if not config.deskew or sweep_ns <= 0:
-        return [mid_ns] * 3
+        return scan.stamp_ns + sweep_ns // 2, STANDING
+    return scan.stamp_ns, _steps(sweep_ns)
+
+
+@lru_cache(maxsize=8)
+def _steps(sweep_ns: int) -> Int64s:
     steps = 1 + sweep_ns // KNOT_NS
-    return [mid_ns, *[stamp_ns + sweep_ns * i // steps for i in range(steps + 1)]]
+    return np.array([*[sweep_ns * i // steps for i in range(steps + 1)], sweep_ns // 2])
 
 
 @lru_cache(maxsize=8)

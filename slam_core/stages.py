@@ -1,6 +1,5 @@
 """A belief and those that follow from it at the samples after it, in arrays that compiled code runs through."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from slam_core.samples import Samples
 from slam_core.strapdown import Strapdown
 
 FIRST_SIZE = 8
+NO_INSTANT = np.empty(0, np.int64)
 
 Rows = tuple[Float64s, Float64s, Int64s]
 """Beliefs: x (n, 19), P (n, 15, 15), and stamps (n,)."""
@@ -35,17 +35,17 @@ class Stages:
         xs[0], Ps[0], stamps[0] = x, P, stamp_ns
         self._count = 1
 
-    def belief(self, time_ns: int, model: Strapdown, samples: Samples) -> tuple[Float64s, Float64s]:
-        """The x and P at an instant; those of the first row for one before it."""
-        x, P = np.empty(STATES), np.empty((ERRORS, ERRORS))
-        self._work(passage.believe, time_ns, *samples.rows, *model.constants, x, P)
-        return x, P
-
-    def states(self, times_ns: Int64s, model: Strapdown, samples: Samples) -> Float64s:
-        """The x alone at several instants, (k, 19)."""
-        states = np.empty((len(times_ns), STATES))
-        self._work(passage.predict_states, times_ns, *samples.rows, *model.constants, states)
-        return states
+    def belief(
+        self, time_ns: int, model: Strapdown, samples: Samples, from_ns: int = 0, since_ns: Int64s = NO_INSTANT
+    ) -> tuple[Float64s, Float64s, Float64s]:
+        """The x and P at an instant, those of the first row for one before it; (k, 19) x at from_ns + since_ns."""
+        x, P, states = np.empty(STATES), np.empty((ERRORS, ERRORS)), np.empty((len(since_ns), STATES))
+        given: tuple[Any, ...] = from_ns, since_ns, time_ns, *samples.rows, *model.constants, states, x, P
+        while True:
+            self._count = passage.believe(*self._rows, self._count, *given)
+            if self._count < len(self._rows[2]):
+                return x, P, states
+            self._make_room()  # it may have lacked some
 
     def since(self, stamp_ns: int, x: Float64s, P: Float64s) -> "Stages":
         """Those later than a stamp, after a belief that takes the place of those before."""
@@ -63,13 +63,6 @@ class Stages:
         (xs, Ps, stamps), other._count = self._rows, self._count
         other._rows = xs.copy(), Ps.copy(), stamps.copy()
         return other
-
-    def _work(self, kernel: Callable[..., int], *given: Any) -> None:
-        """Call a kernel of `passage`; anew as long as it used up all rows, as then it may have lacked some."""
-        self._count = kernel(*self._rows, self._count, *given)
-        while self._count == len(self._rows[2]):
-            self._make_room()
-            self._count = kernel(*self._rows, self._count, *given)
 
     def _make_room(self) -> None:
         grown = _rows(2 * len(self._rows[2]))

@@ -1,7 +1,5 @@
 """Small made worlds for tests of the core: smooth maps and rooms with exact ranges."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,9 +26,9 @@ def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> Gr
     return level
 
 
-def standing(times: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def standing(from_ns: int, since_ns: NDArray[np.int64]) -> NDArray[np.float64]:
     """The motion of a base that stands level at the origin."""
-    return np.zeros((len(times), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 1))
+    return np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], (len(since_ns), 1))
 
 
 def room_ranges(

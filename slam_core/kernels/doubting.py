@@ -7,7 +7,7 @@ from numba import njit
 
 from slam_core.kernels.bilinear import LEFT_HALF, UNKNOWN, WHOLE
 from slam_core.kernels.mapping import cells_of
-from slam_core.kernels.memory import lane, pair
+from slam_core.kernels.memory import above, lane, lowest, pair
 
 get, _ = lane(0)
 _, put = lane(1)
@@ -20,7 +20,8 @@ BIN = 2.0 * math.pi / BINS
 A1, A3, A5, A7, A9 = 0.9998660, -0.3302995, 0.1801410, -0.0851330, 0.0208351
 UNSURE = 2e-5 / BIN
 MANY = 512  # cells whose directions are worked out together
-BLOCK = 64  # cells that are looked at together: nearly all are free or unknown
+BLOCK = 32  # cells that `above` looks at together: nearly all are free or unknown
+NONE, ONE = np.uint32(0), np.uint32(1)
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
 
@@ -103,24 +104,20 @@ def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, beg
 def _occupied(cells, row, end, first, last, us, vs):
     """Columns and rows of the occupied cells from a row on, until there are many: how many, and the next row."""
     columns, flat, n = cells.shape[1], cells.reshape(-1), 0
+    whole = last - (last - first) % BLOCK
     while row < end and n < MANY:
-        for begin in range(first, last, BLOCK):
-            if begin + BLOCK <= last and not _any_occupied(flat, row * columns + begin):
-                continue
-            for column in range(begin, min(begin + BLOCK, last)):
-                if get(flat, row * columns + column) > UNKNOWN:
-                    us[n], vs[n] = column, row
-                    n += 1
+        for begin in range(first, whole, BLOCK):
+            occupied = above(flat, row * columns + begin, UNKNOWN)
+            while occupied != NONE:
+                us[n], vs[n] = begin + np.int64(lowest(occupied)), row
+                n += 1
+                occupied &= occupied - ONE
+        for column in range(whole, last):
+            if get(flat, row * columns + column) > UNKNOWN:
+                us[n], vs[n] = column, row
+                n += 1
         row += 1
     return n, row
-
-
-@njit(inline="always")
-def _any_occupied(cells, first):
-    count = np.int32(0)
-    for k in range(BLOCK):
-        count += np.int32(get(cells, first + k) > UNKNOWN)
-    return count > 0
 
 
 @njit(inline="always")
@@ -152,13 +149,17 @@ def ends_in_free_space(cells, corner, resolution, points, pose, around, found):
     (rows, columns), flat, where = cells.shape, cells.reshape(-1), np.empty(len(points), np.int32)
     _free_ends(flat, rows, columns, corner, resolution, points.reshape(-1), pose, around, where)
     for k in range(len(points)):
-        found[k] = where[k] >= 0
-        if found[k]:
-            for row in range(-around, around + 1):
-                first = where[k] + row * columns - around
-                for i in range(first, first + 2 * around + 1):
-                    if flat[i] > UNKNOWN:
-                        found[k] = False
+        found[k] = where[k] >= 0 and not _near_occupied(flat, columns, where[k], around)
+
+
+@njit(inline="always")
+def _near_occupied(cells, columns, i, around):
+    for row in range(-around, around + 1):
+        first = i + row * columns - around
+        for j in range(first, first + 2 * around + 1):
+            if cells[j] > UNKNOWN:
+                return True
+    return False
 
 
 @njit(cache=True, error_model="numpy")

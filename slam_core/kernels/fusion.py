@@ -123,11 +123,11 @@ def planar_observer(x: Float64s) -> Float64s:
 
 
 @njit(cache=True, error_model="numpy")
-def planar_belief(x: Float64s, P: Float64s, out: Float64s) -> None:
-    """C x of eq. (19), position in the plane and heading (3,), and below it C P C^T: out (4, 3)."""
+def planar_belief(x: Float64s, P: Float64s, mean: Float64s, covariance: Float64s) -> None:
+    """C x of eq. (19), position in the plane and heading, into mean (3,); C P C^T into covariance (3, 3)."""
     psi = 2.0 * math.atan2(x[3], x[0])
-    out[0, 0], out[0, 1], out[0, 2] = x[4], x[5], psi - 2.0 * math.pi * round(psi / (2.0 * math.pi))
-    fill(out[1:], sandwich(planar_observer(x), P))
+    mean[0], mean[1], mean[2] = x[4], x[5], psi - 2.0 * math.pi * round(psi / (2.0 * math.pi))
+    fill(covariance, sandwich(planar_observer(x), P))
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,11 +10,13 @@ FASTEST, HARDEST = 200.0, 2000.0
 # A rate on one and the same value, the largest so far and above this, in so many samples: the end of the range.
 LEAST_RANGE = 1.5  # rad/s
 REPEATS = 3
+# While a gyro is clipped the true rate is beyond what it says, nobody knows how far.
+CLIPPED_NOISE = 1.0  # rad/s/√Hz
 
 
 @njit(cache=True, error_model="numpy")
 def check(rate: Float64s, force: Float64s, memory: Float64s, gyro_range: float, sample: Float64s) -> int:
-    """GOOD, BROKEN or CLIPPED. rate, force: (3,), which `sample` (6,) or longer takes.
+    """GOOD, BROKEN or CLIPPED. rate, force: (3,), which `sample` (7,) takes as those in `Samples`.
 
     memory: (3, 3), kept from one sample to the next: of each axis the last rate, how often it came, and its
     largest size. gyro_range: rad/s, 0 if not known.
@@ -31,4 +33,5 @@ def check(rate: Float64s, force: Float64s, memory: Float64s, gyro_range: float, 
         memory[i, 0] = rate[i]
         stuck = memory[i, 1] >= REPEATS and size >= max(LEAST_RANGE, memory[i, 2])
         clipped |= stuck or (gyro_range > 0.0 and size >= 0.999 * gyro_range)
+    sample[6] = CLIPPED_NOISE**2 if clipped else 0.0
     return CLIPPED if clipped else GOOD

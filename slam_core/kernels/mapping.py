@@ -8,12 +8,13 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import WHOLE
-from slam_core.kernels.memory import lane
+from slam_core.kernels.memory import lane, prefetch
 from slam_core.kernels.ways import mark_ways
 
 OCCUPIED = np.uint8(2)
 BEHIND = np.uint8(3)
 BLOCK = 32  # cells that are changed together
+AHEAD = 4  # rows: what is changed there is fetched meanwhile
 WORDS = BLOCK // 8  # of their marks
 
 LOG2_E = np.float32(1.44269504)
@@ -129,6 +130,10 @@ def _change(log_odds, cells, marks, row0, row1, column0, column1, free, occupied
             if _any(words, row * stride // 8 + block * WORDS):
                 first = min(block * BLOCK, last)
                 i, j = row * columns + first, row * stride + first
+                ahead = min(i + AHEAD * columns, len(odds) - BLOCK)
+                prefetch(odds, ahead)
+                prefetch(odds, ahead + 16)
+                prefetch(parts, ahead)
                 for k in range(BLOCK):
                     old, mark = get_odds(odds, i + k), get_mark(flat, j + k)
                     value = _changed(old, mark, free, occupied, low, high, behind)
@@ -152,7 +157,7 @@ def _any(words, first):
     """Whether any of the words of a block's marks is not 0."""
     marked = np.uint64(0)
     for k in range(WORDS):
-        marked |= words[first + k]
+        marked |= get_mark(words, first + k)
     return marked != 0
 
 

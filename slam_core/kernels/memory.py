@@ -7,6 +7,7 @@ scalar, four to six times as slow. Arrays are flat and contiguous, and indices c
 
 from typing import Any
 
+from llvmlite import ir  # of numba
 from numba import extending, types
 
 LANES = range(3)
@@ -46,6 +47,49 @@ def pair(_: Any, cells: Any, i: Any) -> Any:
         return _apart(builder, loaded, 0)
 
     return types.uint32(cells, i), load
+
+
+@intrinsic
+def above(_: Any, cells: Any, i: Any, limit: Any) -> Any:
+    """Which of cells[i : i + 32] of an array of uint16 in lane 0 are above a limit: the bits of a uint32."""
+
+    def compare(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        word = context.get_value_type(types.uint16)
+        vector = ir.VectorType(word, 32)
+        place = _address(context, builder, signature, arguments)
+        loaded = builder.load(builder.bitcast(place, vector.as_pointer()))
+        loaded.align = 2
+        limits = builder.insert_element(vector(ir.Undefined), arguments[2], ir.IntType(32)(0))
+        zeros = ir.VectorType(ir.IntType(32), 32)(None)
+        limits = builder.shuffle_vector(limits, vector(ir.Undefined), zeros)
+        return builder.bitcast(builder.icmp_unsigned(">", _apart(builder, loaded, 0), limits), ir.IntType(32))
+
+    return types.uint32(cells, i, types.uint16), compare
+
+
+@intrinsic
+def lowest(_: Any, bits: Any) -> Any:
+    """The place of the lowest bit of a uint32 that is set."""
+
+    def count(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.cttz(arguments[0], ir.IntType(1)(1))
+
+    return types.uint32(bits), count
+
+
+@intrinsic
+def prefetch(_: Any, array: Any, i: Any) -> Any:
+    """Have the cache line of array[i] fetched, which will be written."""
+
+    def fetch(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place = builder.bitcast(_address(context, builder, signature, arguments), ir.IntType(8).as_pointer())
+        number = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [place.type, number, number, number])
+        function = builder.module.declare_intrinsic("llvm.prefetch", [place.type], kind)
+        builder.call(function, [place, number(1), number(3), number(1)])  # to write, to keep, data
+        return context.get_dummy_value()
+
+    return types.void(array, i), fetch
 
 
 def _address(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -62,6 +62,8 @@ def believe(
     Ps: Float64s,
     known: Int64s,
     count: int,
+    from_ns: int,
+    since_ns: Int64s,
     to_ns: int,
     stamps: Int64s,
     samples: Float64s,
@@ -70,44 +72,29 @@ def believe(
     model: Float64s,
     blind: Float64s,
     bounds: Float64s,
+    states: Float64s,
     x: Float64s,
     P: Float64s,
 ) -> int:
-    """The belief at an instant into x and P, from rows of which `count` are known; how many are known then.
+    """The belief at `to_ns` into x and P, and the states alone at the instants from_ns + since_ns (k,): (k, 19).
 
     xs: (n, 19), Ps: (n, 15, 15), known: (n,), a belief a row: one that is given, and those at the samples after
-    it. They are worked out up to the instant, or until all rows are full: then x and P may be anything.
+    it, of which `count` are known; returns how many are known then. They are worked out up to the last of all
+    instants, or until all rows are full: then the answers may be anything.
     """
-    count = _extend(xs, Ps, known, count, to_ns, stamps, samples, begin, end, model, blind, bounds)
+    last_ns = to_ns
+    for i in range(len(since_ns)):
+        last_ns = max(last_ns, from_ns + since_ns[i])
+    count = _extend(xs, Ps, known, count, last_ns, stamps, samples, begin, end, model, blind, bounds)
+    for i in range(len(since_ns)):
+        time_ns = from_ns + since_ns[i]
+        k = _last(known, count, time_ns)
+        state = _carry(xs[k], known[k], time_ns, stamps, samples, begin, end, model)
+        for j in range(STATES):
+            states[i, j] = state[j]
     k = _last(known, count, to_ns)
     last = predict(xs[k], Ps[k], known[k], to_ns, stamps, samples, begin, end, model, blind, bounds)
     fill_belief(x, P, *last)
-    return count
-
-
-@njit(cache=True, error_model="numpy")
-def predict_states(
-    xs: Float64s,
-    Ps: Float64s,
-    known: Int64s,
-    count: int,
-    times: Int64s,
-    stamps: Int64s,
-    samples: Float64s,
-    begin: int,
-    end: int,
-    model: Float64s,
-    blind: Float64s,
-    bounds: Float64s,
-    states: Float64s,
-) -> int:
-    """As `believe` for the instants (k,), but the states alone, (k, 19): carried on without their covariance."""
-    count = _extend(xs, Ps, known, count, times.max(), stamps, samples, begin, end, model, blind, bounds)
-    for i in range(len(times)):
-        k = _last(known, count, times[i])
-        state = _carry(xs[k], known[k], times[i], stamps, samples, begin, end, model)
-        for j in range(STATES):
-            states[i, j] = state[j]
     return count
 
 

@@ -21,8 +21,7 @@ def place_beams(
     ranges,
     cosines,
     sines,
-    positions,
-    rotations,
+    poses,
     mount,
     level,
     low,
@@ -38,13 +37,13 @@ def place_beams(
 ):
     """Endpoints (n, 2) and heights (n,) in the stabilised frame, and free ends: returns how many of each.
 
-    positions, rotations: (1 + k, 3) and (1 + k, 4) poses of the base, the first the one of the stabilised frame,
-    the others in equal steps of time over the sweep. mount: (4, 4) laser -> base. level: whether roll and pitch
-    count. A range in [low, high) is an endpoint; one of at least `no_return` clears up to `clear_range`, unless
-    that is 0. Heights are over the middle of the laser's way, whose place `laser` (2,) takes, from z_min to z_max.
+    poses: (k + 1, 7) or wider, attitude and position of the base in equal steps of time over the sweep, and last
+    the one of the stabilised frame. mount: (4, 4) laser -> base. level: whether roll and pitch count. A range in
+    [low, high) is an endpoint; one of at least `no_return` clears up to `clear_range`, unless that is 0. Heights
+    are over the middle of the laser's way, whose place `laser` (2,) takes, from z_min to z_max.
     """
     n = len(ranges)
-    way = _knots(positions, rotations, mount, level)
+    way = _knots(poses, mount, level)
     knot_step = max(n - 1, 1) / (len(way) - 1)
     reaches, ends = np.empty(n), np.empty((3, n))
     for i in range(n):
@@ -70,14 +69,14 @@ def place_beams(
 
 
 @njit(cache=True, error_model="numpy")
-def _knots(positions, rotations, mount, level):
-    """(k, 3, 4) transforms laser -> stabilised frame at the poses after the first."""
-    out = np.zeros((len(positions) - 1, 3, 4))
-    half = math.atan2(rotations[0, 3], rotations[0, 0])
+def _knots(poses, mount, level):
+    """(k, 3, 4) transforms laser -> stabilised frame at all poses but the last, which is that frame's."""
+    out, here = np.zeros((len(poses) - 1, 3, 4)), poses[-1]
+    half = math.atan2(here[3], here[0])
     turn = np.array([math.cos(half), 0.0, 0.0, -math.sin(half)])
     shift = _matrix(turn)
     for k in range(len(out)):
-        rotation = rotations[1 + k]
+        rotation = poses[k, :4]
         if not level:
             rotation = np.array([rotation[0], 0.0, 0.0, rotation[3]]) / np.hypot(rotation[0], rotation[3])
         R = _matrix(_product(turn, rotation))
@@ -86,7 +85,7 @@ def _knots(positions, rotations, mount, level):
                 for m in range(3):
                     out[k, i, j] += R[i, m] * mount[m, j]
             for m in range(3):
-                out[k, i, 3] += shift[i, m] * (positions[1 + k, m] - positions[0, m])
+                out[k, i, 3] += shift[i, m] * (poses[k, 4 + m] - here[4 + m])
     return out
 
 

@@ -17,9 +17,9 @@ OPEN = ScanConfig(range_min=0.0, range_max=100.0, z_min=-10.0, z_max=10.0)
 def at_each(motion):
     """A motion of one instant, asked for several."""
 
-    def poses(times):
-        transforms = [motion(time_ns) for time_ns in times]
-        return np.array([T.translation for T in transforms]), np.array([T.rotation for T in transforms])
+    def poses(from_ns, since_ns):
+        transforms = [motion(from_ns + time_ns) for time_ns in since_ns.tolist()]
+        return np.array([[*T.rotation, *T.translation] for T in transforms])
 
     return poses
 

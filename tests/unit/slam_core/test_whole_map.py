@@ -146,7 +146,7 @@ def test_what_is_wanted_is_a_setting(room: Pyramid):
     scan = level_scan(np.array([-1.0, 0.5, 0.3]))
     points = scan.points.copy()
     points[::2] *= 0.7
-    changed = replace(scan, points=points)
+    changed = scan._replace(points=points)
     assert locate(room, changed, CONFIG).match is None
     easy = locate(room, changed, replace(CONFIG, tracking=TrackingConfig(min_place=0.4)))
     assert easy.match is not None
