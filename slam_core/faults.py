@@ -53,6 +53,7 @@ class Watch:
     def __init__(self) -> None:
         self._recent = Recent()
         self._counted: dict[tuple[str, str], int] = {}
+        self._totals: tuple[int, ...] = ()
 
     def look(
         self,
@@ -62,9 +63,14 @@ class Watch:
         time_ns: int,
     ) -> None:
         """The filter and the sources as they are after a scan; skipped: scans without a result, by reason."""
-        sentences = [*_states(estimator, time_ns), *self._news(estimator.counts), *self._news(skipped)]
+        sentences = _states(estimator, time_ns)
+        totals = *estimator.counts.values(), *skipped.values()
+        if totals != self._totals:  # hardly ever
+            self._totals = totals
+            sentences += self._news(estimator.counts) + self._news(skipped)
         for status in aiding:
-            sentences += _of_source(status)
+            if status.streak or status.frozen:
+                sentences += _of_source(status)
             if status.dropped:
                 sentences += self._news(status.dropped, status.source)
         if sentences:

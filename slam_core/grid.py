@@ -83,10 +83,8 @@ class GridLevel:
         steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds. behind: how low the cells
         behind the ends may sink by this; 0 leaves them alone.
         """
-        limits = (np.float32(x) for x in (*steps, *caps, behind))
-        touched = write_scan(
-            self.log_odds, self.cells, self._marks, self.corner, self.resolution, start, ends, cleared, *limits
-        )
+        arrays = self.log_odds, self.cells, self._marks, self.corner, self.resolution
+        touched = write_scan(*arrays, start, ends, cleared, *steps, *caps, behind)
         row0, row1, column0, column1 = self.known if self.known[1] else touched
         self.known = (
             min(row0, touched[0]),
@@ -115,9 +113,8 @@ class GridLevel:
 
         laser: (2,) map metres. beams: their ends `by_bearing`. behind: metres. Returns how many.
         """
-        limits = (behind, np.float32(most), np.float32(free))
-        arrays = (self.log_odds, self.cells, self.corner, self.resolution, self.known)
-        return int(doubt_passed(*arrays, laser, *beams, *limits))
+        arrays = self.log_odds, self.cells, self.corner, self.resolution, self.known
+        return int(doubt_passed(*arrays, laser, *beams, behind, most, free))
 
     def unexpected(self, points: Float32s, pose: Float64s, apart: float) -> NDArray[np.bool_]:
         """Which points (n, 2) of a scan at `pose` (3,) lie in free space, `apart` metres from what is occupied."""

@@ -1,6 +1,7 @@
 """Section IV-B: align a scan with the map by Gauss-Newton, coarse to fine, and say how sure that is."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from slam_core.kernels import climbing, matching
 from slam_core.kernels.climbing import climb
 from slam_core.measurements import Float32s, Float64s
 from slam_core.pyramid import Pyramid
-from slam_core.results import NOWHERE, MatchResult, PlanarGaussian
+from slam_core.results import NOWHERE, Fit, MatchResult, PlanarGaussian
 from slam_core.surfaces import Beams
 
 # The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
@@ -41,7 +42,7 @@ def coarse_to_fine(
     residuals = np.empty(len(points), np.float32)
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
     steps = np.empty((len(levels), kept, 3))
-    found, taken = np.empty((8, 3)), np.empty(len(levels), np.int64)
+    found, taken = np.empty((8, 3)), np.empty(len(levels) + 2, np.int64)
     converged = climb(
         tuple([level.cells for level in levels]),
         levels[0].corner,
@@ -66,14 +67,15 @@ def coarse_to_fine(
     pose, blind, hessian, covariance = found[0], found[1, :2], found[2:5], found[5:]
     if config.covariance == "sampled":
         covariance = sampled_covariance(levels[0], points, pose, config.sigma, blind)
-    iterations = tuple(taken.tolist())
+    *iterations, known, hits = taken.tolist()
     iterates = _in_order(steps, iterations) if trace else NO_TRACE
     return MatchResult(
-        pose, covariance, hessian, residuals, iterations, converged, iterates, blind, float(found[1, 2])
-    )
+        pose, covariance, hessian, residuals, tuple(iterations), converged, iterates, blind, found.item(1, 2),
+        Fit.counted(len(points), known, hits),
+    )  # fmt: skip
 
 
-def _in_order(steps: Float64s, taken: tuple[int, ...]) -> Float64s:
+def _in_order(steps: Float64s, taken: Sequence[int]) -> Float64s:
     """(k, 4) level and pose after each step, coarse to fine, from the poses of each level."""
     levels = reversed(range(len(taken)))
     return np.concatenate([np.insert(steps[i, : taken[i]], 0, float(i), axis=1) for i in levels])
@@ -83,7 +85,7 @@ def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Fl
     """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
     h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = matching.normal_equations(
         level.cells, level.corner, 1.0 / level.resolution, *beams.arrays, pose[0], pose[1], pose[2],
-        np.empty_like(beams.xs),
+        np.empty_like(beams.xs), *matching.room(),
     )  # fmt: skip
     hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
     return hessian, np.array([b0, b1, b2]), float(cost)

@@ -24,6 +24,21 @@ class PlanarGaussian(NamedTuple):
     covariance: Float64s
 
 
+class Fit(NamedTuple):
+    """How the endpoints of a scan meet a level.
+
+    known: share of them on known cells. hit: share of those that lie on occupied cells.
+    """
+
+    known: float
+    hit: float
+
+    @classmethod
+    def counted(cls, beams: int, known: int, hits: int) -> "Fit":
+        """Of so many beams so many on known cells, and of those so many on occupied ones."""
+        return cls(known / max(beams, 1), hits / max(known, 1))
+
+
 class MatchResult(NamedTuple):
     """The outcome of section IV-B on one scan.
 
@@ -33,6 +48,7 @@ class MatchResult(NamedTuple):
     trace: (k, 4) level, x, y, psi after each Gauss-Newton step, coarse to fine; (0, 4) when not asked for.
     weakest_share: share of the beams that fix the position in the direction that the scan's shape fixes worst.
     blind: (2,) that direction in the map, where the pose is the start estimate's because too few do; else zero.
+    fit: at the coarsest level.
     """
 
     pose: Float64s
@@ -44,6 +60,7 @@ class MatchResult(NamedTuple):
     trace: Float64s
     blind: Float64s = NOWHERE
     weakest_share: float = 1.0
+    fit: Fit = Fit(1.0, 1.0)
 
     @property
     def mean_residual(self) -> float:

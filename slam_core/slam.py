@@ -20,7 +20,7 @@ from slam_core.results import Durations, MatchResult, PlanarGaussian, StepResult
 from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
-from slam_core.tracking import WELL, Tracker, Verdict, disagreement, fit, search_window
+from slam_core.tracking import WELL, Tracker, Verdict, disagreement, search_window
 
 # Where the map begins is where the first scan was taken: this sure.
 FIRST = MatchResult(
@@ -205,18 +205,16 @@ class HectorSlam:
 
     def _judge(self, match: MatchResult, points: Float32s, prior: PlanarGaussian) -> tuple[MatchResult, Verdict]:
         """The match if it can be believed, else one found further away, else the verdict against both."""
-        level, config, tracker = self.pyramid.levels[-1], self.config.tracking, self._tracker
-        seen = fit(level, points, match.pose)
-        reason = tracker.doubt(seen, disagreement(match, prior), config)
+        config, tracker = self.config.tracking, self._tracker
+        reason = tracker.doubt(match.fit, disagreement(match, prior), config)
         if not reason:
-            return match, tracker.believe(seen, reason)
-        start = find_pose(level, points, prior.mean, search_window(prior, config))
+            return match, tracker.believe(match.fit, reason)
+        start = find_pose(self.pyramid.levels[-1], points, prior.mean, search_window(prior, config))
         start[:2] -= match.blind * (match.blind @ (start - prior.mean)[:2])  # there any place fits as well
         other = coarse_to_fine(self.pyramid, points, start, self.config.matcher, trace=self.trace)
         for candidate in (other, match):
-            seen = fit(level, points, candidate.pose)
-            if tracker.convinces(seen, disagreement(candidate, prior), config):
-                return candidate, tracker.believe(seen, reason)
+            if tracker.convinces(candidate.fit, disagreement(candidate, prior), config):
+                return candidate, tracker.believe(candidate.fit, reason)
         return match, tracker.miss(reason, config)
 
     def _seek(
@@ -227,8 +225,7 @@ class HectorSlam:
         if found is None:
             return match, verdict
         self._place(time_ns, found.gaussian)
-        seen = fit(self.pyramid.levels[-1], leveled.points, found.pose)
-        return found, self._tracker.believe(seen, f"{verdict.reason}; found by a search of the whole map")
+        return found, self._tracker.believe(found.fit, f"{verdict.reason}; found by a search of the whole map")
 
     def _start_estimate(self, prior: PlanarGaussian) -> Float64s:
         """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""

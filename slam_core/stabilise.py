@@ -16,6 +16,7 @@ Motion = Callable[[int, Int64s], Float64s]
 # The motion is taken as linear between instants this far apart.
 KNOT_NS = 10_000_000
 STANDING = np.zeros(3, np.int64)
+NO_END = np.empty((0, 2), np.float32)
 
 
 class StabilisedScan(NamedTuple):
@@ -37,8 +38,8 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
     attitude is ignored, with config.deskew off the motion during the sweep is.
     """
     n = len(scan.ranges)
-    points, heights, free = np.empty((n, 2), np.float32), np.empty(n, np.float32), np.empty((n, 2), np.float32)
-    laser = np.empty(2)
+    points, heights, laser = np.empty((n, 2), np.float32), np.empty(n, np.float32), np.empty(2)
+    free = np.empty((n, 2), np.float32) if config.clear_range > 0.0 else NO_END
     kept, cleared = place_beams(
         np.ascontiguousarray(scan.ranges, np.float32),
         *_directions(scan.angle_min, scan.angle_increment, n),
@@ -56,7 +57,7 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
         free,
         laser,
     )
-    return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser)
+    return StabilisedScan(points[:kept], heights[:kept], free[:cleared] if cleared else NO_END, laser)
 
 
 def _end(range_max: float) -> float:

@@ -4,24 +4,14 @@ import math
 from typing import NamedTuple
 
 from slam_core.config import TrackingConfig
-from slam_core.grid import GridLevel
 from slam_core.kernels.planar import sigmas_apart
-from slam_core.kernels.search import count_hits
-from slam_core.measurements import Float32s, Float64s
-from slam_core.results import MatchResult, PlanarGaussian, Tracking
+from slam_core.results import Fit, MatchResult, PlanarGaussian, Tracking
 
 USUAL_FIT = 0.9  # before any match was believed
 MEMORY = 0.05  # weight of the newest match in the running level
 # A scan of which less than this lies on known map proves little: it is not believed this far from the prediction.
 MOSTLY, NEAR = 0.6, 5.0
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: a prediction that failed may be too sure of itself
-
-
-class Fit(NamedTuple):
-    """known: share of the endpoints on known cells. hit: share of those that lie on occupied cells."""
-
-    known: float
-    hit: float
 
 
 class Verdict(NamedTuple):
@@ -33,12 +23,6 @@ class Verdict(NamedTuple):
 
 
 WELL = Verdict()
-
-
-def fit(level: GridLevel, points: Float32s, pose: Float64s) -> Fit:
-    """How endpoints (n, 2) at `pose` (3,) meet a level."""
-    known, hits = count_hits(level.cells, level.corner, 1.0 / level.resolution, points, pose)
-    return Fit(known / max(len(points), 1), hits / max(known, 1))
 
 
 def disagreement(match: MatchResult, prior: PlanarGaussian) -> float:

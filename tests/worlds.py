@@ -5,8 +5,10 @@ from numpy.typing import NDArray
 
 from slam_core.grid import GridLevel
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.search import count_hits
 from slam_core.measurements import LaserScan, Transform
 from slam_core.pyramid import Pyramid
+from slam_core.results import Fit
 
 
 def in_parts(probability: NDArray[np.float64]) -> NDArray[np.uint16]:
@@ -24,6 +26,12 @@ def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> Gr
     field = sum(np.sin(a * u + b * v + p) for (a, b), p in zip(waves, phases, strict=True))
     level.cells[:] = in_parts(0.5 + 0.1 * field)
     return level
+
+
+def fit(level: GridLevel, points: NDArray[np.float32], pose: NDArray[np.float64]) -> Fit:
+    """How endpoints (n, 2) at a pose (3,) meet a level."""
+    counts = count_hits(level.cells, level.corner, 1.0 / level.resolution, points, pose)
+    return Fit.counted(len(points), *counts)
 
 
 def standing(from_ns: int, since_ns: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -42,24 +42,12 @@ def fuse(
             update = correction.update(x, _doubting(P, *correction.observe(x)[:2], doubted))
             returned = update.accepted
     used = update.accepted
-    status = AidingStatus(
-        old.source,
-        old.measures,
-        used=old.used + used,
-        rejected=old.rejected + (not used),
-        returns=old.returns + returned,
-        stamp_ns=stamp_ns,
-        innovation=update.innovation,
-        S=update.S,
-        nis=update.nis,
-        bound=update.bound,
-        used_ns=stamp_ns if used else old.used_ns,
-        streak=0 if used else streak,
-        streak_ns=0 if used else streak_ns,
-        reading=old.reading,
-        reading_ns=old.reading_ns,
-        reading_at=old.reading_at,
-    )
+    status = AidingStatus(  # by place, as it is made for every measurement: by name takes twice as long
+        old.source, old.measures, old.used + used, old.rejected + (not used), old.returns + returned,
+        stamp_ns, update.innovation, update.S, update.nis, update.bound,
+        stamp_ns if used else old.used_ns, 0 if used else streak, 0 if used else streak_ns,
+        old.reading, old.reading_ns, old.reading_at,
+    )  # fmt: skip
     if used:
         x, P = update.x, update.P
     return x, P, {**statuses, correction.source: status}

@@ -9,9 +9,12 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.linear import fill
-from slam_core.kernels.matching import gauss_newton, normal_equations, without
+from slam_core.kernels.matching import gauss_newton, normal_equations, room, without
 from slam_core.kernels.planar import inverse3, whole_turns
+from slam_core.kernels.search import count_hits
 from slam_core.kernels.surfaces import tangents, weakest_direction
+
+_room = njit(inline="always")(room)
 
 # Of the beams, evenly, this many at least show how well the shape of the scan fixes its position.
 SURVEYED = 180
@@ -47,7 +50,8 @@ def climb(
     corner: (2,) of the finest.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
     found: (8, 3) takes the pose, the direction that the scan leaves open, if any, with the share of beams that fix
-    it, the Hessian (13) and the covariance (15). taken: (levels,) takes the steps of each level.
+    it, the Hessian (13) and the covariance (15). taken: (levels + 2,) takes the steps of each level, and how many
+    endpoints lie on known and how many on occupied cells of the coarsest.
     trace: (levels, k, 3) takes the first k iterates of each level.
     """
     pose, blind = found[0], found[1, :2]
@@ -60,6 +64,7 @@ def climb(
         tangents(xs, ys, along_x, along_y)
     if found[1, 2] >= blind_share:
         blind[:] = 0.0
+    notes = _room()
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
     converged = False
     for i in range(len(cells) - 1, -1, -1):
@@ -77,10 +82,14 @@ def climb(
             max_yaw_step,
             residuals,
             trace[i],
+            *notes,
         )
-    fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals))
+    fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals, notes))
     fill(found[5:], hessian_covariance(found[2:5], sigma, blind))
     pose[2] -= whole_turns(pose[2])
+    last = len(cells) - 1
+    known, hits = count_hits(cells[last], corner >> last, 1.0 / (resolution * (1 << last)), points, pose)
+    taken[last + 1], taken[last + 2] = known, hits
     return converged
 
 
@@ -96,11 +105,11 @@ def survey(xs, ys, psi):
 
 
 @njit(cache=True, error_model="numpy")
-def hessian(cells, corner, inverse, beams, pose, residuals):
+def hessian(cells, corner, inverse, beams, pose, residuals, notes):
     """H of eq. (13) at a pose as a matrix, and the residuals."""
     xs, ys, along_x, along_y = beams
     h00, h01, h02, h11, h12, h22, _, _, _, _ = normal_equations(
-        cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals
+        cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, *notes
     )
     return _symmetric(h00, h01, h02, h11, h12, h22)
 

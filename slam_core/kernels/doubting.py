@@ -7,7 +7,7 @@ from numba import njit
 
 from slam_core.kernels.bilinear import LEFT_HALF, UNKNOWN, WHOLE
 from slam_core.kernels.mapping import cells_of
-from slam_core.kernels.memory import above, lane, lowest, pair
+from slam_core.kernels.memory import above, lane, lowest, pair, prefetch
 
 get, _ = lane(0)
 _, put = lane(1)
@@ -21,6 +21,7 @@ A1, A3, A5, A7, A9 = 0.9998660, -0.3302995, 0.1801410, -0.0851330, 0.0208351
 UNSURE = 2e-5 / BIN
 MANY = 512  # cells whose directions are worked out together
 BLOCK = 32  # cells that `above` looks at together: nearly all are free or unknown
+AHEAD = 4  # rows that are fetched meanwhile
 NONE, ONE = np.uint32(0), np.uint32(1)
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
 
@@ -83,6 +84,7 @@ def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, beg
     room = MANY + cells.shape[1]
     us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
     away, ways, places = np.empty((room, 2)), np.empty(room), np.empty(room)
+    most, free = np.float32(most), np.float32(free)
     passed = 0
     while row < end:
         n, row = _occupied(cells, row, end, first, last, us, vs)
@@ -106,7 +108,9 @@ def _occupied(cells, row, end, first, last, us, vs):
     columns, flat, n = cells.shape[1], cells.reshape(-1), 0
     whole = last - (last - first) % BLOCK
     while row < end and n < MANY:
+        below = min(row + AHEAD, end - 1) * columns
         for begin in range(first, whole, BLOCK):
+            prefetch(flat, below + begin)
             occupied = above(flat, row * columns + begin, UNKNOWN)
             while occupied != NONE:
                 us[n], vs[n] = begin + np.int64(lowest(occupied)), row

@@ -75,10 +75,11 @@ def write_scan(log_odds, cells, marks, corner, resolution, start, hits, empty, f
         _mark_behind(marks, rows, columns, corner, resolution, start, hits)
         column0, column1 = max(column0 - 1, 0), min(column1 + 1, columns)
         row0, row1 = max(row0 - 1, 0), min(row1 + 1, rows)
+    limits = np.float32(free), np.float32(occupied), np.float32(low), np.float32(high), np.float32(behind)
     if columns >= BLOCK:
-        _change(log_odds, cells, marks, row0, row1, column0, column1, free, occupied, low, high, behind)
+        _change(log_odds, cells, marks, row0, row1, column0, column1, *limits)
     else:
-        _change_narrow(log_odds, cells, marks, row0, row1, column0, column1, free, occupied, low, high, behind)
+        _change_narrow(log_odds, cells, marks, row0, row1, column0, column1, *limits)
     return row0, row1, column0, column1
 
 

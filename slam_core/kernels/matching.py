@@ -8,58 +8,109 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import WHOLE, bilinear
-from slam_core.kernels.memory import lane
+from slam_core.kernels.memory import lane, pair
+from slam_core.measurements import Float32s
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 PART = np.float32(1.0 / WHOLE)
-get, _ = lane(0)  # what is read, as the map is
+TOGETHER = 2048  # beams whose notes stay in the nearest cache
+get, _ = lane(0)  # what is read
 _, put = lane(1)
+_, put_too = lane(2)
+
+
+def room() -> tuple[NDArray[np.uint32], Float32s]:
+    """For what `normal_equations` notes of its beams; for callers that are not compiled, too."""
+    return np.empty((3, TOGETHER), np.uint32), np.empty((2, TOGETHER), np.float32)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi, residuals):
+def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi, residuals, words, arms):
     """H of (13) as its six upper entries, the right side of (12), and the cost of (7); metres and radians.
 
     cells: (rows, columns) in parts, and corner: (2,) column and row of cell [0, 0] in the lattice.
     along_x, along_y: direction in the scan along which the map's gradient does not count, zero for all of it.
     residuals: (n,) takes 1 - M(S_i(xi)) of every beam. Points off the map read 0.5 (unknown) with no gradient.
+    words, arms: `room` for notes.
     """
-    cosine = np.float32(math.cos(psi) * inverse)
-    sine = np.float32(math.sin(psi) * inverse)
-    turn_u, turn_v = np.float32(math.cos(psi)), np.float32(math.sin(psi))
-    shift_u = np.float32(x * inverse - 0.5)
-    shift_v = np.float32(y * inverse - 0.5)
+    turn = np.float32(math.cos(psi) * inverse), np.float32(math.sin(psi) * inverse)
+    heading = np.float32(math.cos(psi)), np.float32(math.sin(psi))
+    shift = np.float32(x * inverse - 0.5), np.float32(y * inverse - 0.5)
     rows, columns = cells.shape
     left, low = np.int32(corner[0]), np.int32(corner[1])
-    first_u, last_u = np.float32(left), np.float32(left + columns - 2)
-    first_v, last_v = np.float32(low), np.float32(low + rows - 2)
-    flat, width = cells.reshape(-1), np.int32(columns)
+    box = np.float32(left), np.float32(left + columns - 2), np.float32(low), np.float32(low + rows - 2)
+    flat = cells.reshape(-1)
+    where, lower, upper, arm_u, arm_v = words[0], words[1], words[2], arms[0], arms[1]
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
-    for i in range(len(xs)):
+    for begin in range(0, len(xs), TOGETHER):
+        n = min(TOGETHER, len(xs) - begin)
+        _place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v)
+        _fetch(flat, columns, where, n, lower, upper)
+        s00, s01, s02, s11, s12, s22, t0, t1, t2, e = _add_up(
+            lower, upper, arm_u, arm_v, along_x, along_y, begin, n, heading, shift, box, residuals
+        )
+        h00, h01, h02, h11, h12, h22 = h00 + s00, h01 + s01, h02 + s02, h11 + s11, h12 + s12, h22 + s22
+        b0, b1, b2, cost = b0 + t0, b1 + t1, b2 + t2, cost + e
+    # Gradients were summed in parts of the probability a cell.
+    p = 1.0 / WHOLE
+    k = inverse * p
+    return (
+        h00 * k * k, h01 * k * k, h02 * k * p, h11 * k * k, h12 * k * p, h22 * p * p,
+        b0 * k, b1 * k, b2 * p, np.float64(cost),
+    )  # fmt: skip
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def _place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v):
+    """Of n beams the first of the four cells around the end, and the end seen from the robot, in cells."""
+    left, low, width = np.int32(box[0]), np.int32(box[2]), np.int32(columns)
+    for i in range(n):
         j = np.int32(i)
-        px, py, ax, ay = get(xs, j), get(ys, j), get(along_x, j), get(along_y, j)
-        arm_u = cosine * px - sine * py
-        arm_v = sine * px + cosine * py
-        u = arm_u + shift_u
-        v = arm_v + shift_v
+        px, py = get(xs, begin + j), get(ys, begin + j)
+        u, v = turn[0] * px - turn[1] * py, turn[1] * px + turn[0] * py
+        put(arm_u, j, u)
+        put_too(arm_v, j, v)
+        column = np.int32(np.floor(min(max(u + shift[0], box[0]), box[1]))) - left
+        row = np.int32(np.floor(min(max(v + shift[1], box[2]), box[3]))) - low
+        put(where, j, np.uint32(row * width + column))
+
+
+@njit(cache=True, error_model="numpy")
+def _fetch(cells, columns, where, n, lower, upper):
+    """Two rows of two cells each. Not as a vector: gathers take twice as long as loads one by one (Zen 4)."""
+    for i in range(n):
+        first = np.int64(where[i])
+        lower[i], upper[i] = pair(cells, first), pair(cells, first + columns)
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def _add_up(lower, upper, arm_u, arm_v, along_x, along_y, begin, n, heading, shift, box, residuals):
+    """The sums over n beams, in parts of the probability and in cells."""
+    first_u, last_u, first_v, last_v = box
+    h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
+    for i in range(n):
+        j = np.int32(i)
+        ax, ay = get(along_x, begin + j), get(along_y, begin + j)
+        pu, pv = get(arm_u, j), get(arm_v, j)
+        u, v = pu + shift[0], pv + shift[1]
         inside = (u >= first_u) & (v >= first_v) & (u < last_u + ONE) & (v < last_v + ONE)
         floor_u = np.floor(min(max(u, first_u), last_u))
         floor_v = np.floor(min(max(v, first_v), last_v))
-        column, row = np.int32(floor_u) - left, np.int32(floor_v) - low
-        value, du, dv = bilinear(flat, width, column, row, u - floor_u, v - floor_v)
+        value, du, dv = bilinear(get(lower, j), get(upper, j), u - floor_u, v - floor_v)
         weight = ONE if inside else ZERO
-        along_u = turn_u * ax - turn_v * ay
-        along_v = turn_v * ax + turn_u * ay
-        along = du * along_u + dv * along_v
+        along_u = heading[0] * ax - heading[1] * ay
+        along_v = heading[1] * ax + heading[0] * ay
+        along = dv * along_v + du * along_u
         gu = (du - along * along_u) * weight
         gv = (dv - along * along_v) * weight
         error = ONE - PART * value if inside else HALF
-        gp = gv * arm_u - gu * arm_v
-        put(residuals, j, error)
+        gp = gv * pu - gu * pv
+        put(residuals, begin + j, error)
         h00 += gu * gu
         h01 += gu * gv
         h02 += gu * gp
@@ -70,13 +121,7 @@ def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi
         b1 += gv * error
         b2 += gp * error
         cost += error * error
-    # Gradients were summed in parts of the probability a cell.
-    p = 1.0 / WHOLE
-    k = inverse * p
-    return (
-        h00 * k * k, h01 * k * k, h02 * k * p, h11 * k * k, h12 * k * p, h22 * p * p,
-        b0 * k, b1 * k, b2 * p, np.float64(cost),
-    )  # fmt: skip
+    return h00, h01, h02, h11, h12, h22, b0, b1, b2, cost
 
 
 @njit(cache=True, error_model="numpy")
@@ -128,6 +173,8 @@ def gauss_newton(
     max_yaw_step,
     residuals,
     trace,
+    words,
+    arms,
 ):
     """Iterate (12) on one level; `pose` (3,) is updated in place and every iterate goes to `trace` (k, 3).
 
@@ -139,7 +186,7 @@ def gauss_newton(
     steps = 0
     for k in range(iterations):
         h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(
-            cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals
+            cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, words, arms
         )
         e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
         dx, dy, dpsi, solved = solve3(

@@ -46,25 +46,27 @@ def place_beams(
     way = _knots(poses, mount, level)
     knot_step = max(n - 1, 1) / (len(way) - 1)
     reaches, ends = np.empty(n), np.empty((3, n))
-    for i in range(n):
-        r = ranges[i]
-        reaches[i] = r if (low <= r) & (r < high) else clear_range
-    for j in range(3):
-        _place(reaches, cosines, sines, way[:, j], knot_step, ends[j])
     laser[0], laser[1] = 0.5 * (way[0, 0, 3] + way[-1, 0, 3]), 0.5 * (way[0, 1, 3] + way[-1, 1, 3])
     z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
     z_low, z_high, over = z_laser + z_min, z_laser + z_max, np.float32(z_laser)
-    kept = cleared = 0
-    for i in range(n):
-        r, z = ranges[i], ends[2, i]
-        if z < z_low or z > z_high:
-            continue
-        if low <= r < high:
-            points[kept, 0], points[kept, 1], heights[kept] = ends[0, i], ends[1, i], np.float32(z) - over
-            kept += 1
-        elif clear_range > 0.0 and r >= no_return:
-            free[cleared, 0], free[cleared, 1] = ends[0, i], ends[1, i]
-            cleared += 1
+    kept = cleared = end = 0
+    for knot in range(len(way) - 1):  # piece by piece, which stays in the nearest cache
+        begin, end = end, n if knot == len(way) - 2 else min(n, math.ceil((knot + 1) * knot_step))
+        for i in range(end - begin):
+            r = ranges[begin + i]
+            reaches[i] = r if (low <= r) & (r < high) else clear_range
+        for j in range(3):
+            _place(reaches, cosines, sines, begin, end, way[:, j], knot, knot_step, ends[j])
+        for i in range(end - begin):
+            r, z = ranges[begin + i], ends[2, i]
+            if z < z_low or z > z_high:
+                continue
+            if low <= r < high:
+                points[kept, 0], points[kept, 1], heights[kept] = ends[0, i], ends[1, i], np.float32(z) - over
+                kept += 1
+            elif clear_range > 0.0 and r >= no_return:
+                free[cleared, 0], free[cleared, 1] = ends[0, i], ends[1, i]
+                cleared += 1
     return kept, cleared
 
 
@@ -90,17 +92,13 @@ def _knots(poses, mount, level):
 
 
 @njit(cache=True, error_model="numpy")
-def _place(reaches, cosines, sines, knots, knot_step, out):
-    """One coordinate of every end, (n,), by the rows (k, 4) of the knots' transforms; without a branch."""
-    n, begin = len(reaches), 0
-    for k in range(len(knots) - 1):
-        end = n if k == len(knots) - 2 else min(n, math.ceil((k + 1) * knot_step))
-        ax, ay, at = knots[k, 0], knots[k, 1], knots[k, 3]
-        bx, by, bt = knots[k + 1, 0], knots[k + 1, 1], knots[k + 1, 3]
-        for i in range(begin, end):
-            reach = get(reaches, i)
-            lx, ly = reach * get(cosines, i), reach * get(sines, i)
-            p = ax * lx + ay * ly + at
-            q = bx * lx + by * ly + bt
-            put(out, i, p + (i / knot_step - k) * (q - p))
-        begin = end
+def _place(reaches, cosines, sines, begin, end, knots, k, knot_step, out):
+    """One coordinate of the ends of the beams of one piece, by the rows (k, 4) of the knots' transforms."""
+    ax, ay, at = knots[k, 0], knots[k, 1], knots[k, 3]
+    bx, by, bt = knots[k + 1, 0], knots[k + 1, 1], knots[k + 1, 3]
+    for i in range(end - begin):
+        reach = get(reaches, i)
+        lx, ly = reach * get(cosines, begin + i), reach * get(sines, begin + i)
+        p = ax * lx + ay * ly + at
+        q = bx * lx + by * ly + bt
+        put(out, i, p + ((begin + i) / knot_step - k) * (q - p))

@@ -10,7 +10,8 @@ from slam_core.geometry import transform_points
 from slam_core.grid import GridLevel
 from slam_core.kernels.bilinear import UNKNOWN
 from slam_core.kernels.doubting import BIN, BINS, by_bearing
-from slam_core.tracking import Fit, fit
+from slam_core.results import Fit
+from tests.worlds import fit
 
 seeds = st.integers(0, 10_000)
 

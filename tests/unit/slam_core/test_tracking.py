@@ -5,9 +5,9 @@ import pytest
 
 from slam_core.config import TrackingConfig
 from slam_core.grid import GridLevel
-from slam_core.results import MatchResult, PlanarGaussian
-from slam_core.tracking import Fit, Tracker, disagreement, fit
-from tests.worlds import in_parts
+from slam_core.results import Fit, MatchResult, PlanarGaussian
+from slam_core.tracking import Tracker, disagreement
+from tests.worlds import fit, in_parts
 
 CONFIG = TrackingConfig(lost_after=3)
 GOOD, WORSE, BAD = Fit(0.9, 0.95), Fit(0.9, 0.65), Fit(0.9, 0.2)
