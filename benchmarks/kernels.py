@@ -30,7 +30,7 @@ from slam_core.surfaces import Beams
 
 REPEATS = 200
 TILES = 16
-LOOKS, PAUSE_S = 5, 4.0  # a shared machine is slower for seconds on end
+LOOKS, PAUSE_S = 10, 4.0  # a shared machine is slower for seconds on end
 BEAMS, LEVELS, SIZES = (271, 541, 1081, 2161), (1, 2, 3, 4, 5), (512, 1024, 2048, 4096)
 SCALING_S = 8.0  # of the drive: what it has seen by then is larger than a scan's reach
 OFF = np.array([0.03, -0.02, 0.01])  # of the start estimate
