@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
-from slam_core.kernels.linear import gain, multiply, symmetric
+from slam_core.kernels.linear import fill_belief, gain, multiply, symmetric
 from slam_core.measurements import Float64s
 
 STATES = 19
@@ -28,24 +28,35 @@ _exponential = njit(error_model="numpy")(geometry.from_rotation_vector)
 _matrix = njit(error_model="numpy")(geometry.rotation_matrix)
 
 
+Room = tuple[Float64s, Float64s]
+
+
+@njit(inline="always")
+def room() -> Room:
+    """For what `advance` works out on the way: the identity, and (15, 15) of anything."""
+    return np.eye(ERRORS), np.empty((ERRORS, ERRORS))
+
+
 @njit(cache=True, error_model="numpy")
 def advance(
-    x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s
-) -> tuple[Float64s, Float64s]:
-    """The belief `dt` seconds later: eqs. (1)-(3), Phi P Phi^T + Q, and the pseudo measurements that bound P.
+    x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s, room: Room
+) -> None:
+    """The belief `dt` seconds later, in place: eqs. (1)-(3), Phi P Phi^T + Q, and what bounds P.
 
-    bounds: (15, 2), see `bound`.
+    bounds: (15, 2), see `bound`. room: kept from one call to the next, as arrays of this size are slow to get.
     """
+    Phi, half = room
     moved = move(x, u, dt, model[0], model[1])
-    Phi = transition(x, moved, u, dt)
-    spread = symmetric(_moved_errors(Phi, _moved_errors(Phi, P)))
-    _add_noise(spread, dt, model[2:])
-    moved, spread = bound(moved, spread, model[0], bounds)
+    transition(x, moved, u, dt, Phi)
+    _moved_errors(Phi, P, half)
+    _moved_errors(Phi, half, P)
+    _add_noise(symmetric(P), dt, model[2:])
+    moved, spread = bound(moved, P, model[0], bounds)
     if model[6] > 0.0:
         flatten(moved, spread)
     if model[7] > 0.0:
         moved, spread = _grip(moved, spread)
-    return moved, spread
+    fill_belief(x, P, moved, spread)
 
 
 @njit(cache=True, error_model="numpy")
@@ -69,12 +80,14 @@ def move(x: Float64s, u: Float64s, dt: float, gravity: float, smoothing: float) 
 
 
 @njit(cache=True, error_model="numpy")
-def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float) -> Float64s:
-    """Phi (15, 15): how the errors of x become the errors of `moved`, exact to second order in dt."""
+def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float, Phi: Float64s) -> None:
+    """How the errors of x become the errors of `moved`, exact to second order in dt, into Phi (15, 15).
+
+    That must be the identity, or what this made of it.
+    """
     before, after = _matrix(x[:4]), _matrix(moved[:4])
     middle = 0.5 * (before + after)
     f = u[3:6] - x[13:16]
-    Phi = np.eye(ERRORS)
     force, force_after = np.zeros(3), np.zeros(3)
     for i in range(3):
         for j in range(3):
@@ -94,13 +107,12 @@ def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float) -> Float64s
             if c < 3 or c > 8:
                 Phi[3 + i, c] = 0.5 * dt * Phi[6 + i, c]
         Phi[3 + i, 6 + i] = dt
-    return Phi
 
 
 @njit(cache=True, error_model="numpy")
-def _moved_errors(Phi: Float64s, P: Float64s) -> Float64s:
+def _moved_errors(Phi: Float64s, P: Float64s, out: Float64s) -> None:
     """(Phi P)^T, by those elements of Phi (see `transition`) alone that are neither 0 nor on the diagonal."""
-    out, dt = np.empty((ERRORS, ERRORS)), Phi[3, 6]
+    dt = Phi[3, 6]
     for j in range(ERRORS):
         for i in range(3):
             a, b = (1 if i == 0 else 0), (1 if i == 2 else 2)
@@ -112,7 +124,6 @@ def _moved_errors(Phi: Float64s, P: Float64s) -> Float64s:
                 speed += Phi[6 + i, k] * P[k, j]
             out[j, 3 + i], out[j, 6 + i] = place, speed
             out[j, 9 + i], out[j, 12 + i] = P[9 + i, j], P[12 + i, j]
-    return out
 
 
 @njit(cache=True, error_model="numpy")

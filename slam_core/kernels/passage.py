@@ -12,7 +12,7 @@ from numba import njit
 
 from slam_core import geometry
 from slam_core.kernels.linear import fill_belief
-from slam_core.kernels.navigation import STATES, advance, move
+from slam_core.kernels.navigation import STATES, Room, advance, move, room
 from slam_core.measurements import Float64s, Int64s
 
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
@@ -38,22 +38,42 @@ def predict(
     bounds: Float64s,
 ) -> tuple[Float64s, Float64s]:
     """The belief of one instant at a later one, in arrays of its own."""
+    x, P = x.copy(), P.copy()
+    _go_on(x, P, from_ns, to_ns, stamps, samples, begin, end, model, blind, bounds, room())
+    return x, P
+
+
+@njit(cache=True, error_model="numpy")
+def _go_on(
+    x: Float64s,
+    P: Float64s,
+    from_ns: int,
+    to_ns: int,
+    stamps: Int64s,
+    samples: Float64s,
+    begin: int,
+    end: int,
+    model: Float64s,
+    blind: Float64s,
+    bounds: Float64s,
+    room: Room,
+) -> None:
+    """`predict` in place."""
     if from_ns >= to_ns:
-        return x.copy(), P.copy()
+        return
     k = begin + int(np.searchsorted(stamps[begin:end], from_ns, side="right"))
     while from_ns < to_ns:
         until, u, known = _interval(k, to_ns, stamps, samples, end)
         dt = (until - from_ns) * 1e-9
         if not known:
-            x, P = coast(x, P, dt, blind, bounds)
+            _coast(x, P, dt, blind, bounds, room)
         else:
             noisy = model
             if u[6] > 0.0:
                 noisy = model.copy()
                 noisy[2] += u[6]
-            x, P = advance(x, P, u[:6], dt, noisy, bounds)
+            advance(x, P, u[:6], dt, noisy, bounds, room)
         from_ns, k = until, k + 1
-    return x, P
 
 
 @njit(cache=True, error_model="numpy")
@@ -85,7 +105,8 @@ def believe(
     last_ns = to_ns
     for i in range(len(since_ns)):
         last_ns = max(last_ns, from_ns + since_ns[i])
-    count = _extend(xs, Ps, known, count, last_ns, stamps, samples, begin, end, model, blind, bounds)
+    spare = room()
+    count = _extend(xs, Ps, known, count, last_ns, stamps, samples, begin, end, model, blind, bounds, spare)
     for i in range(len(since_ns)):
         time_ns = from_ns + since_ns[i]
         k = _last(known, count, time_ns)
@@ -93,8 +114,8 @@ def believe(
         for j in range(STATES):
             states[i, j] = state[j]
     k = _last(known, count, to_ns)
-    last = predict(xs[k], Ps[k], known[k], to_ns, stamps, samples, begin, end, model, blind, bounds)
-    fill_belief(x, P, *last)
+    fill_belief(x, P, xs[k], Ps[k])
+    _go_on(x, P, known[k], to_ns, stamps, samples, begin, end, model, blind, bounds, spare)
     return count
 
 
@@ -112,6 +133,7 @@ def _extend(
     model: Float64s,
     blind: Float64s,
     bounds: Float64s,
+    room: Room,
 ) -> int:
     """`predict` from sample to sample up to an instant, while there are rows; how many are known then."""
     n = count
@@ -120,11 +142,9 @@ def _extend(
         for k in range(first, min(end, first + len(xs) - n)):
             if stamps[k] > to_ns:
                 break
-            x, P = predict(
-                xs[n - 1], Ps[n - 1], known[n - 1], stamps[k], stamps, samples, begin, end, model, blind, bounds
-            )
-            known[n] = stamps[k]
-            fill_belief(xs[n], Ps[n], x, P)
+            x, P, known[n] = xs[n], Ps[n], stamps[k]
+            fill_belief(x, P, xs[n - 1], Ps[n - 1])
+            _go_on(x, P, known[n - 1], known[n], stamps, samples, begin, end, model, blind, bounds, room)
             n += 1
     return n
 
@@ -166,11 +186,18 @@ def _interval(k: int, to_ns: int, stamps: Int64s, samples: Float64s, end: int) -
 @njit(cache=True, error_model="numpy")
 def coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s) -> tuple[Float64s, Float64s]:
     """The belief after `dt` seconds without input: straight on, in small steps, with the noise of the unknown."""
+    x, P = x.copy(), P.copy()
+    _coast(x, P, dt, blind, bounds, room())
+    return x, P
+
+
+@njit(cache=True, error_model="numpy")
+def _coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s, room: Room) -> None:
+    """`coast` in place."""
     dt = min(dt, BLIND_SPAN)
     steps = max(1, math.ceil(dt / BLIND_STEP))
     for _ in range(steps):
-        x, P = advance(x, P, _straight(x, blind[0]), dt / steps, blind, bounds)
-    return x, P
+        advance(x, P, _straight(x, blind[0]), dt / steps, blind, bounds, room)
 
 
 @njit(cache=True, error_model="numpy")
