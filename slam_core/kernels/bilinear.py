@@ -1,7 +1,7 @@
 """Equations (4)-(6) for one point, inlined into the loops that need them.
 
 A cell's probability is kept in parts of 2^16: the two neighbours in a row are one word of 32 bits, so that two
-loads fetch four cells, and fetching is what half of the matcher's time goes into.
+loads fetch four cells.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Equations (7)-(14) as loops over the beams: float32, branch-free, so that LLVM turns them into gathers.
+"""Equations (7)-(14) as loops over the beams: float32 and branch-free, so that LLVM makes vectors of them.
 
 Poses are float64 (x, y, psi) in metres and radians; `inverse` is cells a metre. Beams are placed in the lattice:
 float32 rounds finely near the map's start, and in the same way however far the map reaches.
@@ -82,7 +82,7 @@ def _place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v):
 
 @njit(cache=True, error_model="numpy")
 def _fetch(cells, columns, where, n, lower, upper):
-    """Two rows of two cells each. Not as a vector: gathers take twice as long as loads one by one (Zen 4)."""
+    """Two rows of two cells each, one by one: a vector would gather them, which is slow on many processors."""
     for i in range(n):
         first = np.int64(where[i])
         lower[i], upper[i] = pair(cells, first), pair(cells, first + columns)
