@@ -97,7 +97,7 @@ class EgoMotion:
         self._felt = True
         self._filter.predict(imu)
         self._aids.feel(imu, self._filter, self._config.aiding)
-        if not self.inertial and self._filter.weightless:
+        if self._filter.weightless:
             self._planar.add_yaw_rate(imu.stamp_ns, float(imu.angular_velocity[2]), self._config.motion)
 
     def _wheels(self, odometry: Odometry) -> None:

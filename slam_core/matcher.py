@@ -42,8 +42,8 @@ def coarse_to_fine(
     residuals = np.empty(len(points), np.float32)
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
     steps = np.empty((len(levels), kept, 3))
-    found, taken = np.empty((8, 3)), np.empty(len(levels) + 2, np.int64)
-    converged = climb(
+    found, taken = np.empty((8, 3)), np.empty(len(levels), np.int64)
+    converged, known, hits = climb(
         tuple([level.cells for level in levels]),
         levels[0].corner,
         levels[0].resolution,
@@ -67,10 +67,10 @@ def coarse_to_fine(
     pose, blind, hessian, covariance = found[0], found[1, :2], found[2:5], found[5:]
     if config.covariance == "sampled":
         covariance = sampled_covariance(levels[0], points, pose, config.sigma, blind)
-    *iterations, known, hits = taken.tolist()
+    iterations = tuple(taken.tolist())
     iterates = _in_order(steps, iterations) if trace else NO_TRACE
     return MatchResult(
-        pose, covariance, hessian, residuals, tuple(iterations), converged, iterates, blind, found.item(1, 2),
+        pose, covariance, hessian, residuals, iterations, converged, iterates, blind, found.item(1, 2),
         Fit.counted(len(points), known, hits),
     )  # fmt: skip
 
@@ -85,7 +85,7 @@ def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Fl
     """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
     h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = matching.normal_equations(
         level.cells, level.corner, 1.0 / level.resolution, *beams.arrays, pose[0], pose[1], pose[2],
-        np.empty_like(beams.xs), *matching.room(),
+        np.empty_like(beams.xs), *matching.notes(),
     )  # fmt: skip
     hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
     return hessian, np.array([b0, b1, b2]), float(cost)

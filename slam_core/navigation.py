@@ -108,8 +108,8 @@ class NavigationFilter:
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at k instants."""
-        since_ns = np.array(times_ns) - times_ns[0]
-        return self._belief.states_at(times_ns[0], since_ns).take(MOTION, axis=1)
+        from_ns = min(times_ns)
+        return self._belief.states_at(from_ns, np.array(times_ns) - from_ns).take(MOTION, axis=1)
 
     def planar(self, time_ns: int) -> PlanarGaussian:
         """The belief at an instant projected on the plane."""

@@ -57,7 +57,7 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
         free,
         laser,
     )
-    return StabilisedScan(points[:kept], heights[:kept], free[:cleared] if cleared else NO_END, laser)
+    return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser)
 
 
 def _end(range_max: float) -> float:

@@ -13,9 +13,6 @@ from slam_core.strapdown import Strapdown
 FIRST_SIZE = 8
 NO_INSTANT = np.empty(0, np.int64)
 
-Rows = tuple[Float64s, Float64s, Int64s]
-"""Beliefs: x (n, 19), P (n, 15, 15), and stamps (n,)."""
-
 
 class Stages:
     """Its rows are worked out when somebody asks for an instant beyond them."""
@@ -71,5 +68,5 @@ class Stages:
         self._rows = grown
 
 
-def _rows(n: int) -> Rows:
+def _rows(n: int) -> passage.Rows:
     return np.empty((n, STATES)), np.empty((n, ERRORS, ERRORS)), np.empty(n, np.int64)

@@ -35,7 +35,7 @@ class Strapdown:
         self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, samples: Samples
     ) -> tuple[Float64s, Float64s]:
         """State and covariance at a later instant, through the samples between."""
-        later: tuple[Float64s, Float64s] = passage.predict(x, P, from_ns, to_ns, *samples.rows, *self.constants)
+        later: tuple[Float64s, Float64s] = passage.predict(x, P, from_ns, to_ns, samples.rows, self.constants)
         return later
 
     def coast(self, x: Float64s, P: Float64s, seconds: float) -> Float64s:

@@ -79,7 +79,7 @@ class Correction(ABC):
         return Update(better, reduced, innovation, S, nis, limit)
 
 
-@dataclass(slots=True, eq=False)  # a frozen one, for every scan, takes twice as long
+@dataclass(frozen=True, slots=True, eq=False)
 class PlanarPose(Correction):
     """Section V-B: a match xi (3,) with covariance R (3, 3), fused by a method, if fixed with weight omega.
 

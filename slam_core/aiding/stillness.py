@@ -14,7 +14,6 @@ from slam_core.measurements import Float64s, Imu
 
 WINDOW_NS = 2_000_000_000  # as long as a slow wave
 LEAST = 20  # samples in a window
-SPARSE = 40  # of rates and forces by turns: one sample in twenty
 WHITE = 1.5  # of the ratio of the variances: that of 200 samples of noise deviates from 1 by 0.07
 LIMITS = np.array([STILL_GYRO] * 3 + [STILL_ACCEL] * 3)
 
@@ -43,15 +42,9 @@ class Stillness:
         self._samples += imu.angular_velocity, imu.linear_acceleration
         if stamp_ns - self._begin_ns < WINDOW_NS:
             return None
-        rest = None if self._clearly_moved() else at_rest(np.concatenate(self._samples).reshape(-1, 6))
+        rest = at_rest(np.concatenate(self._samples).reshape(-1, 6))
         self._begin_ns, self._samples = stamp_ns, []
         return rest
-
-    def _clearly_moved(self) -> bool:
-        """Whether a few of the samples already vary by more than all of them may."""
-        few = np.concatenate([*self._samples[::SPARSE], *self._samples[1::SPARSE]]).reshape(2, -1, 3)
-        squares = few.var(axis=1) * few.shape[1]
-        return bool((squares > LIMITS.reshape(2, 3) ** 2 * (len(self._samples) // 2)).any())
 
 
 def at_rest(samples: Float64s) -> Rest | None:

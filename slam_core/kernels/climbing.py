@@ -9,12 +9,12 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.linear import fill
-from slam_core.kernels.matching import gauss_newton, normal_equations, room, without
+from slam_core.kernels.matching import gauss_newton, normal_equations, notes, without
 from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.search import count_hits
 from slam_core.kernels.surfaces import tangents, weakest_direction
 
-_room = njit(inline="always")(room)
+_notes = njit(inline="always")(notes)
 
 # Of the beams, evenly, this many at least show how well the shape of the scan fixes its position.
 SURVEYED = 180
@@ -44,14 +44,13 @@ def climb(
     residuals,
     trace,
 ):
-    """Match the points: whether the finest level converged.
+    """Match the points: whether the finest level converged, and of the coarsest what `count_hits` counts.
 
     cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
     corner: (2,) of the finest.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
     found: (8, 3) takes the pose, the direction that the scan leaves open, if any, with the share of beams that fix
-    it, the Hessian (13) and the covariance (15). taken: (levels + 2,) takes the steps of each level, and how many
-    endpoints lie on known and how many on occupied cells of the coarsest.
+    it, the Hessian (13) and the covariance (15). taken: (levels,) takes the steps of each level.
     trace: (levels, k, 3) takes the first k iterates of each level.
     """
     pose, blind = found[0], found[1, :2]
@@ -64,7 +63,7 @@ def climb(
         tangents(xs, ys, along_x, along_y)
     if found[1, 2] >= blind_share:
         blind[:] = 0.0
-    notes = _room()
+    noted = _notes()
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
     converged = False
     for i in range(len(cells) - 1, -1, -1):
@@ -82,15 +81,14 @@ def climb(
             max_yaw_step,
             residuals,
             trace[i],
-            *notes,
+            *noted,
         )
-    fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals, notes))
+    fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals, noted))
     fill(found[5:], hessian_covariance(found[2:5], sigma, blind))
     pose[2] -= whole_turns(pose[2])
     last = len(cells) - 1
     known, hits = count_hits(cells[last], corner >> last, 1.0 / (resolution * (1 << last)), points, pose)
-    taken[last + 1], taken[last + 2] = known, hits
-    return converged
+    return converged, known, hits
 
 
 @njit(cache=True, error_model="numpy")
@@ -105,11 +103,11 @@ def survey(xs, ys, psi):
 
 
 @njit(cache=True, error_model="numpy")
-def hessian(cells, corner, inverse, beams, pose, residuals, notes):
+def hessian(cells, corner, inverse, beams, pose, residuals, noted):
     """H of eq. (13) at a pose as a matrix, and the residuals."""
     xs, ys, along_x, along_y = beams
     h00, h01, h02, h11, h12, h22, _, _, _, _ = normal_equations(
-        cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, *notes
+        cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, *noted
     )
     return _symmetric(h00, h01, h02, h11, h12, h22)
 

@@ -24,8 +24,8 @@ _, put = lane(1)
 _, put_too = lane(2)
 
 
-def room() -> tuple[NDArray[np.uint32], Float32s]:
-    """For what `normal_equations` notes of its beams; for callers that are not compiled, too."""
+def notes() -> tuple[NDArray[np.uint32], Float32s]:
+    """Room for what `normal_equations` notes of its beams; for callers that are not compiled, too."""
     return np.empty((3, TOGETHER), np.uint32), np.empty((2, TOGETHER), np.float32)
 
 
@@ -36,7 +36,7 @@ def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi
     cells: (rows, columns) in parts, and corner: (2,) column and row of cell [0, 0] in the lattice.
     along_x, along_y: direction in the scan along which the map's gradient does not count, zero for all of it.
     residuals: (n,) takes 1 - M(S_i(xi)) of every beam. Points off the map read 0.5 (unknown) with no gradient.
-    words, arms: `room` for notes.
+    words, arms: room for `notes` of the beams.
     """
     turn = np.float32(math.cos(psi) * inverse), np.float32(math.sin(psi) * inverse)
     heading = np.float32(math.cos(psi)), np.float32(math.sin(psi))
@@ -82,7 +82,10 @@ def _place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v):
 
 @njit(cache=True, error_model="numpy")
 def _fetch(cells, columns, where, n, lower, upper):
-    """Two rows of two cells each, one by one: a vector would gather them, which is slow on many processors."""
+    """Two rows of two cells each, one by one: a vector would gather them, which is slow on many processors.
+
+    Plain stores keep it so: for all that LLVM knows they may change what is read next.
+    """
     for i in range(n):
         first = np.int64(where[i])
         lower[i], upper[i] = pair(cells, first), pair(cells, first + columns)

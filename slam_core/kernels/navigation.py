@@ -28,24 +28,24 @@ _exponential = njit(error_model="numpy")(geometry.from_rotation_vector)
 _matrix = njit(error_model="numpy")(geometry.rotation_matrix)
 
 
-Room = tuple[Float64s, Float64s]
+Workspace = tuple[Float64s, Float64s]
 
 
 @njit(inline="always")
-def room() -> Room:
+def workspace() -> Workspace:
     """For what `advance` works out on the way: the identity, and (15, 15) of anything."""
     return np.eye(ERRORS), np.empty((ERRORS, ERRORS))
 
 
 @njit(cache=True, error_model="numpy")
 def advance(
-    x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s, room: Room
+    x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s, work: Workspace
 ) -> None:
     """The belief `dt` seconds later, in place: eqs. (1)-(3), Phi P Phi^T + Q, and what bounds P.
 
-    bounds: (15, 2), see `bound`. room: kept from one call to the next, as arrays of this size are slow to get.
+    bounds: (15, 2), see `bound`. work: kept from one call to the next, as arrays of this size are slow to get.
     """
-    Phi, half = room
+    Phi, half = work
     moved = move(x, u, dt, model[0], model[1])
     transition(x, moved, u, dt, Phi)
     _moved_errors(Phi, P, half)

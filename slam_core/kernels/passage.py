@@ -1,8 +1,9 @@
 """The belief carried through recorded samples in one call; state, covariance and model as in `.navigation`.
 
-stamps: (n,) nanoseconds. samples: (n, 7) input u, and a squared noise density that is added to the gyros'. They
-count from `begin` to `end`; the first is not later than where one begins. Between two samples their mean holds,
-after the last it alone, over a gap nothing: `blind` is the model there.
+Recorded are stamps (n,) in nanoseconds and samples (n, 7), input u and a squared noise density that is added to
+the gyros', which count from `begin` to `end`; the first is not later than where one begins. Between two samples
+their mean holds, after the last it alone, over a gap nothing. The system is the model, the one that holds over a
+gap, and the bounds.
 """
 
 import math
@@ -12,7 +13,7 @@ from numba import njit
 
 from slam_core import geometry
 from slam_core.kernels.linear import fill_belief
-from slam_core.kernels.navigation import STATES, Room, advance, move, room
+from slam_core.kernels.navigation import STATES, Workspace, advance, move, workspace
 from slam_core.measurements import Float64s, Int64s
 
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
@@ -20,59 +21,43 @@ MAX_GAP_NS = 200_000_000
 BLIND_STEP = 0.05  # s
 BLIND_SPAN = 10.0  # s, after which nothing more can be forgotten
 
+Rows = tuple[Float64s, Float64s, Int64s]
+Recorded = tuple[Int64s, Float64s, int, int]
+System = tuple[Float64s, Float64s, Float64s]
+
 _matrix = njit(error_model="numpy")(geometry.rotation_matrix)
 
 
 @njit(cache=True, error_model="numpy")
 def predict(
-    x: Float64s,
-    P: Float64s,
-    from_ns: int,
-    to_ns: int,
-    stamps: Int64s,
-    samples: Float64s,
-    begin: int,
-    end: int,
-    model: Float64s,
-    blind: Float64s,
-    bounds: Float64s,
+    x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System
 ) -> tuple[Float64s, Float64s]:
     """The belief of one instant at a later one, in arrays of its own."""
     x, P = x.copy(), P.copy()
-    _go_on(x, P, from_ns, to_ns, stamps, samples, begin, end, model, blind, bounds, room())
+    _go_on(x, P, from_ns, to_ns, recorded, system, workspace())
     return x, P
 
 
 @njit(cache=True, error_model="numpy")
 def _go_on(
-    x: Float64s,
-    P: Float64s,
-    from_ns: int,
-    to_ns: int,
-    stamps: Int64s,
-    samples: Float64s,
-    begin: int,
-    end: int,
-    model: Float64s,
-    blind: Float64s,
-    bounds: Float64s,
-    room: Room,
+    x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System, work: Workspace
 ) -> None:
     """`predict` in place."""
     if from_ns >= to_ns:
         return
-    k = begin + int(np.searchsorted(stamps[begin:end], from_ns, side="right"))
+    model, blind, bounds = system
+    k = _later(recorded, from_ns)
     while from_ns < to_ns:
-        until, u, known = _interval(k, to_ns, stamps, samples, end)
+        until, u, known = _interval(k, to_ns, recorded)
         dt = (until - from_ns) * 1e-9
         if not known:
-            _coast(x, P, dt, blind, bounds, room)
+            _coast(x, P, dt, blind, bounds, work)
         else:
             noisy = model
             if u[6] > 0.0:
                 noisy = model.copy()
                 noisy[2] += u[6]
-            advance(x, P, u[:6], dt, noisy, bounds, room)
+            advance(x, P, u[:6], dt, noisy, bounds, work)
         from_ns, k = until, k + 1
 
 
@@ -100,53 +85,49 @@ def believe(
 
     xs: (n, 19), Ps: (n, 15, 15), known: (n,), a belief a row: one that is given, and those at the samples after
     it, of which `count` are known; returns how many are known then. They are worked out up to the last of all
-    instants, or until all rows are full: then the answers may be anything.
+    instants, or until all rows are full: then the answers may be anything. Called for every scan, it takes all of
+    that one by one: tuples take longer to hand over.
     """
+    rows, recorded, system = (xs, Ps, known), (stamps, samples, begin, end), (model, blind, bounds)
     last_ns = to_ns
     for i in range(len(since_ns)):
         last_ns = max(last_ns, from_ns + since_ns[i])
-    spare = room()
-    count = _extend(xs, Ps, known, count, last_ns, stamps, samples, begin, end, model, blind, bounds, spare)
+    work = workspace()
+    count = _extend(rows, count, last_ns, recorded, system, work)
     for i in range(len(since_ns)):
         time_ns = from_ns + since_ns[i]
         k = _last(known, count, time_ns)
-        state = _carry(xs[k], known[k], time_ns, stamps, samples, begin, end, model)
+        state = _carry(xs[k], known[k], time_ns, recorded, model)
         for j in range(STATES):
             states[i, j] = state[j]
     k = _last(known, count, to_ns)
     fill_belief(x, P, xs[k], Ps[k])
-    _go_on(x, P, known[k], to_ns, stamps, samples, begin, end, model, blind, bounds, spare)
+    _go_on(x, P, known[k], to_ns, recorded, system, work)
     return count
 
 
 @njit(cache=True, error_model="numpy")
-def _extend(
-    xs: Float64s,
-    Ps: Float64s,
-    known: Int64s,
-    count: int,
-    to_ns: int,
-    stamps: Int64s,
-    samples: Float64s,
-    begin: int,
-    end: int,
-    model: Float64s,
-    blind: Float64s,
-    bounds: Float64s,
-    room: Room,
-) -> int:
+def _extend(rows: Rows, count: int, to_ns: int, recorded: Recorded, system: System, work: Workspace) -> int:
     """`predict` from sample to sample up to an instant, while there are rows; how many are known then."""
-    n = count
+    (xs, Ps, known), n = rows, count
     if known[n - 1] < to_ns:
-        first = begin + int(np.searchsorted(stamps[begin:end], known[n - 1], side="right"))
+        stamps, _, _, end = recorded
+        first = _later(recorded, known[n - 1])
         for k in range(first, min(end, first + len(xs) - n)):
             if stamps[k] > to_ns:
                 break
             x, P, known[n] = xs[n], Ps[n], stamps[k]
             fill_belief(x, P, xs[n - 1], Ps[n - 1])
-            _go_on(x, P, known[n - 1], known[n], stamps, samples, begin, end, model, blind, bounds, room)
+            _go_on(x, P, known[n - 1], known[n], recorded, system, work)
             n += 1
     return n
+
+
+@njit(cache=True, error_model="numpy")
+def _later(recorded: Recorded, time_ns: int) -> int:
+    """The first sample after an instant."""
+    stamps, _, begin, end = recorded
+    return begin + int(np.searchsorted(stamps[begin:end], time_ns, side="right"))
 
 
 @njit(cache=True, error_model="numpy")
@@ -159,13 +140,11 @@ def _last(known: Int64s, count: int, time_ns: int) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def _carry(
-    x: Float64s, from_ns: int, to_ns: int, stamps: Int64s, samples: Float64s, begin: int, end: int, model: Float64s
-) -> Float64s:
+def _carry(x: Float64s, from_ns: int, to_ns: int, recorded: Recorded, model: Float64s) -> Float64s:
     """The x of `predict`, but for what the bounds of P do to it."""
-    k = begin + int(np.searchsorted(stamps[begin:end], from_ns, side="right"))
+    k = _later(recorded, from_ns)
     while from_ns < to_ns:
-        until, u, sure = _interval(k, to_ns, stamps, samples, end)
+        until, u, sure = _interval(k, to_ns, recorded)
         dt = (until - from_ns) * 1e-9
         if sure:
             x = move(x, u[:6], dt, model[0], model[1])
@@ -176,8 +155,9 @@ def _carry(
 
 
 @njit(cache=True, error_model="numpy")
-def _interval(k: int, to_ns: int, stamps: Int64s, samples: Float64s, end: int) -> tuple[int, Float64s, bool]:
+def _interval(k: int, to_ns: int, recorded: Recorded) -> tuple[int, Float64s, bool]:
     """Up to when sample k, or what held before it, is the input; that input; and whether it is known at all."""
+    stamps, samples, _, end = recorded
     if k < end:
         return min(stamps[k], to_ns), 0.5 * (samples[k - 1] + samples[k]), stamps[k] - stamps[k - 1] <= MAX_GAP_NS
     return to_ns, samples[end - 1].copy(), to_ns - stamps[end - 1] <= MAX_GAP_NS
@@ -187,17 +167,17 @@ def _interval(k: int, to_ns: int, stamps: Int64s, samples: Float64s, end: int) -
 def coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s) -> tuple[Float64s, Float64s]:
     """The belief after `dt` seconds without input: straight on, in small steps, with the noise of the unknown."""
     x, P = x.copy(), P.copy()
-    _coast(x, P, dt, blind, bounds, room())
+    _coast(x, P, dt, blind, bounds, workspace())
     return x, P
 
 
 @njit(cache=True, error_model="numpy")
-def _coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s, room: Room) -> None:
+def _coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s, work: Workspace) -> None:
     """`coast` in place."""
     dt = min(dt, BLIND_SPAN)
     steps = max(1, math.ceil(dt / BLIND_STEP))
     for _ in range(steps):
-        advance(x, P, _straight(x, blind[0]), dt / steps, blind, bounds, room)
+        advance(x, P, _straight(x, blind[0]), dt / steps, blind, bounds, work)
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,12 +7,13 @@ import pytest
 
 from slam_core import matcher
 from slam_core.config import MapConfig, MatcherConfig
+from slam_core.kernels.matching import TOGETHER
 from slam_core.matcher import coarse_to_fine, hessian_covariance, normal_equations, sampled_covariance
 from slam_core.pyramid import Pyramid
 from slam_core.results import PlanarGaussian
 from slam_core.stabilise import ScanConfig, stabilise
 from slam_core.surfaces import Beams
-from tests.worlds import in_parts, room_scan, smooth_level, standing
+from tests.worlds import fit, in_parts, room_scan, smooth_level, standing
 
 POSE = np.array([1.6, 1.5, 0.3])
 ROOM = MapConfig(size=400, levels=3)
@@ -66,6 +67,26 @@ def test_cost_is_equation_7():
     level, points = smooth_level(), scan_points()
     errors, _ = cost(level, points, POSE)
     assert normal_equations(level, Beams.plain(points), POSE)[2] == pytest.approx(np.sum(errors**2), rel=1e-5)
+
+
+def test_beams_are_added_up_however_many_they_are():
+    """More than are looked at together: the sums are those of the parts, and every beam has its residual."""
+    level, points = smooth_level(), scan_points(2 * TOGETHER + 77)
+    hessian, right, whole = normal_equations(level, Beams.plain(points), POSE)
+    errors, _ = cost(level, points, POSE)
+    assert whole == pytest.approx(np.sum(errors**2), rel=1e-5)
+    parts = [normal_equations(level, Beams.plain(part), POSE) for part in np.array_split(points, 7)]
+    np.testing.assert_allclose(hessian, sum(part[0] for part in parts), rtol=1e-4, atol=1e-3)
+    np.testing.assert_allclose(right, sum(part[1] for part in parts), rtol=1e-4, atol=1e-3)
+
+
+def test_a_match_says_how_it_meets_the_coarsest_level(room):
+    """Whatever the pose that it ended at, and with ends off the map."""
+    points = np.concatenate([room_points(np.zeros(3)), [[50.0, 0.0]]]).astype(np.float32)
+    for start in (np.zeros(3), np.array([0.1, -0.05, 0.02]), np.array([3.0, 1.0, 2.0])):
+        match = coarse_to_fine(room, points, start, MatcherConfig())
+        assert match.fit == fit(room.levels[-1], points, match.pose)
+        assert match.fit.known < 1.0
 
 
 def test_hessian_and_right_side_are_equations_12_to_14():
