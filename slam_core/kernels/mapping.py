@@ -28,15 +28,18 @@ E1, E2, E3, E4, E5 = (np.float32(x) for x in (0.69314718, 0.24022651, 0.05550411
 get_odds, put_odds = lane(0)
 get_mark, put_mark = lane(1)
 _, put_cell = lane(2)
+get, put = get_odds, put_mark  # elsewhere: of what is read, and of what is written
 
 
 @njit(cache=True, error_model="numpy")
 def cells_of(points, corner, resolution):
     """Columns and rows (2, n) of map coordinates (n, 2) in metres, in the window at `corner`; may lie off it."""
-    cells = np.empty((2, len(points)), np.int64)
-    for k in range(len(points)):
-        cells[0, k] = np.int64(np.floor(points[k, 0] / resolution)) - corner[0]
-        cells[1, k] = np.int64(np.floor(points[k, 1] / resolution)) - corner[1]
+    n = len(points)
+    cells = np.empty((2, n), np.int64)
+    places, flat, left, low = points.reshape(-1), cells.reshape(-1), corner[0], corner[1]
+    for k in range(n):
+        put(flat, k, np.int64(np.floor(get(places, 2 * k) / resolution)) - left)
+        put(flat, n + k, np.int64(np.floor(get(places, 2 * k + 1) / resolution)) - low)
     return cells
 
 
@@ -95,13 +98,26 @@ def _mark_ends(marks, rows, columns, ends):
 @njit(cache=True, error_model="numpy")
 def _mark_behind(marks, rows, columns, corner, resolution, start, hits):
     """The cell that each beam would have entered next, unless the scan says something else of it."""
-    for k in range(len(hits)):
-        dx, dy = hits[k, 0] - start[0], hits[k, 1] - start[1]
+    where, flat = np.empty(len(hits), np.int64), marks.reshape(-1)
+    _beyond(hits.reshape(-1), rows, columns, marks.shape[1], corner, resolution, start, where)
+    for k in range(len(where)):
+        if where[k] >= 0:  # nearly always; whether it is marked nobody foresees, so no branch hangs on that
+            mark = flat[where[k]]
+            flat[where[k]] = BEHIND if mark == NO_MARK else mark
+
+
+@njit(cache=True, error_model="numpy")
+def _beyond(hits, rows, columns, stride, corner, resolution, start, where):
+    """Into `where` (n,) the marks of the cells behind the ends (n, 2), flat; -1 off the map."""
+    x, y, left, low = start[0], start[1], corner[0], corner[1]
+    for k in range(len(where)):
+        hit_x, hit_y = get(hits, 2 * k), get(hits, 2 * k + 1)
+        dx, dy = hit_x - x, hit_y - y
         further = resolution / max(abs(dx), abs(dy), resolution)
-        u = np.int64(np.floor((hits[k, 0] + further * dx) / resolution)) - corner[0]
-        v = np.int64(np.floor((hits[k, 1] + further * dy) / resolution)) - corner[1]
-        if 0 <= u < columns and 0 <= v < rows and marks[v, u] == NO_MARK:
-            marks[v, u] = BEHIND
+        u = np.int64(np.floor((hit_x + further * dx) / resolution)) - left
+        v = np.int64(np.floor((hit_y + further * dy) / resolution)) - low
+        inside = (u >= 0) & (u < columns) & (v >= 0) & (v < rows)
+        put(where, k, v * stride + u if inside else -1)
 
 
 @njit(cache=True, error_model="numpy")

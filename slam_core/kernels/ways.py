@@ -19,18 +19,28 @@ def mark_ways(marks, rows, columns, laser, ends):
     half of all steps at 0.05 m, a third at 0.1 m and a fifth at 0.2 m. A step takes 0.65 ns.
     """
     u0, v0 = laser[0, 0], laser[1, 0]
-    ways = np.empty((ends.shape[1], 5), np.int64)
-    n = 0
-    for k in range(ends.shape[1]):
-        u, v = ends[0, k], ends[1, k]
-        if k == 0 or u != ends[0, k - 1] or v != ends[1, k - 1]:
-            _way(u - u0, v - v0, marks.shape[1], _steps_inside(rows, columns, u0, v0, u, v), ways[n])
-            n += 1
-    flat = marks.reshape(-1)
+    picked = np.empty(ends.shape[1], np.int64)
+    n = _distinct(ends[0], ends[1], picked)
+    ways, first = np.empty((n, 5), np.int64), np.empty(n, np.int64)
+    for k in range(n):
+        u, v = ends[0, picked[k]], ends[1, picked[k]]
+        _way(u - u0, v - v0, marks.shape[1], _steps_inside(rows, columns, u0, v0, u, v), ways[k])
     for k in range(n):
         apart = k & -k
-        first = _parting(ways[k - apart], ways[k], ways[k + apart]) if 0 < k < n - apart else 0
-        _walk(flat, v0 * marks.shape[1] + u0, ways[k], first)
+        first[k] = _parting(ways[k - apart], ways[k], ways[k + apart]) if 0 < k < n - apart else 0
+    flat = marks.reshape(-1)
+    for k in range(n):
+        _walk(flat, v0 * marks.shape[1] + u0, ways[k], first[k])
+
+
+@njit(cache=True, error_model="numpy")
+def _distinct(us, vs, picked):
+    """Into `picked` (n,) the ends that are not in the same cell as the one before: how many; without a branch."""
+    n = 0
+    for k in range(len(us)):
+        picked[n] = k
+        n += (k == 0) | (us[k] != us[k - 1]) | (vs[k] != vs[k - 1])
+    return n
 
 
 @njit(inline="always")
