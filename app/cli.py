@@ -108,22 +108,20 @@ def _examined(uri: str, flags: Any) -> Source:
 def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
     from app.engine import Engine  # noqa: PLC0415
     from app.runner import prepare  # noqa: PLC0415
+    from app.web.server import serve  # noqa: PLC0415
 
     chosen = settings.settings()
     if page.out is not None:
         prepare(page.out)
     engine = Engine(source, chosen, saved.given(chosen), prepare=_get_ready, out=page.out)
-    engine.start()
     try:
-        from app.web.server import serve  # noqa: PLC0415  while the engine loads its kernels
-
-        serve(engine, host=page.host, port=page.port, token=page.token)
+        serve(engine, host=page.host, port=page.port, token=page.token, up=engine.start)
     except KeyboardInterrupt:  # once more, while the page was being closed
         pass
     finally:
         with undisturbed():
             engine.stop()
-            told = engine.save() if page.out is not None else ""
+            told = engine.save() if engine.started and page.out is not None else ""
     if told:
         print(told)
     sys.exit(INTERRUPTED)  # nothing else ends the serving

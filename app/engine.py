@@ -87,6 +87,11 @@ class Engine:
         """Begin to read and to step."""
         self._thread.start()
 
+    @property
+    def started(self) -> bool:
+        """Whether it ever began."""
+        return self._thread.ident is not None
+
     def send(self, command: Command) -> None:
         """Enqueue a command; returns at once, from any thread."""
         self._commands.put(command)
@@ -94,7 +99,7 @@ class Engine:
     def stop(self) -> None:
         """End the threads, close the source, and wait for it."""
         self.send(Quit())
-        if self._thread.ident is not None:
+        if self.started:
             self._thread.join(timeout=10.0)
 
     def save(self) -> str:

@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from benchmarks import kernels, others, reading, returning, tables
+from benchmarks import kernels, others, reading, returning, start, tables
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import DRIVES, LOST_M, PLAIN_SETTINGS, SEEDS, Drive, Recording
 from benchmarks.ghosts import SIGHT_S, HallOutcome
@@ -85,6 +85,7 @@ def document(
     reading_alone: str,
     starts: str,
     parts: str,
+    steps: str,
     growth: str,
     findings: list[Finding],
     accuracy: Accuracy,
@@ -117,13 +118,19 @@ Of that, to open and to read the file, without mapping; the best of {reading.RUN
 
 {reading_alone}
 How soon the demo `arena` is there, and how long that keeps a core busy: with the kernels compiled before, and on
-the first start of all, when the terminal and the page tell how many are.
+the first start of all, when the terminal and the page tell how many are. Medians of {start.RUNS} starts without
+scipy, which only the `bench` extra brings and numba would load.
 
 {starts}
-What a step is made of, in the rooms below; medians over the scans, but for the whole step, and of those the best
-of {kernels.LOOKS} looks some seconds apart. A beam evaluation is one endpoint's share of eqs. (11) and (13).
+What a step is made of, in the rooms below; medians over the scans, and of those the best of {kernels.LOOKS} looks
+some seconds apart. A beam evaluation is one endpoint's share of eqs. (11) and (13).
 
 {parts}
+Whole steps, with inertial data and all else that is recorded: the median and the best of those looks, and
+undisturbed, with the fastest of them for each measurement alone. A recording is the same work every time, so what
+comes to be less is what others on the machine took.
+
+{steps}
 How the match and the update of one scan grow: there with other beams, levels and sizes of the first map.
 
 {growth}

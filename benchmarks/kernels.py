@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from benchmarks.cases import DEMOS, present
 from benchmarks.tables import table
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.matcher import coarse_to_fine, normal_equations
-from slam_core.measurements import Height, Imu, LaserScan, Measurement, TruthPose
+from slam_core.measurements import Height, Imu, Int64s, Measurement, TruthPose
 from slam_core.pyramid import Pyramid
 from slam_core.results import Durations, StepResult
 from slam_core.sequence import Sequencer
@@ -31,6 +32,7 @@ from slam_core.surfaces import Beams
 REPEATS = 200
 TILES = 16
 LOOKS, PAUSE_S = 10, 4.0  # a shared machine is slower for seconds on end
+ROOMS = "rooms"
 BEAMS, LEVELS, SIZES = (271, 541, 1081, 2161), (1, 2, 3, 4, 5), (512, 1024, 2048, 4096)
 SCALING_S = 8.0  # of the drive: what it has seen by then is larger than a scan's reach
 OFF = np.array([0.03, -0.02, 0.01])  # of the start estimate
@@ -62,33 +64,39 @@ def in_order(items: Iterable[Item]) -> Iterator[Measurement]:
     yield from sequencer.flush()
 
 
-def run(slam: HectorSlam, recording: list[Measurement]) -> tuple[list[Durations], list[bool], StepResult, float]:
-    """Of every scan its durations and whether it was written into the map; the last result; seconds for all.
+class Run(NamedTuple):
+    """spent: (n,) nanoseconds of every measurement. durations, written: of every scan; last: the last result."""
 
-    As in the application, no other result is kept.
-    """
-    durations, mapped, last = [], [], None
-    begin = time.perf_counter()
-    for measurement in recording:
+    spent: Int64s
+    durations: list[Durations]
+    written: list[bool]
+    last: StepResult
+
+
+def run(slam: HectorSlam, recording: list[Measurement]) -> Run:
+    """The whole recording. As in the application, no result but the last is kept."""
+    durations, written, last = [], [], None
+    spent = np.empty(len(recording), np.int64)
+    for i, measurement in enumerate(recording):
+        begin = time.perf_counter_ns()
         result = slam.step(measurement)
+        spent[i] = time.perf_counter_ns() - begin
         if result is not None:
             durations.append(result.durations)
-            mapped.append(result.map_updated)
+            written.append(result.map_updated)
             last = result
-    took = time.perf_counter() - begin
     assert last is not None
-    return durations, mapped, last, took
+    return Run(spent, durations, written, last)
 
 
-def steps(durations: list[Durations], mapped: list[bool], took: float) -> Iterator[tuple[str, float, str]]:
-    """Medians of the parts of a step, and scans a second over all."""
+def steps(done: Run) -> Iterator[tuple[str, float, str]]:
+    """Medians of the parts of a step, and scans a second of what other systems count."""
     for part in ("stabilise", "filter", "match"):
-        yield part, float(np.median([getattr(each, part) for each in durations])) * 1e-3, "us"
-    updates = [each.update for each, written in zip(durations, mapped, strict=True) if written]
-    yield f"map update, {len(updates)} of {len(durations)} scans", float(np.median(updates)) * 1e-3, "us"
-    alone = [each.match + each.update for each in durations]
+        yield part, float(np.median([getattr(each, part) for each in done.durations])) * 1e-3, "us"
+    updates = [each.update for each, written in zip(done.durations, done.written, strict=True) if written]
+    yield f"map update, {len(updates)} of {len(done.durations)} scans", float(np.median(updates)) * 1e-3, "us"
+    alone = [each.match + each.update for each in done.durations]
     yield "match and map alone, as others are measured", 1e9 / float(np.mean(alone)), "scans/s"
-    yield "whole step, inertial data and updates included", len(durations) / took, "scans/s"
 
 
 def kernels(slam: HectorSlam, scan: StepResult) -> Iterator[tuple[str, float, str]]:
@@ -153,26 +161,37 @@ def _row(name: str, results: list[StepResult], config: MapConfig) -> tuple[str, 
     return name, f"{match:.0f}", f"{update:.0f}", f"{memory(pyramid) / 1e6:.1f}"
 
 
-def parts(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> list[tuple[str, float, str]]:
-    """Name, value and unit of everything but the scaling."""
-    recording = list(measurements(SceneOptions(duration=seconds, seed=seed), only_pose))
-    sources = {each.name: open_source(str(each.path), each.options) for each in present(DEMOS)}
-    demos = {name: list(in_order(source.items())) for name, source in sources.items()}
-    looks = []
+class Looks(NamedTuple):
+    """parts: name, value and unit of each part of a step, as of the best look. runs: by recording, one a look."""
+
+    parts: list[tuple[str, float, str]]
+    runs: dict[str, list[Run]]
+
+
+def looks(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> Looks:
+    """The rooms and the recordings that come with the project, again and again."""
+    recordings = {ROOMS: list(measurements(SceneOptions(duration=seconds, seed=seed), only_pose))}
+    for each in present(DEMOS):
+        recordings[each.name] = list(in_order(open_source(str(each.path), each.options).items()))
+    parts: list[list[tuple[str, float, str]]] = []
+    runs: dict[str, list[Run]] = {name: [] for name in recordings}
     for k in range(LOOKS):
         time.sleep(PAUSE_S if k else 0.0)
-        slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
-        durations, mapped, last, took = run(slam, recording)
-        looks.append([*steps(durations, mapped, took), *kernels(slam, last), *demo_steps(demos)])
-    scans = sum(isinstance(measurement, LaserScan) for measurement in recording)
-    return [("scans", scans, ""), *map(_best, zip(*looks, strict=True))]
+        for name, recording in recordings.items():
+            slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
+            runs[name].append(run(slam, recording))
+            if name == ROOMS:
+                parts.append([*steps(runs[name][-1]), *kernels(slam, runs[name][-1].last)])
+    return Looks([_best(part) for part in zip(*parts, strict=True)], runs)
 
 
-def demo_steps(demos: dict[str, list[Measurement]]) -> Iterator[tuple[str, float, str]]:
-    """Scans a second of the recordings that come with the project, with all that they hold."""
-    for name, recording in demos.items():
-        durations, _, _, took = run(HectorSlam(SlamConfig(), time.perf_counter_ns), recording)
-        yield f"whole step, {name}", len(durations) / took, "scans/s"
+def rates(runs: list[Run]) -> tuple[float, float, float]:
+    """Scans a second of whole steps: the median run, the best, and every measurement as fast as it ever was."""
+    scans, spent = len(runs[0].durations), np.array([each.spent for each in runs])
+    whole = spent.sum(axis=1)
+    return tuple(
+        scans * 1e9 / float(time_ns) for time_ns in (np.median(whole), whole.min(), spent.min(axis=0).sum())
+    )
 
 
 def _best(looks: tuple[tuple[str, float, str], ...]) -> tuple[str, float, str]:
@@ -182,14 +201,15 @@ def _best(looks: tuple[tuple[str, float, str], ...]) -> tuple[str, float, str]:
     return name, max(values) if unit == "scans/s" else min(values), unit
 
 
-def parts_table() -> str:
-    """`parts` as Markdown."""
-    return table(("part", "cost"), ((name, f"{shown(value)} {unit}".rstrip()) for name, value, unit in parts()))
-
-
-def shown(value: float) -> str:
-    """With one decimal, unless it is a count."""
-    return str(value) if isinstance(value, int) else f"{value:.1f}"
+def tables(seen: Looks) -> tuple[str, str]:
+    """Parts and whole steps as Markdown."""
+    parts = table(("part", "cost"), ((name, f"{value:.1f} {unit}") for name, value, unit in seen.parts))
+    head = ("whole steps, scans/s", "scans", "median", "best", "undisturbed")
+    rows = (
+        (name, f"{len(runs[0].durations)}", *(f"{rate:.0f}" for rate in rates(runs)))
+        for name, runs in seen.runs.items()
+    )
+    return parts, table(head, rows)
 
 
 def main() -> None:
@@ -199,9 +219,7 @@ def main() -> None:
     parser.add_argument("--only-pose", action="store_true")
     args = parser.parse_args()
     warm_up()
-    for name, value, unit in parts(args.seconds, args.seed, args.only_pose):
-        print(f"{name:50} {shown(value):>9} {unit}")
-    print(scaling(args.seed))
+    print(*tables(looks(args.seconds, args.seed, args.only_pose)), scaling(args.seed), sep="\n")
 
 
 if __name__ == "__main__":

@@ -104,8 +104,8 @@ def main() -> None:
     print("speed: reading and starting", flush=True)
     reading_alone, starts = reading.table(present(TIMED)), start.measure()
     print("speed: kernels", flush=True)
-    parts, growth = kernels.parts_table(), kernels.scaling()
-    text = document(speed, reading_alone, starts, parts, growth, whole_map.measure(), measure_accuracy())
+    (parts, steps), growth = kernels.tables(kernels.looks()), kernels.scaling()
+    text = document(speed, reading_alone, starts, parts, steps, growth, whole_map.measure(), measure_accuracy())
     (ROOT / "docs" / "performance.md").write_text(text, encoding="utf-8")
     readme = ROOT / "README.md"
     shown = f"{tables.speed(speed)}\n{SOURCE}\n"

@@ -4,7 +4,7 @@ import logging
 import re
 import socket
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, Protocol
 
 from app.mailbox import Mailbox
@@ -88,12 +88,23 @@ class PageServer:
         return Gate(files, self._token, cookie, any_host=not is_loopback(self._host))
 
 
-def serve(engine: Driver, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> None:
-    """Serve the page until interrupted; prints its address. ServerError when the port is taken."""
+def serve(
+    engine: Driver,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    token: str | None = None,
+    up: Callable[[], None] = lambda: None,
+) -> None:
+    """Serve the page until interrupted; prints its address. ServerError when the port is taken.
+
+    up: called once the page is there. What the engine loads would only keep a browser waiting before.
+    """
     server = PageServer(engine, host=host, port=port, token=token)
     server.start()
     print(f"Hectorscope is at {server.url}", flush=True)
     try:
+        up()
         threading.Event().wait()
     except KeyboardInterrupt:
         print("stopping")

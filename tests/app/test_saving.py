@@ -3,6 +3,8 @@
 import json
 import math
 import signal
+import socket
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -73,7 +75,8 @@ def test_the_end_of_the_program_saves(
     simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91))
     stop = Engine.stop
 
-    def serve(engine: Engine, **_: object) -> None:
+    def serve(engine: Engine, *, up: Callable[[], None], **_: object) -> None:
+        up()
         until(engine, state("ended"))
         signal.raise_signal(ending)
 
@@ -88,3 +91,16 @@ def test_the_end_of_the_program_saves(
     assert ended.value.code == 130
     assert {path.name for path in out.iterdir()} == FILES
     assert str(out) in capsys.readouterr().out
+
+
+def test_a_page_that_cannot_be_served_says_so_with_out_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The port is taken: that is the message, not that there is nothing to save."""
+    bag = tmp_path / "short.bag"
+    simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91))
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert main(["view", str(bag), "--port", str(port), "--out", str(tmp_path / "out")]) == 2
+    assert f"port {port} of 127.0.0.1 cannot be had" in capsys.readouterr().err
+    assert not list((tmp_path / "out").iterdir())

@@ -62,16 +62,12 @@ def accuracy() -> Accuracy:
 def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
     """A row of each table is there, with the machine and each setting that makes the plain method."""
     found = Finding("site", (100.0, 99.6), 93, 0, 100, 1, 100, [0.5, 0.7, 1.7], [0.9])
-    text = document(
-        SPEED, "| its reading |\n", "| a start |\n", "| a part |\n", "| its growth |\n", [found], accuracy()
-    )
+    given = "| its reading |\n", "| a start |\n", "| a part |\n", "| a step |\n", "| its growth |\n"
+    text = document(SPEED, *given, [found], accuracy())
     for row in (
         "| arena | 2381 |",
         "| arena | 100 |",
-        "| its reading |",
-        "| a start |",
-        "| a part |",
-        "| its growth |",
+        *(row.strip() for row in given),
         "| site | 100 x 100 m | 93 of 100 | 0 | 1 of 100 | 0.70 / 1.70 s | 0.90 / 0.90 s |",
         "| 40 Hz | yes | 1.00",
         "| full | 1.000",
