@@ -21,6 +21,7 @@ from slam_core.errors import SlamError
 log = logging.getLogger(__name__)
 
 TOKEN = re.compile(r"[A-Za-z0-9_-]{8,128}")
+LAST_PORT = 65535
 
 
 class ServerError(SlamError):
@@ -50,6 +51,8 @@ class PageServer:
         self._check()
 
     def _check(self) -> None:
+        if not 0 <= self._port <= LAST_PORT:
+            raise ServerError(f"port {self._port} does not exist: give 1 to {LAST_PORT}, or 0 for any free one")
         if self._token is None and not is_loopback(self._host):
             raise ServerError(f"{self._host} is open to the network: give a token too, or serve 127.0.0.1")
         if self._token is not None and not TOKEN.fullmatch(self._token):

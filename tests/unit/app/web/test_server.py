@@ -47,6 +47,13 @@ def test_a_foreign_host_header_is_refused(page: PageServer) -> None:
     assert get(page, "/", Host="evil.example").status == 421
 
 
+@pytest.mark.parametrize("port", [-1, 65536, 99999])
+def test_a_port_that_does_not_exist_is_refused(port: int) -> None:
+    """The system would take another one, by the last 16 bits of the number."""
+    with pytest.raises(ServerError, match=rf"port {port} does not exist: give 1 to 65535"):
+        PageServer(StillEngine(room_snapshot()), port=port)
+
+
 def test_a_port_in_use_is_named() -> None:
     """The message says which port, and what to do; the next port is not taken instead."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
