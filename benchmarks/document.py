@@ -107,7 +107,7 @@ own method: {settings}.
 ## Speed
 
 Default settings. Speed is the length of the recording over the wall time of the whole run, reading and decoding
-included; the best of {reading.RUNS}.
+included; the best of several runs, minutes apart.
 
 {tables.speed(speed)}
 Median time of each part of a step in microseconds; the update counts only the scans that were written into the
