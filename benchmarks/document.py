@@ -126,9 +126,9 @@ What a step is made of, in the rooms below; medians over the scans, and of those
 some seconds apart. A beam evaluation is one endpoint's share of eqs. (11) and (13).
 
 {parts}
-Whole steps, with inertial data and all else that is recorded: the median and the best of those looks, and
-undisturbed, with the fastest of them for each measurement alone. A recording is the same work every time, so what
-comes to be less is what others on the machine took.
+Whole steps, with inertial data and all else that is recorded, each recording in a process of its own: the median
+and the best of those looks, and undisturbed, with the fastest of them for each measurement alone. A recording is
+the same work every time: where a look is slower than that, others had the machine.
 
 {steps}
 How the match and the update of one scan grow: there with other beams, levels and sizes of the first map.
