@@ -115,7 +115,7 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
         prepare(page.out)
     engine = Engine(source, chosen, saved.given(chosen), prepare=_get_ready, out=page.out)
     try:
-        serve(engine, host=page.host, port=page.port, token=page.token, up=engine.start)
+        serve(engine, engine.start, host=page.host, port=page.port, token=page.token)
     except KeyboardInterrupt:  # once more, while the page was being closed
         pass
     finally:

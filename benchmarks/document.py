@@ -119,7 +119,7 @@ Of that, to open and to read the file, without mapping; the best of {reading.RUN
 {reading_alone}
 How soon the demo `arena` is there, and how long that keeps a core busy: with the kernels compiled before, and on
 the first start of all, when the terminal and the page tell how many are. Medians of {start.RUNS} starts without
-scipy, which only the `bench` extra brings and numba would load.
+scipy, which only the `bench` extra brings and numba would load; of one first start.
 
 {starts}
 What a step is made of, in the rooms below; medians over the scans, and of those the best of {kernels.LOOKS} looks
@@ -127,8 +127,8 @@ some seconds apart. A beam evaluation is one endpoint's share of eqs. (11) and (
 
 {parts}
 Whole steps, with inertial data and all else that is recorded, each recording in a process of its own: the median
-and the best of those looks, and undisturbed, with the fastest of them for each measurement alone. A recording is
-the same work every time: where a look is slower than that, others had the machine.
+and the best of those looks, and undisturbed, with the fastest of them for each measurement alone. That is a bound:
+a recording is the same work every time, but no look was that fast as a whole.
 
 {steps}
 How the match and the update of one scan grow: there with other beams, levels and sizes of the first map.

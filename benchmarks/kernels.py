@@ -178,19 +178,20 @@ def looks(seconds: float = 20.0, seed: int = 1, only_pose: bool = False) -> Look
     recordings: dict[str, Load] = {ROOMS: partial(_rooms, SceneOptions(duration=seconds, seed=seed), only_pose)}
     recordings |= {each.name: partial(_recorded, each) for each in present(DEMOS)}
     with ProcessPoolExecutor(1, get_context("spawn"), max_tasks_per_child=1) as pool:
-        seen = {name: pool.submit(_look, load).result() for name, load in recordings.items()}
+        seen = {name: pool.submit(_look, load, name == ROOMS).result() for name, load in recordings.items()}
     return Looks(seen[ROOMS][0], {name: runs for name, (_, runs) in seen.items()})
 
 
-def _look(load: Load) -> tuple[list[Part], list[Run]]:
-    """In a process of its own, as in the application: what else is in memory makes it slower."""
+def _look(load: Load, closely: bool) -> tuple[list[Part], list[Run]]:
+    """The parts, if it is looked at closely, and the runs; in a process of its own, as in the application."""
     warm_up()
     recording, parts, runs = load(), [], []
     for k in range(LOOKS):
         time.sleep(PAUSE_S if k else 0.0)
         slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
         runs.append(run(slam, recording))
-        parts.append([*steps(runs[-1]), *kernels(slam, runs[-1].last)])
+        if closely:
+            parts.append([*steps(runs[-1]), *kernels(slam, runs[-1].last)])
     return [_best(part) for part in zip(*parts, strict=True)], runs
 
 

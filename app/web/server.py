@@ -92,12 +92,7 @@ class PageServer:
 
 
 def serve(
-    engine: Driver,
-    *,
-    host: str = "127.0.0.1",
-    port: int = 8080,
-    token: str | None = None,
-    up: Callable[[], None] = lambda: None,
+    engine: Driver, up: Callable[[], None], *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None
 ) -> None:
     """Serve the page until interrupted; prints its address. ServerError when the port is taken.
 

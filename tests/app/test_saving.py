@@ -75,7 +75,7 @@ def test_the_end_of_the_program_saves(
     simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91))
     stop = Engine.stop
 
-    def serve(engine: Engine, *, up: Callable[[], None], **_: object) -> None:
+    def serve(engine: Engine, up: Callable[[], None], **_: object) -> None:
         up()
         until(engine, state("ended"))
         signal.raise_signal(ending)
