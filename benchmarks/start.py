@@ -33,7 +33,13 @@ from tests.conftest import chromium_path
 PORT = 8721
 RUNS = 5
 PATIENCE_S = 180.0
-ROBOT = "window.__viserMutable?.nodeRefFromName?.['/robot']"
+# The node is there before the robot is anywhere; it is seen from the first scan on that has a pose.
+ROBOT = """(() => {
+    let node = window.__viserMutable?.nodeRefFromName?.['/robot'];
+    const found = Boolean(node);
+    for (; node; node = node.parent) if (!node.visible) return false;
+    return found;
+})()"""
 NEXT_FRAME = "new Promise(requestAnimationFrame)"
 COMPILE = "from app.warmup import warm_up; warm_up()"
 MISSING = "raise ImportError('not in the environment that the README makes')"
