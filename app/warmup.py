@@ -90,18 +90,18 @@ def _run(inertial: bool) -> None:
 
 
 def _room(inertial: bool) -> list[Measurement]:
-    """Two seconds in the middle of a room of 4 by 4 metres: a scan every 0.1 s, other data besides."""
+    """Two seconds at rest in the middle of a room of 4 by 4 metres: a scan every 0.1 s, other data besides."""
     angles = np.linspace(-np.pi, np.pi, 181)
     ranges = (2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))).astype(np.float32)
     ranges[:3] = np.inf
     measurements: list[Measurement] = []
-    for tick in range(200):
+    for tick in range(201):
         stamp_ns = tick * 10_000_000
         if inertial:
             measurements.append(Imu(stamp_ns, np.zeros(3), np.array([0.0, 0.0, 9.80665])))
             measurements.append(Height(stamp_ns, 0.0))
         if tick % 10 == 0:
             measurements.append(Odometry(stamp_ns, np.zeros(2), 0.0))
-            seen = ranges if tick < 190 else 0.4 * ranges  # the last one fits nowhere: it is searched for
+            seen = ranges if tick < 200 else 0.4 * ranges  # the last one fits nowhere: it is searched for
             measurements.append(LaserScan(stamp_ns, seen, -np.pi, float(angles[1] - angles[0]), 1e-5, 0.1, 30.0))
     return measurements

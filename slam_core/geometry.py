@@ -13,6 +13,9 @@ import numpy as np
 
 from slam_core.measurements import Float32s, Float64s, Transform
 
+Numbers = Float64s | Sequence[float]
+Quadruple = tuple[float, float, float, float]
+
 # Below this cos(tilt / 2)^2 (within 2 degrees of upside down) the heading has no useful derivative.
 _UPSIDE_DOWN = 3e-4
 
@@ -46,15 +49,18 @@ def transform_points(pose: Float64s, points: Float32s | Float64s) -> Float64s:
 
 def multiply(p: Float64s, q: Float64s) -> Float64s:
     """Quaternion product: first the rotation q, then p."""
+    return np.array(product(p, q))
+
+
+def product(p: Numbers, q: Numbers) -> Quadruple:
+    """`multiply` as numbers, which compiled code keeps out of memory."""
     pw, px, py, pz = p[0], p[1], p[2], p[3]
     qw, qx, qy, qz = q[0], q[1], q[2], q[3]
-    return np.array(
-        [
-            pw * qw - px * qx - py * qy - pz * qz,
-            pw * qx + px * qw + py * qz - pz * qy,
-            pw * qy - px * qz + py * qw + pz * qx,
-            pw * qz + px * qy - py * qx + pz * qw,
-        ]
+    return (
+        pw * qw - px * qx - py * qy - pz * qz,
+        pw * qx + px * qw + py * qz - pz * qy,
+        pw * qy - px * qz + py * qw + pz * qx,
+        pw * qz + px * qy - py * qx + pz * qw,
     )
 
 
@@ -77,9 +83,14 @@ def rotate(q: Float64s, vectors: Float64s) -> Float64s:
 
 def from_rotation_vector(v: Float64s) -> Float64s:
     """Rotation by |v| radians about v (3,), exact for every length."""
+    return np.array(exponential(v))
+
+
+def exponential(v: Numbers) -> Quadruple:
+    """`from_rotation_vector` as numbers."""
     half = 0.5 * math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
     scale = 0.5 * math.sin(half) / half if half > 1e-6 else 0.5 - half * half / 12.0
-    return np.array([math.cos(half), scale * v[0], scale * v[1], scale * v[2]])
+    return math.cos(half), scale * v[0], scale * v[1], scale * v[2]
 
 
 def to_rotation_vector(q: Float64s) -> Float64s:
@@ -90,16 +101,19 @@ def to_rotation_vector(q: Float64s) -> Float64s:
     return np.array([scale * x, scale * y, scale * z])
 
 
-def rotation_matrix(q: Float64s | Sequence[float]) -> Float64s:
+def rotation_matrix(q: Numbers) -> Float64s:
     """R (3, 3): the direction cosine matrix of eq. (3), from child axes to parent axes."""
+    return np.array(cosines(q)).reshape(3, 3)
+
+
+def cosines(q: Numbers) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """`rotation_matrix` as numbers, row by row."""
     w, x, y, z = q[0], q[1], q[2], q[3]
-    # A flat list: compiled code makes an array of it much faster than of nested ones.
-    elements = np.array([
+    return (
         1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y),
         2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
         2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
-    ])  # fmt: skip
-    return elements.reshape(3, 3)
+    )  # fmt: skip
 
 
 def from_rotation_matrix(m: Float64s) -> Float64s:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from slam_core.kernels.passage import COLUMNS
 from slam_core.measurements import Float64s, Int64s
 
-COLUMNS = 7
 FIRST_SIZE = 256
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from slam_core.kernels.inertial import moments
 from slam_core.leveling import STILL_ACCEL, STILL_GYRO
 from slam_core.measurements import Float64s, Imu
 
@@ -50,13 +51,9 @@ class Stillness:
 def at_rest(samples: Float64s) -> Rest | None:
     """The means of a window (n, 6) of rates and forces; None if the base moved in it."""
     n = len(samples)
-    if n < LEAST or not np.isfinite(samples).all():
+    if n < LEAST:
         return None
-    variance = samples.var(axis=0)
-    if (variance > LIMITS**2).any():
+    mean, variance, noise = moments(samples)
+    if not ((variance <= LIMITS**2) & (variance <= WHITE * noise)).all():  # so, too, where it is no number
         return None
-    noise = 0.5 * (np.diff(samples, axis=0) ** 2).mean(axis=0)
-    if (variance > WHITE * noise).any():
-        return None
-    mean = samples.mean(axis=0)
     return Rest(mean[:3], mean[3:], float(noise[:3].max()) / n, float(noise[3:].max()) / n)

@@ -10,6 +10,7 @@ from numba import njit
 
 from slam_core import geometry
 from slam_core.kernels.linear import (
+    add,
     cholesky,
     fill,
     fill_belief,
@@ -21,6 +22,7 @@ from slam_core.kernels.linear import (
     squared_length,
 )
 from slam_core.kernels.navigation import ERRORS, inject
+from slam_core.kernels.rotations import cosines
 from slam_core.measurements import Float64s, Int64s
 
 FIXED, MIN_TRACE, MIN_DETERMINANT, KALMAN = range(4)
@@ -30,7 +32,6 @@ VERTICAL = np.array([5, 8, 14])  # errors of height, of the velocity up, and of 
 NONE.setflags(write=False)  # as kernels see it: else what takes it would be compiled once more for other callers
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
-_matrix = njit(error_model="numpy")(geometry.rotation_matrix)
 _heading_gradient = njit(error_model="numpy")(geometry.heading_gradient)
 
 
@@ -53,7 +54,7 @@ def correct(
     fill it.
     """
     CP = multiply(C, P)
-    fill(S, multiply(C, CP.T.copy()) + R)
+    fill(S, add(multiply(C, CP.T.copy()), R, 1.0))
     nis = squared_length(S, innovation)
     fill_belief(better, reduced, x, P)
     if not nis <= bound:
@@ -98,7 +99,7 @@ def correct_planar(
     turn = xi[2] - 2.0 * math.atan2(x[3], x[0])
     innovation[2] = turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
     C = planar_observer(x)
-    fill(S, sandwich(C, P) + R)
+    fill(S, add(sandwich(C, P), R, 1.0))
     fill_belief(better, reduced, x, P)
     nis = squared_length(S, innovation)
     if not nis <= bound:
@@ -133,14 +134,14 @@ def planar_belief(x: Float64s, P: Float64s, mean: Float64s, covariance: Float64s
 @njit(cache=True, error_model="numpy")
 def body_velocity(x: Float64s, n: int) -> tuple[Float64s, Float64s]:
     """The first n of R^T v, and how they follow the errors of the state: (n,) and (n, 15)."""
-    R, v = _matrix(x[:4]), x[7:10]
+    R, v = cosines(x), x[7:10]
     predicted, C = np.zeros(n), np.zeros((n, ERRORS))
     for i in range(n):
         for j in range(3):
             a, b = (j + 1) % 3, (j + 2) % 3
-            predicted[i] += R[j, i] * v[j]
-            C[i, j] = R[a, i] * v[b] - R[b, i] * v[a]
-            C[i, 6 + j] = R[j, i]
+            predicted[i] += R[3 * j + i] * v[j]
+            C[i, j] = R[3 * a + i] * v[b] - R[3 * b + i] * v[a]
+            C[i, 6 + j] = R[3 * j + i]
     return predicted, C
 
 
@@ -169,10 +170,9 @@ def fuse_part(
         C, R = multiply(across, C), sandwich(across, R)
         kept = hanging(P, held)
         rest = P - multiply(kept.T.copy(), kept)
-    seen = multiply(C, kept.T.copy())
     error, reduced = innovation, P
     for k in range(-1, len(kept)):
-        difference = innovation if k < 0 else seen[:, k].copy()
+        difference = innovation if k < 0 else multiply(C, kept[k].copy().reshape(-1, 1)).reshape(-1)
         shift, spread = _fuse_observed(rest, C, R, difference, rule, omega, observed_only, spared)
         if k < 0:
             error, reduced = shift, spread
@@ -205,8 +205,10 @@ def _fuse_observed(
         seen, gained = (projected, projected) if observed_only else (P, CP)
         omega, rule = lightest(seen, gained, projected, R, rule == MIN_TRACE), FIXED
     weight, share = (1.0, 1.0) if rule == KALMAN else ((1.0 - omega) / omega, 1.0 - omega)
-    error, reduced = gain(observed, CP, projected + weight * R, innovation)
-    reduced = reduced / share
+    error, reduced = gain(observed, CP, add(projected, R, weight), innovation)
+    for i in range(len(reduced)):
+        for j in range(len(reduced)):
+            reduced[i, j] /= share
     if observed_only:
         reduced = P - observed + reduced
     elif rule == FIXED:
@@ -234,7 +236,7 @@ def hanging(P: Float64s, B: Float64s) -> Float64s:
 def kalman(P: Float64s, C: Float64s, R: Float64s, innovation: Float64s) -> tuple[Float64s, Float64s]:
     """The Kalman update: the correction to add to the state, and P after it."""
     CP = multiply(C, P)
-    return gain(P, CP, multiply(C, CP.T.copy()) + R, innovation)
+    return gain(P, CP, add(multiply(C, CP.T.copy()), R, 1.0), innovation)
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,5 +1,6 @@
 """A look at every inertial sample, compiled as there may be a thousand a second."""
 
+import numpy as np
 from numba import njit
 
 from slam_core.measurements import Float64s
@@ -35,3 +36,24 @@ def check(rate: Float64s, force: Float64s, memory: Float64s, gyro_range: float, 
         clipped |= stuck or (gyro_range > 0.0 and size >= 0.999 * gyro_range)
     sample[6] = CLIPPED_NOISE**2 if clipped else 0.0
     return CLIPPED if clipped else GOOD
+
+
+@njit(cache=True, error_model="numpy")
+def moments(values: Float64s) -> Float64s:
+    """(3, k) of every column of values (n, k): mean, variance, and half the mean square of the steps in it."""
+    n, k = values.shape
+    out = np.zeros((3, k))
+    for i in range(n):
+        for j in range(k):
+            out[0, j] += values[i, j]
+    for j in range(k):
+        out[0, j] /= n
+    for i in range(n):
+        for j in range(k):
+            off, step = values[i, j] - out[0, j], values[i, j] - values[max(i - 1, 0), j]
+            out[1, j] += off * off
+            out[2, j] += step * step
+    for j in range(k):
+        out[1, j] /= n
+        out[2, j] = 0.5 * (out[2, j] / (n - 1))
+    return out

@@ -30,6 +30,15 @@ def fill(out: Float64s, A: Float64s) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def add(A: Float64s, B: Float64s, weight: float) -> Float64s:
+    """A + weight B in the place of A; numba's own arithmetic on arrays is more code, which is slow to fetch."""
+    for i in range(A.shape[0]):
+        for j in range(A.shape[1]):
+            A[i, j] += weight * B[i, j]
+    return A
+
+
+@njit(cache=True, error_model="numpy")
 def fill_belief(x: Float64s, P: Float64s, new_x: Float64s, new_P: Float64s) -> None:
     """The values of a state (n,) and its covariance (m, m) into arrays of their shapes."""
     for i in range(len(x)):

@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core import geometry
 from slam_core.kernels.linear import fill_belief, gain, multiply, symmetric
+from slam_core.kernels.rotations import cosines, exponential, product
 from slam_core.measurements import Float64s
 
 STATES = 19
@@ -22,11 +22,6 @@ ERRORS = 15
 NEAR_GRAVITY = 0.1
 CONSTRAINED = 1e-12  # variance of what the platform cannot do
 SLIP_SIGMA = 0.005  # m/s, of wheels that do not slip sideways
-
-_product = njit(error_model="numpy")(geometry.multiply)
-_exponential = njit(error_model="numpy")(geometry.from_rotation_vector)
-_matrix = njit(error_model="numpy")(geometry.rotation_matrix)
-
 
 Workspace = tuple[Float64s, Float64s]
 
@@ -63,17 +58,14 @@ def advance(
 def move(x: Float64s, u: Float64s, dt: float, gravity: float, smoothing: float) -> Float64s:
     """Eqs. (1)-(3) under constant u: exact turn, trapezoid for velocity and position."""
     out = x.copy()
-    turn = _exponential((u[:3] - x[10:13]) * dt)
-    _set_attitude(out, _product(x[:4], turn))
-    before, after = _matrix(x[:4]), _matrix(out[:4])
-    back = _matrix(turn)
+    turn = exponential(((u[0] - x[10]) * dt, (u[1] - x[11]) * dt, (u[2] - x[12]) * dt))
+    _set_attitude(out, product(x, turn))
+    middle, back = _mean(cosines(x), cosines(out)), cosines(turn)
+    force = _times(middle, (u[3] - x[13], u[4] - x[14], u[5] - x[15]))
     share = -math.expm1(-dt / smoothing)
     for i in range(3):
-        force = smoothed = 0.0
-        for j in range(3):
-            force += 0.5 * (before[i, j] + after[i, j]) * (u[3 + j] - x[13 + j])
-            smoothed += back[j, i] * x[16 + j]
-        out[7 + i] += dt * (force - (gravity if i == 2 else 0.0))
+        smoothed = back[i] * x[16] + back[3 + i] * x[17] + back[6 + i] * x[18]
+        out[7 + i] += dt * (force[i] - (gravity if i == 2 else 0.0))
         out[4 + i] += 0.5 * dt * (x[7 + i] + out[7 + i])
         out[16 + i] = smoothed + share * (u[3 + i] - smoothed)
     return out
@@ -85,28 +77,43 @@ def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float, Phi: Float6
 
     That must be the identity, or what this made of it.
     """
-    before, after = _matrix(x[:4]), _matrix(moved[:4])
-    middle = 0.5 * (before + after)
-    f = u[3:6] - x[13:16]
-    force, force_after = np.zeros(3), np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            force[i] += middle[i, j] * f[j]
-            force_after[i] += after[i, j] * f[j]
-            Phi[i, 9 + j] = -dt * middle[i, j]
-            Phi[6 + i, 12 + j] = -dt * middle[i, j]
+    after = cosines(moved)
+    middle = _mean(cosines(x), after)
+    f = u[3] - x[13], u[4] - x[14], u[5] - x[15]
+    force, force_after = _times(middle, f), _times(after, f)
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         Phi[6 + i, j] = dt * force[k]
         Phi[6 + i, k] = -dt * force[j]
         for c in range(3):
-            turned = force_after[j] * middle[k, c] - force_after[k] * middle[j, c]
+            Phi[i, 9 + c] = Phi[6 + i, 12 + c] = -dt * middle[3 * i + c]
+            turned = force_after[j] * middle[3 * k + c] - force_after[k] * middle[3 * j + c]
             Phi[6 + i, 9 + c] = 0.5 * dt * dt * turned
     for i in range(3):
         for c in range(ERRORS):
             if c < 3 or c > 8:
                 Phi[3 + i, c] = 0.5 * dt * Phi[6 + i, c]
         Phi[3 + i, 6 + i] = dt
+
+
+@njit(inline="always")
+def _mean(A, B):
+    """Of two matrices (3, 3), each as numbers."""
+    return (
+        0.5 * (A[0] + B[0]), 0.5 * (A[1] + B[1]), 0.5 * (A[2] + B[2]),
+        0.5 * (A[3] + B[3]), 0.5 * (A[4] + B[4]), 0.5 * (A[5] + B[5]),
+        0.5 * (A[6] + B[6]), 0.5 * (A[7] + B[7]), 0.5 * (A[8] + B[8]),
+    )  # fmt: skip
+
+
+@njit(inline="always")
+def _times(A, v):
+    """A v of a matrix (3, 3) and a vector, as numbers."""
+    return (
+        A[0] * v[0] + A[1] * v[1] + A[2] * v[2],
+        A[3] * v[0] + A[4] * v[1] + A[5] * v[2],
+        A[6] * v[0] + A[7] * v[1] + A[8] * v[2],
+    )
 
 
 @njit(cache=True, error_model="numpy")
@@ -177,8 +184,8 @@ def flatten(x: Float64s, P: Float64s) -> None:
 @njit(cache=True, error_model="numpy")
 def _grip(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
     """Section III: a base on wheels has no velocity to its left."""
-    R = _matrix(x[:4])
-    v, left = x[7:10], R[:, 1]
+    R, v = cosines(x), x[7:10]
+    left = R[1], R[4], R[7]
     C = np.zeros((1, ERRORS))
     C[0, 0], C[0, 1] = left[1] * v[2] - left[2] * v[1], left[2] * v[0] - left[0] * v[2]
     C[0, 2] = left[0] * v[1] - left[1] * v[0]
@@ -194,20 +201,16 @@ def _grip(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
 @njit(cache=True, error_model="numpy")
 def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Float64s, Float64s]:
     """Tilt from the direction of the smoothed specific force, if its size says that it is mostly gravity."""
-    R = _matrix(x[:4])
-    force = np.zeros(3)
-    C = np.zeros((2, ERRORS))
-    for i in range(3):
-        for j in range(3):
-            force[i] += R[i, j] * (x[16 + j] - x[13 + j])
+    R, C = cosines(x), np.zeros((2, ERRORS))
+    force = _times(R, (x[16] - x[13], x[17] - x[14], x[18] - x[15]))
     size = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
     if abs(size - gravity) > NEAR_GRAVITY * gravity:
         return x, P
     C[0, 1], C[1, 0] = force[2], -force[2]
     for j in range(3):
-        C[0, 12 + j], C[1, 12 + j] = -R[0, j], -R[1, j]
+        C[0, 12 + j], C[1, 12 + j] = -R[j], -R[3 + j]
     CP = multiply(C, P)
-    error, P = gain(P, CP, multiply(C, CP.T.copy()) + variance * np.eye(2), -force[:2])
+    error, P = gain(P, CP, multiply(C, CP.T.copy()) + variance * np.eye(2), np.array([-force[0], -force[1]]))
     return inject(x, error), P
 
 
@@ -215,7 +218,7 @@ def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Fl
 def inject(x: Float64s, error: Float64s) -> Float64s:
     """The state with an error (15,) put right."""
     out = x.copy()
-    _set_attitude(out, _product(_exponential(error[:3]), x[:4]))
+    _set_attitude(out, product(exponential(error), x))
     for i in range(3, ERRORS):
         out[1 + i] += error[i]
     return out

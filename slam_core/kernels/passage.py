@@ -11,21 +11,20 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core import geometry
 from slam_core.kernels.linear import fill_belief
 from slam_core.kernels.navigation import STATES, Workspace, advance, move, workspace
+from slam_core.kernels.rotations import cosines
 from slam_core.measurements import Float64s, Int64s
 
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
 MAX_GAP_NS = 200_000_000
+COLUMNS = 7  # of a sample
 BLIND_STEP = 0.05  # s
 BLIND_SPAN = 10.0  # s, after which nothing more can be forgotten
 
 Rows = tuple[Float64s, Float64s, Int64s]
 Recorded = tuple[Int64s, Float64s, int, int]
 System = tuple[Float64s, Float64s, Float64s]
-
-_matrix = njit(error_model="numpy")(geometry.rotation_matrix)
 
 
 @njit(cache=True, error_model="numpy")
@@ -46,9 +45,9 @@ def _go_on(
     if from_ns >= to_ns:
         return
     model, blind, bounds = system
-    k = _later(recorded, from_ns)
+    k, u = _later(recorded, from_ns), np.empty(COLUMNS)
     while from_ns < to_ns:
-        until, u, known = _interval(k, to_ns, recorded)
+        until, known = _interval(k, to_ns, recorded, u)
         dt = (until - from_ns) * 1e-9
         if not known:
             _coast(x, P, dt, blind, bounds, work)
@@ -57,7 +56,7 @@ def _go_on(
             if u[6] > 0.0:
                 noisy = model.copy()
                 noisy[2] += u[6]
-            advance(x, P, u[:6], dt, noisy, bounds, work)
+            advance(x, P, u, dt, noisy, bounds, work)
         from_ns, k = until, k + 1
 
 
@@ -142,12 +141,12 @@ def _last(known: Int64s, count: int, time_ns: int) -> int:
 @njit(cache=True, error_model="numpy")
 def _carry(x: Float64s, from_ns: int, to_ns: int, recorded: Recorded, model: Float64s) -> Float64s:
     """The x of `predict`, but for what the bounds of P do to it."""
-    k = _later(recorded, from_ns)
+    k, u = _later(recorded, from_ns), np.empty(COLUMNS)
     while from_ns < to_ns:
-        until, u, sure = _interval(k, to_ns, recorded)
+        until, sure = _interval(k, to_ns, recorded, u)
         dt = (until - from_ns) * 1e-9
         if sure:
-            x = move(x, u[:6], dt, model[0], model[1])
+            x = move(x, u, dt, model[0], model[1])
         else:
             x = move(x, _straight(x, model[0]), min(dt, BLIND_SPAN), model[0], model[1])
         from_ns, k = until, k + 1
@@ -155,12 +154,15 @@ def _carry(x: Float64s, from_ns: int, to_ns: int, recorded: Recorded, model: Flo
 
 
 @njit(cache=True, error_model="numpy")
-def _interval(k: int, to_ns: int, recorded: Recorded) -> tuple[int, Float64s, bool]:
-    """Up to when sample k, or what held before it, is the input; that input; and whether it is known at all."""
+def _interval(k: int, to_ns: int, recorded: Recorded, u: Float64s) -> tuple[int, bool]:
+    """Up to when sample k, or what held before it, is the input u (7,), and whether that is known."""
     stamps, samples, _, end = recorded
+    next_k = min(k, end - 1)
+    for i in range(COLUMNS):
+        u[i] = 0.5 * (samples[k - 1, i] + samples[next_k, i])
     if k < end:
-        return min(stamps[k], to_ns), 0.5 * (samples[k - 1] + samples[k]), stamps[k] - stamps[k - 1] <= MAX_GAP_NS
-    return to_ns, samples[end - 1].copy(), to_ns - stamps[end - 1] <= MAX_GAP_NS
+        return min(stamps[k], to_ns), stamps[k] - stamps[k - 1] <= MAX_GAP_NS
+    return to_ns, to_ns - stamps[k - 1] <= MAX_GAP_NS
 
 
 @njit(cache=True, error_model="numpy")
@@ -183,8 +185,7 @@ def _coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64
 @njit(cache=True, error_model="numpy")
 def _straight(x: Float64s, gravity: float) -> Float64s:
     """The input of a base that neither turns nor accelerates."""
-    R = _matrix(x[:4])
-    u = x[10:16].copy()
+    R, u = cosines(x), x[10:16].copy()
     for i in range(3):
-        u[3 + i] += gravity * R[2, i]
+        u[3 + i] += gravity * R[6 + i]
     return u

@@ -1,19 +1,15 @@
 """Section IV: every beam of a sweep placed by the motion at its own time."""
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit
 
-from slam_core import geometry
 from slam_core.kernels.memory import lane
+from slam_core.kernels.rotations import cosines, product
 
 get, _ = lane(0)
 _, put = lane(1)
-
-_matrix: Any = njit(geometry.rotation_matrix)
-_product: Any = njit(geometry.multiply)
 
 
 @njit(cache=True, error_model="numpy")
@@ -75,19 +71,20 @@ def _knots(poses, mount, level):
     """(k, 3, 4) transforms laser -> stabilised frame at all poses but the last, which is that frame's."""
     out, here = np.zeros((len(poses) - 1, 3, 4)), poses[-1]
     half = math.atan2(here[3], here[0])
-    turn = np.array([math.cos(half), 0.0, 0.0, -math.sin(half)])
-    shift = _matrix(turn)
+    turn = math.cos(half), 0.0, 0.0, -math.sin(half)
+    shift = cosines(turn)
     for k in range(len(out)):
-        rotation = poses[k, :4]
+        w, x, y, z = poses[k, 0], poses[k, 1], poses[k, 2], poses[k, 3]
         if not level:
-            rotation = np.array([rotation[0], 0.0, 0.0, rotation[3]]) / np.hypot(rotation[0], rotation[3])
-        R = _matrix(_product(turn, rotation))
+            upright = np.hypot(w, z)
+            w, x, y, z = w / upright, 0.0, 0.0, z / upright
+        R = cosines(product(turn, (w, x, y, z)))
         for i in range(3):
             for j in range(4):
                 for m in range(3):
-                    out[k, i, j] += R[i, m] * mount[m, j]
+                    out[k, i, j] += R[3 * i + m] * mount[m, j]
             for m in range(3):
-                out[k, i, 3] += shift[i, m] * (poses[k, 4 + m] - here[4 + m])
+                out[k, i, 3] += shift[3 * i + m] * (poses[k, 4 + m] - here[4 + m])
     return out
 
 
