@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # What numba compiles, and the geometry that kernels compile into themselves.
-COMPILED = re.compile(rb"njit|intrinsic|^def rotation_matrix", re.MULTILINE)
+COMPILED = re.compile(rb"njit|intrinsic|^def cosines", re.MULTILINE)
 
 
 def keep_compiled(caches: Path) -> None:

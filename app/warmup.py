@@ -1,6 +1,7 @@
 """Runs every compiled kernel once, so that the first real scan does not wait for the compiler."""
 
 import gc
+import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -20,16 +21,20 @@ PERIOD_S = 0.25
 # Objects made before the collector looks for cycles among them: a step makes many, and no cycle.
 GARBAGE = 20_000
 
+# For another process, as numba compiles one kernel after the other. Both find what is compiled where it is kept.
+HELP = "import sys; sys.path[:] = {!r}; from app.warmup import _run; _run(inertial=True)"
+
 Tell = Callable[[str], None]
 
 
 def warm_up(tell: Tell = lambda _: None) -> None:
     """A few scans of a small made-up room through every branch.
 
-    When it takes longer it says how far it is: on stderr, and to `tell` (from another thread, until it returns).
+    When it takes longer it says how far it is, on stderr and to `tell` (from another thread, until it returns).
+    Another process then begins with what inertial data needs, which therefore comes last here.
     """
     with _watched(tell):
-        for inertial in (True, False):
+        for inertial in (False, True):
             _run(inertial)
     gc.freeze()  # what is loaded by now stays: the garbage collector may pass it over
     gc.set_threshold(GARBAGE)
@@ -43,7 +48,9 @@ def _watched(tell: Tell) -> Iterator[None]:
 
     def watch() -> None:
         said, wait = "", PATIENCE_S
+        helper: subprocess.Popen[bytes] | None = None
         while not done.wait(wait):
+            helper = helper or _helper()
             progress, wait = _progress(), PERIOD_S
             if progress != said:
                 tell(progress)
@@ -52,6 +59,9 @@ def _watched(tell: Tell) -> Iterator[None]:
                 said = progress
         if moving and said:
             print(file=sys.stderr)
+        if helper:
+            helper.terminate()
+            helper.wait()
 
     watcher = threading.Thread(target=watch, name="watching the compiler", daemon=True)
     watcher.start()
@@ -60,6 +70,13 @@ def _watched(tell: Tell) -> Iterator[None]:
     finally:
         done.set()
         watcher.join()
+
+
+def _helper() -> subprocess.Popen[bytes]:
+    """In a session of its own: an interrupt at the terminal is not for it."""
+    command = [sys.executable, "-c", HELP.format(sys.path)]
+    quiet = subprocess.DEVNULL
+    return subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)
 
 
 def _progress() -> str:

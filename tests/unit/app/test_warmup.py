@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 
 import pytest
 
@@ -48,6 +49,22 @@ def test_a_start_in_time_says_nothing(monkeypatch: pytest.MonkeyPatch, capsys: p
     monkeypatch.setattr(warmup, "PATIENCE_S", 600.0)
     warmup.warm_up()
     assert capsys.readouterr().err == ""
+
+
+def test_who_waits_has_a_helper(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It runs the filter's kernels to the end when it is left alone, and none is left behind by a start."""
+    helpers = [warmup._helper()]
+    assert helpers[0].wait(300) == 0
+
+    def helper(begin: Callable[[], subprocess.Popen[bytes]] = warmup._helper) -> subprocess.Popen[bytes]:
+        helpers.append(begin())
+        return helpers[-1]
+
+    monkeypatch.setattr(warmup, "_helper", helper)
+    monkeypatch.setattr(warmup, "PATIENCE_S", 0.0)
+    warmup.warm_up()
+    assert len(helpers) == 2
+    assert helpers[1].returncode is not None
 
 
 def test_the_second_start_compiles_nothing() -> None:
