@@ -87,8 +87,11 @@ class HectorSlam:
     def warnings(self) -> tuple[str, ...]:
         """What holds the pipeline back at the time of the last scan, a sentence each with its remedy."""
         limit = self.pyramid.stopped_at
+        warnings = self._motion.warnings(self._scan_ns)
+        if not limit:
+            return warnings
         full = f"the map stopped growing at its limit of {limit:g} MB: raise map.limit or map.resolution"
-        return (*([full] if limit else []), *self._motion.warnings(self._scan_ns))
+        return full, *warnings
 
     @property
     def unused(self) -> Counter[str]:

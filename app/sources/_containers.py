@@ -45,7 +45,8 @@ def _open_folder(path: Path) -> Recording:
             return _indexed(path, "rosbag2 folder")
         except Exception as error:  # as in _open_file
             damage = _reason(error)
-    files = sorted((f for suffix in (".mcap", ".db3") for f in path.glob(f"*{suffix}")), key=_natural)
+    within = [file for suffix in (".mcap", ".db3") for file in path.glob(f"*{suffix}")]
+    files = sorted(filter(Path.is_file, within), key=_natural)
     if not files:
         raise SourceError(f"{path} is no rosbag2 folder ({damage}, no .mcap or .db3 file): give a recording")
     return joined(path, [_open_file(file) for file in files], damage)

@@ -25,10 +25,9 @@ LARGEST_POWER = np.float32(60.0)
 E1, E2, E3, E4, E5 = (np.float32(x) for x in (0.69314718, 0.24022651, 0.05550411, 0.00961813, 0.00133336))
 
 # The log-odds, the marks and the probabilities.
-get_odds, put_odds = lane(0)
-get_mark, put_mark = lane(1)
+get, put_back = lane(0)
+get_mark, put = lane(1)
 _, put_cell = lane(2)
-get, put = get_odds, put_mark  # elsewhere: of what is read, and of what is written
 
 
 @njit(cache=True, error_model="numpy")
@@ -152,11 +151,11 @@ def _change(log_odds, cells, marks, row0, row1, column0, column1, free, occupied
                 prefetch(odds, ahead + 16)
                 prefetch(parts, ahead)
                 for k in range(BLOCK):
-                    old, mark = get_odds(odds, i + k), get_mark(flat, j + k)
+                    old, mark = get(odds, i + k), get_mark(flat, j + k)
                     value = _changed(old, mark, free, occupied, low, high, behind)
-                    put_odds(odds, i + k, value)
+                    put_back(odds, i + k, value)
                     put_cell(parts, i + k, probability_in_parts(value))
-                    put_mark(flat, j + k, NO_MARK)
+                    put(flat, j + k, NO_MARK)
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")

@@ -104,10 +104,13 @@ def test_a_packed_recording_is_unpacked_once(tmp_path: Path, monkeypatch: pytest
 
 @pytest.mark.parametrize("suffix", [".db3", ".mcap"])
 def test_a_folder_without_metadata_is_read_by_its_files(tmp_path: Path, suffix: str) -> None:
-    """A recorder that was killed leaves no metadata.yaml; the parts are joined in their order, with a warning."""
+    """A recorder that was killed leaves no metadata.yaml; the parts are joined in their order, with a warning.
+
+    A folder among them is no part, whatever its name.
+    """
     entries = small_run(Messages())
     folder = tmp_path / "run"
-    folder.mkdir()
+    (folder / f"earlier{suffix}").mkdir(parents=True)
     for number, part in enumerate((entries[:75], entries[75:])):
         name = f"part{number}" + (".mcap" if suffix == ".mcap" else "")
         made = write_bag(tmp_path / name, part)
