@@ -4,6 +4,7 @@ Everything a source yields is one of these. Arrays are read by the core, never w
 """
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,12 +49,17 @@ class LaserScan:
     @property
     def end_ns(self) -> int:
         """Time of the last ray."""
-        return self.stamp_ns + max(0, round((len(self.ranges) - 1) * self.time_increment * 1e9))
+        return self.stamp_ns + _sweep_ns(len(self.ranges), self.time_increment)
 
     @property
     def mid_ns(self) -> int:
         """Middle of the sweep: the instant that the matched pose belongs to."""
         return (self.stamp_ns + self.end_ns) // 2
+
+
+@lru_cache(maxsize=8)
+def _sweep_ns(beams: int, time_increment: float) -> int:
+    return max(0, round((beams - 1) * time_increment * 1e9))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

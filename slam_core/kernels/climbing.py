@@ -10,10 +10,14 @@ from numba import njit
 
 from slam_core.kernels.linear import fill
 from slam_core.kernels.matching import gauss_newton, normal_equations, notes, without
+from slam_core.kernels.memory import lane
 from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.search import count_hits
 from slam_core.kernels.surfaces import tangents, weakest_direction
 
+get, _ = lane(0)
+_, put = lane(1)
+_, put_too = lane(2)
 _notes = njit(inline="always")(notes)
 
 # Of the beams, evenly, this many at least show how well the shape of the scan fixes its position.
@@ -55,7 +59,8 @@ def climb(
     """
     pose, blind = found[0], found[1, :2]
     pose[:] = start
-    xs, ys = points[:, 0].copy(), points[:, 1].copy()
+    xs, ys = np.empty(len(points), np.float32), np.empty(len(points), np.float32)
+    _part(points.reshape(-1), xs, ys)
     along_x, along_y = np.zeros_like(xs), np.zeros_like(xs)
     beams = (xs, ys, along_x, along_y)
     found[1] = survey(xs, ys, start[2])
@@ -89,6 +94,14 @@ def climb(
     last = len(cells) - 1
     known, hits = count_hits(cells[last], corner >> last, 1.0 / (resolution * (1 << last)), points, pose)
     return converged, known, hits
+
+
+@njit(cache=True, error_model="numpy")
+def _part(points, xs, ys):
+    """The coordinates of points (2n,), each into an array of its own."""
+    for k in range(len(xs)):
+        put(xs, k, get(points, 2 * k))
+        put_too(ys, k, get(points, 2 * k + 1))
 
 
 @njit(cache=True, error_model="numpy")
