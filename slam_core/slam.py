@@ -141,7 +141,8 @@ class HectorSlam:
             self._doubt(leveled, mid_ns)
         mapped_at = clock()
         seen, motion = match or FIRST, self._motion
-        fused, navigation = motion.fuse(mid_ns, seen) if verdict.believed else motion.coast(mid_ns)
+        fuses = verdict.believed and (match is not None or motion.reaches(mid_ns))  # the filter may begin later
+        fused, navigation = motion.fuse(mid_ns, seen) if fuses else motion.coast(mid_ns)
         self._fused = fused.mean
         if self._writes:  # a map that is only read was drawn by another drive, whatever this one loses
             fused = self._drawn.claim(fused, seen.blind)

@@ -184,6 +184,20 @@ def test_with_inertial_data_scans_wait_for_the_attitude():
     np.testing.assert_allclose(results[-1].T_map_base.translation[:2], 0.0, atol=0.02)
 
 
+def test_the_scan_that_makes_the_map_may_be_older_than_the_filter():
+    """It waited for the attitude and lies before it: there is nothing to fuse it with, which is no fault of it."""
+    slam, results = HectorSlam(CONFIG), []
+    for k in range(10, 200):
+        slam.step(still_imu(k * 10_000_000))
+        if k % 10 == 0:
+            result = slam.step(room_scan(np.zeros(3), k * 10_000_000 - 30_000_000))
+            results += [result] if result else []
+    first, last = results[0], results[-1]
+    assert first.stamp_ns < first.navigation.stamp_ns
+    assert {status.source: dict(status.dropped) for status in last.aiding}["scan"] == {}
+    assert not slam.unused
+
+
 def test_heights_reach_the_filter():
     """A barometer moves z of the pose."""
     slam, last = HectorSlam(CONFIG), None
