@@ -58,7 +58,10 @@ class Arrivals:
             self._newest_ns = end_ns
         if kind is LaserScan:
             self._scan(end_ns)
-        self._late[kind] = self._late[kind] + 1 if LATE_NS <= behind_ns <= CLOCK_NS else 0
+        if not LATE_NS <= behind_ns <= CLOCK_NS:
+            self._late.pop(kind, None)
+            return
+        self._late[kind] += 1
         if self._late[kind] >= LATE_RUN:
             self._recent.tell([LATE.format(NAMES[kind])], end_ns)
 
