@@ -122,8 +122,9 @@ the first start of all, when the terminal and the page tell how many are. Median
 scipy, which only the `bench` extra brings and numba would load; of one first start.
 
 {starts}
-What a step is made of, in the rooms below; medians over the scans, and of those the best of {kernels.LOOKS} looks
-some seconds apart. A beam evaluation is one endpoint's share of eqs. (11) and (13).
+What a step is made of, in the rooms below; medians over the scans, and of those the best of
+{kernels.ROUNDS * kernels.LOOKS} looks, some of them a minute apart. A beam evaluation is one endpoint's share of
+eqs. (11) and (13).
 
 {parts}
 Whole steps, with inertial data and all else that is recorded, each recording in a process of its own: the median
