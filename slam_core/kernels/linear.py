@@ -44,7 +44,7 @@ def fill(out: Float64s, A: Float64s) -> None:
 
 @njit(cache=True, error_model="numpy")
 def add(A: Float64s, B: Float64s, weight: float) -> Float64s:
-    """A + weight B in the place of A; numba's own arithmetic on arrays is more code, which is slow to fetch."""
+    """A + weight B in the place of A; numba's own arithmetic on arrays makes new ones, and much code for that."""
     for i in range(A.shape[0]):
         for j in range(A.shape[1]):
             A[i, j] += weight * B[i, j]
