@@ -33,9 +33,9 @@ from tests.conftest import chromium_path
 PORT = 8721
 RUNS = 5
 PATIENCE_S = 180.0
-# The node is there before the robot is anywhere; it is seen from the first scan on that has a pose.
+# Its nodes are there before it is anywhere; the hull is seen from the first scan on that has a pose.
 ROBOT = """(() => {
-    let node = window.__viserMutable?.nodeRefFromName?.['/robot'];
+    let node = window.__viserMutable?.nodeRefFromName?.['/robot/hull'];
     const found = Boolean(node);
     for (; node; node = node.parent) if (!node.visible) return false;
     return found;

@@ -22,13 +22,16 @@ class RobotView:
         scene = stage.server.scene
         self._body = stage.layer("robot", "Robot", colour="robot").root
         name = self._body.name
-        self._hull = scene.add_mesh_simple(f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True)
+        self._hull = scene.add_mesh_simple(
+            f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True, visible=False
+        )
         scene.add_cylinder(
             f"{name}/hull/laser", radius=0.07, height=0.1, color=LASER_COLOUR, position=(0.08, 0.0, 0.21)
         )
         self._ring = scene.add_line_segments(
-            f"{stage.floor.name}/footprint", ring(32) * 0.45, (0, 0, 0), thickness=2.0, thickness_units="screen"
-        )
+            f"{stage.floor.name}/footprint", ring(32) * 0.45, (0, 0, 0), thickness=2.0, thickness_units="screen",
+            visible=False,
+        )  # fmt: skip
         self._drawn: object = None
 
     def draw(self, snapshot: Snapshot) -> None:
