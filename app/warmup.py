@@ -1,6 +1,7 @@
 """Runs every compiled kernel once, so that the first real scan does not wait for the compiler."""
 
 import gc
+import os
 import subprocess
 import sys
 import threading
@@ -22,7 +23,7 @@ PERIOD_S = 0.25
 GARBAGE = 20_000
 
 # For another process, as numba compiles one kernel after the other. Both find what is compiled where it is kept.
-HELP = "import sys; sys.path[:] = {!r}; from app.warmup import _run; _run(inertial=True)"
+HELP = "import sys; sys.path[:] = {!r}; from app.warmup import _help; _help()"
 
 Tell = Callable[[str], None]
 
@@ -60,8 +61,7 @@ def _watched(tell: Tell) -> Iterator[None]:
         if moving and said:
             print(file=sys.stderr)
         if helper:
-            helper.terminate()
-            helper.wait()
+            helper.communicate()  # it ends when its input does
 
     watcher = threading.Thread(target=watch, name="watching the compiler", daemon=True)
     watcher.start()
@@ -73,10 +73,21 @@ def _watched(tell: Tell) -> Iterator[None]:
 
 
 def _helper() -> subprocess.Popen[bytes]:
-    """In a session of its own: an interrupt at the terminal is not for it."""
+    """In a session of its own: an interrupt at the terminal is not for it. It ends when its input does."""
     command = [sys.executable, "-c", HELP.format(sys.path)]
-    quiet = subprocess.DEVNULL
-    return subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)
+    pipe, quiet = subprocess.PIPE, subprocess.DEVNULL
+    return subprocess.Popen(command, stdin=pipe, stdout=quiet, stderr=quiet, start_new_session=True)
+
+
+def _help() -> None:
+    """What the helper does, for as long as the process lives that began it."""
+
+    def watch() -> None:
+        os.read(sys.stdin.fileno(), 1)  # until the other end is closed
+        os._exit(1)
+
+    threading.Thread(target=watch, name="watching who is helped", daemon=True).start()
+    _run(inertial=True)
 
 
 def _progress() -> str:

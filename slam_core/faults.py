@@ -54,7 +54,6 @@ class Watch:
         self._recent = Recent()
         self._counted: dict[tuple[str, str], int] = {}
         self._totals: tuple[int, ...] = ()
-        self._dropped: dict[str, Mapping[str, int]] = {}
 
     def look(
         self,
@@ -72,8 +71,7 @@ class Watch:
         for status in aiding:
             if status.streak or status.frozen:
                 sentences += _of_source(status)
-            if status.dropped and status.dropped is not self._dropped.get(status.source):  # hardly ever
-                self._dropped[status.source] = status.dropped
+            if status.dropped:
                 sentences += self._news(status.dropped, status.source)
         if sentences:
             self._recent.tell(sentences, time_ns)

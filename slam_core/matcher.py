@@ -18,7 +18,6 @@ from slam_core.surfaces import Beams
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
 NO_TRACE = np.empty((0, 4))
-NO_STEPS = np.empty((8, 0, 3))  # for more levels than there may be
 NOTHING_KNOWN = np.eye(3)  # in the place of a prior's covariance, with a weight of 0
 
 
@@ -42,7 +41,7 @@ def coarse_to_fine(
     levels = pyramid.levels
     residuals = np.empty(len(points), np.float32)
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
-    steps = np.empty((len(levels), kept, 3)) if trace else NO_STEPS
+    steps = np.empty((len(levels), kept, 3))
     found, taken = np.empty((8, 3)), np.empty(len(levels), np.int64)
     converged, known, hits = climb(
         tuple([level.cells for level in levels]),

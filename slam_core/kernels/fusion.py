@@ -17,7 +17,6 @@ from slam_core.kernels.linear import (
     gain,
     is_sound,
     multiply,
-    multiply_transposed,
     sandwich,
     solve_lower,
     squared_length,
@@ -55,7 +54,7 @@ def correct(
     fill it.
     """
     CP = multiply(C, P)
-    fill(S, add(multiply_transposed(C, CP), R, 1.0))
+    fill(S, add(multiply(C, CP.T), R, 1.0))
     nis = squared_length(S, innovation)
     fill_belief(better, reduced, x, P)
     if not nis <= bound:
@@ -201,7 +200,7 @@ def _fuse_observed(
         W = hanging(P, C)
         observed = multiply(W.T.copy(), W)
     CP = multiply(C, observed)
-    projected = multiply_transposed(C, CP)
+    projected = multiply(C, CP.T)
     if rule in (MIN_TRACE, MIN_DETERMINANT):
         seen, gained = (projected, projected) if observed_only else (P, CP)
         omega, rule = lightest(seen, gained, projected, R, rule == MIN_TRACE), FIXED
@@ -230,14 +229,14 @@ def _spare(P: Float64s, spared: Int64s, share: float) -> None:
 def hanging(P: Float64s, B: Float64s) -> Float64s:
     """W with W^T W = P B^T (B P B^T)^-1 B P: what of P hangs on B x; the rest is left once that is known."""
     BP = multiply(B, P)
-    return solve_lower(cholesky(multiply_transposed(B, BP)), BP)
+    return solve_lower(cholesky(multiply(B, BP.T)), BP)
 
 
 @njit(cache=True, error_model="numpy")
 def kalman(P: Float64s, C: Float64s, R: Float64s, innovation: Float64s) -> tuple[Float64s, Float64s]:
     """The Kalman update: the correction to add to the state, and P after it."""
     CP = multiply(C, P)
-    return gain(P, CP, add(multiply_transposed(C, CP), R, 1.0), innovation)
+    return gain(P, CP, add(multiply(C, CP.T), R, 1.0), innovation)
 
 
 @njit(cache=True, error_model="numpy")

@@ -22,19 +22,6 @@ def multiply(A: Float64s, B: Float64s) -> Float64s:
 
 
 @njit(cache=True, error_model="numpy")
-def multiply_transposed(A: Float64s, B: Float64s) -> Float64s:
-    """A B^T, skipping the zeros of A."""
-    out = np.zeros((A.shape[0], B.shape[0]))
-    for i in range(A.shape[0]):
-        for k in range(A.shape[1]):
-            a = A[i, k]
-            if a != 0.0:
-                for j in range(B.shape[0]):
-                    out[i, j] += a * B[j, k]
-    return out
-
-
-@njit(cache=True, error_model="numpy")
 def fill(out: Float64s, A: Float64s) -> None:
     """The values of A into an array of its shape: to assign a slice takes numba seconds to compile."""
     for i in range(A.shape[0]):
@@ -62,7 +49,7 @@ def fill_belief(x: Float64s, P: Float64s, new_x: Float64s, new_P: Float64s) -> N
 @njit(cache=True, error_model="numpy")
 def sandwich(A: Float64s, P: Float64s) -> Float64s:
     """A P A^T of a symmetric P, symmetric to the last bit."""
-    return symmetric(multiply_transposed(A, multiply(A, P)))
+    return symmetric(multiply(A, multiply(A, P).T))
 
 
 @njit(cache=True, error_model="numpy")

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.linear import fill_belief, gain, multiply, multiply_transposed, symmetric
+from slam_core.kernels.linear import fill_belief, gain, multiply, symmetric
 from slam_core.kernels.rotations import cosines, exponential, product
 from slam_core.measurements import Float64s
 
@@ -194,7 +194,7 @@ def _grip(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
         C[0, 6 + i] = left[i]
         slip += left[i] * v[i]
     CP = multiply(C, P)
-    error, P = gain(P, CP, multiply_transposed(C, CP) + SLIP_SIGMA**2, np.array([-slip]))
+    error, P = gain(P, CP, multiply(C, CP.T) + SLIP_SIGMA**2, np.array([-slip]))
     return inject(x, error), P
 
 
@@ -210,7 +210,7 @@ def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Fl
     for j in range(3):
         C[0, 12 + j], C[1, 12 + j] = -R[j], -R[3 + j]
     CP = multiply(C, P)
-    error, P = gain(P, CP, multiply_transposed(C, CP) + variance * np.eye(2), np.array([-force[0], -force[1]]))
+    error, P = gain(P, CP, multiply(C, CP.T) + variance * np.eye(2), np.array([-force[0], -force[1]]))
     return inject(x, error), P
 
 

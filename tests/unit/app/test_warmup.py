@@ -52,9 +52,12 @@ def test_a_start_in_time_says_nothing(monkeypatch: pytest.MonkeyPatch, capsys: p
 
 
 def test_who_waits_has_a_helper(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It runs the filter's kernels to the end when it is left alone, and none is left behind by a start."""
+    """It runs the filter's kernels to the end when it is left alone, and ends before that with who began it."""
     helpers = [warmup._helper()]
     assert helpers[0].wait(300) == 0
+    helpers.append(warmup._helper())
+    helpers[1].communicate()  # closes its input, as the end of this process would
+    assert helpers[1].returncode == 1
 
     def helper(begin: Callable[[], subprocess.Popen[bytes]] = warmup._helper) -> subprocess.Popen[bytes]:
         helpers.append(begin())
@@ -63,8 +66,8 @@ def test_who_waits_has_a_helper(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(warmup, "_helper", helper)
     monkeypatch.setattr(warmup, "PATIENCE_S", 0.0)
     warmup.warm_up()
-    assert len(helpers) == 2
-    assert helpers[1].returncode is not None
+    assert len(helpers) == 3
+    assert helpers[2].returncode is not None
 
 
 def test_the_second_start_compiles_nothing() -> None:
