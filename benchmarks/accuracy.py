@@ -14,6 +14,7 @@ from app.snapshot import SERIES_DTYPE
 from app.sources import Item, open_source
 from benchmarks import returning
 from benchmarks.cases import LOST_M, METHODS, Recording
+from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
 from slam_core.config import SlamConfig, with_value
 from slam_core.evaluation import Trajectory, interpolate, rms
@@ -91,14 +92,23 @@ def _flushed(pipeline: Pipeline) -> Iterator[Measurement]:
 
 
 def drive(options: SceneOptions, seed: int) -> Outcomes:
-    """One drive through the rooms, by both methods, with and without its inertial data."""
-    items = list(Simulation("rooms", replace(options, seed=seed)).items())
+    """One drive through the rooms, by both methods, with and without its inertial data; begun at some angle."""
+    items = list(turned(_rooms(options, seed), angle_of(seed)))
     bare = [item for item in items if not isinstance(item, Imu)]
     return {
         (method, inertial): outcome(process(items if inertial else bare, config))
         for method, config in METHODS.items()
         for inertial in (True, False)
     }
+
+
+def square(options: SceneOptions, seed: int) -> Outcome:
+    """The drive with inertial data by the full method, begun square to the walls."""
+    return outcome(process(_rooms(options, seed), METHODS["full"]))
+
+
+def _rooms(options: SceneOptions, seed: int) -> Iterator[Item]:
+    return Simulation("rooms", replace(options, seed=seed)).items()
 
 
 def corridor(options: SceneOptions, seed: int) -> dict[str, CorridorOutcome]:

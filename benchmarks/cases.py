@@ -12,6 +12,7 @@ from tests.conftest import ROOT
 
 BESIDE = ROOT.parent / "shared" / "data"
 SEEDS = (1, 2, 3, 4, 5)
+DRIVE_SEEDS = tuple(range(1, 21))  # one drive in the rooms or another is lucky
 LOST_M = 1.0  # a raw error beyond this is no inaccuracy any more
 
 PLAIN_SETTINGS: dict[str, float | bool | str] = {

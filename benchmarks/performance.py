@@ -1,11 +1,13 @@
 """Runs every case whose outcome can be judged and writes what came out into docs/performance.md and the README.
 
-    python -m benchmarks.performance
+    python -m benchmarks.performance [--accuracy]
 
-Nothing but this script writes those figures. The real recordings lie beside the project and are left out where
-they are missing. Speed is measured with nothing beside it, accuracy on two processes.
+--accuracy judges anew and leaves what was measured of speed, which is another matter on another machine. Nothing
+but this script writes those figures. The real recordings lie beside the project and are left out where they are
+missing. Speed is measured with nothing beside it, accuracy on two processes.
 """
 
+import argparse
 import re
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from typing import Any
@@ -16,11 +18,12 @@ from app.settings import Settings
 from app.sources import open_source
 from app.warmup import warm_up
 from benchmarks import kernels, others, reading, start, tables, whole_map
-from benchmarks.accuracy import corridor, drive, replay
+from benchmarks.accuracy import corridor, drive, replay, square
 from benchmarks.cases import (
     COMPARED,
     CORRIDOR,
     DEMOS,
+    DRIVE_SEEDS,
     DRIVES,
     GLASS,
     HALL_SEEDS,
@@ -32,7 +35,7 @@ from benchmarks.cases import (
     TIMED,
     present,
 )
-from benchmarks.document import Accuracy, document
+from benchmarks.document import Accuracy, document, judged_anew, judgement
 from benchmarks.ghosts import crowd, nobody
 from benchmarks.inertial import ride
 from benchmarks.outage import OUTAGE_SEEDS, OUTAGES
@@ -63,7 +66,8 @@ def measure_accuracy() -> Accuracy:
     with ProcessPoolExecutor(PROCESSES) as pool:
         compared = present(COMPARED) if others.INSTALLED else []
         beside = {recording: pool.submit(others.compare, recording) for recording in compared}
-        drives = {case: [pool.submit(drive, case.options, seed) for seed in SEEDS] for case in DRIVES}
+        drives = {case: [pool.submit(drive, case.options, seed) for seed in DRIVE_SEEDS] for case in DRIVES}
+        squares = {case: [pool.submit(square, case.options, seed) for seed in DRIVE_SEEDS] for case in DRIVES}
         bare = [pool.submit(corridor, CORRIDOR, seed) for seed in SEEDS]
         crowded = [pool.submit(crowd, HALLS, seed) for seed in SEEDS]
         empty = [pool.submit(nobody, HALLS, seed) for seed in HALL_SEEDS]
@@ -71,7 +75,8 @@ def measure_accuracy() -> Accuracy:
         strays = [pool.submit(struck, STRAYS, seed) for seed in SEEDS]
         lost = {name: [pool.submit(run, seed) for seed in OUTAGE_SEEDS] for name, run in OUTAGES.items()}
         replays = {recording: pool.submit(replay, recording) for recording in present((*DEMOS, *REAL))}
-        names: dict[Future[Any], str] = {future: case.name for case in drives for future in drives[case]}
+        begun: dict[Future[Any], str] = {future: case.name for case in drives for future in drives[case]}
+        names = begun | {future: f"{case.name}, square" for case in squares for future in squares[case]}
         names |= {future: name for name, futures in lost.items() for future in futures}
         names |= dict.fromkeys(bare, "corridor") | dict.fromkeys([*crowded, *empty], "people")
         names |= dict.fromkeys(panes, "glass") | dict.fromkeys(strays, "stray beams")
@@ -81,6 +86,7 @@ def measure_accuracy() -> Accuracy:
             print(f"accuracy {done}/{len(names)}: {names[future]}", flush=True)
         return Accuracy(
             {case: [future.result() for future in futures] for case, futures in drives.items()},
+            {case: [future.result() for future in futures] for case, futures in squares.items()},
             [future.result() for future in bare],
             [future.result() for future in crowded],
             [future.result() for future in empty],
@@ -93,9 +99,8 @@ def measure_accuracy() -> Accuracy:
         )
 
 
-def main() -> None:
-    """Measure, write, and print the tables. Whole runs are timed in between: a machine has slow minutes."""
-    warm_up()
+def measure_all() -> str:
+    """The document, and the table of the README. Whole runs are timed in between: a machine has slow minutes."""
     speed: dict[str, dict[str, Any]] = {}
     measure_speed(speed)
     print("speed: reading and starting", flush=True)
@@ -106,11 +111,20 @@ def main() -> None:
     measure_speed(speed)
     findings, accuracy = whole_map.measure(), measure_accuracy()
     measure_speed(speed)
-    text = document(speed, reading_alone, starts, parts, steps, growth, findings, accuracy)
-    (ROOT / "docs" / "performance.md").write_text(text, encoding="utf-8")
     readme = ROOT / "README.md"
     shown = f"{tables.speed(speed)}\n{SOURCE}\n"
     readme.write_text(MARKS.sub(lambda _: shown, readme.read_text(encoding="utf-8")), encoding="utf-8")
+    return document(speed, reading_alone, starts, parts, steps, growth, findings) + judgement(accuracy)
+
+
+def main() -> None:
+    """Measure, write, and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--accuracy", action="store_true")
+    only_accuracy, path = parser.parse_args().accuracy, ROOT / "docs" / "performance.md"
+    warm_up()
+    text = judged_anew(path.read_text(encoding="utf-8"), measure_accuracy()) if only_accuracy else measure_all()
+    path.write_text(text, encoding="utf-8")
     print(text)
 
 

@@ -1,6 +1,17 @@
 """The cases of the tables are what they say."""
 
-from benchmarks.cases import DEMOS, DRIVES, METHODS, PLAIN_SETTINGS, REAL, SEEDS, TIMED, Recording, present
+from benchmarks.cases import (
+    DEMOS,
+    DRIVE_SEEDS,
+    DRIVES,
+    METHODS,
+    PLAIN_SETTINGS,
+    REAL,
+    SEEDS,
+    TIMED,
+    Recording,
+    present,
+)
 from slam_core.config import SlamConfig, leaves
 
 
@@ -9,6 +20,7 @@ def test_names_are_unique() -> None:
     for cases in (DRIVES, (*DEMOS, *REAL)):
         assert len({case.name for case in cases}) == len(cases)
     assert len(set(SEEDS)) == len(SEEDS) >= 3
+    assert len(set(DRIVE_SEEDS)) == len(DRIVE_SEEDS) >= 20
 
 
 def test_the_plain_method_differs_by_its_named_settings_alone() -> None:

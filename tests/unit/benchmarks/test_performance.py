@@ -9,7 +9,7 @@ from app.metrics import PARTS
 from app.simulation import SceneOptions
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
-from benchmarks.document import Accuracy, document, processor, side_by_side
+from benchmarks.document import Accuracy, document, judged_anew, judgement, processor, side_by_side
 from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.others import INSTALLED, OURS, Judged
@@ -41,12 +41,10 @@ def leaning(angle: float) -> Ride:
 def accuracy() -> Accuracy:
     near = Outcome(0.01, 0.005)
     end = CorridorOutcome(1.0, 0.01, 2.0, 0.5, 1.0, 0.9)
+    drive = Drive("40 Hz", SceneOptions(), 0.02)
     return Accuracy(
-        {
-            Drive("40 Hz", SceneOptions(), 0.02): [
-                {(method, imu): near for method in METHODS for imu in (True, False)}
-            ]
-        },
+        {drive: [{(method, imu): near for method in METHODS for imu in (True, False)}]},
+        {drive: [near]},
         [dict.fromkeys(METHODS, end)],
         [dict.fromkeys(METHODS, HallOutcome(near, 0, 2.5))],
         [dict.fromkeys(METHODS, near)],
@@ -63,13 +61,14 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
     """A row of each table is there, with the machine and each setting that makes the plain method."""
     found = Finding("site", (100.0, 99.6), 93, 0, 100, 1, 100, [0.5, 0.7, 1.7], [0.9])
     given = "| its reading |\n", "| a start |\n", "| a part |\n", "| a step |\n", "| its growth |\n"
-    text = document(SPEED, *given, [found], accuracy())
+    text = document(SPEED, *given, [found]) + judgement(accuracy())
     for row in (
         "| arena | 2381 |",
         "| arena | 100 |",
         *(row.strip() for row in given),
         "| site | 100 x 100 m | 93 of 100 | 0 | 1 of 100 | 0.70 / 1.70 s | 0.90 / 0.90 s |",
         "| 40 Hz | yes | 1.00",
+        "| 40 Hz | 1.00 / 1.00 |",
         "| full | 1.000",
         "| full | 0 / 0 | 2.5 / 2.5 s | yes |",
         "| people | 1.00 / 1.00 |",
@@ -83,6 +82,13 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
         assert row in text
     assert processor() in text
     assert all(f"`{name}`" in text for name in PLAIN_SETTINGS)
+
+
+def test_what_was_measured_of_speed_outlives_another_judgement() -> None:
+    """Speed belongs to a machine: whoever judges again elsewhere replaces the second part alone, every time."""
+    speed = document(SPEED, *["| a row |\n"] * 5, [])
+    once = judged_anew(speed + judgement(accuracy()).replace("jackal", "nobody"), accuracy())
+    assert once == judged_anew(once, accuracy()) == speed + judgement(accuracy())
 
 
 def test_without_the_others_the_document_says_how_to_get_them() -> None:

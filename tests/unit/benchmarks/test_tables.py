@@ -45,11 +45,17 @@ def test_a_drive_shows_median_and_worst_in_centimetres() -> None:
     assert without[1] == "no" and without[-2:] == ["not lost", "yes"]
 
 
-def test_the_worst_seed_decides_about_the_goal() -> None:
-    """One seed beyond the goal is enough to miss it; without inertial data one lost run is."""
+def test_every_seed_counts_for_the_goal() -> None:
+    """One seed beyond the goal is enough to miss it, and is counted; without inertial data lost runs are."""
     with_imu, without = cells(tables.drives({DRIVE: seeds([0.010, 0.012, 0.021], bare_raw=1.1)}))
-    assert with_imu[-1] == "no"
-    assert without[-1] == "no"
+    assert with_imu[-1] == "2 of 3"
+    assert without[-1] == "0 of 3"
+
+
+def test_the_other_start_is_judged_alike() -> None:
+    """Raw and aligned in centimetres, the goal, and how many hold it."""
+    rows = cells(tables.squares({DRIVE: [Outcome(raw, 0.5 * raw) for raw in (0.010, 0.012, 0.021)]}))
+    assert rows == [["40 Hz", "1.20 / 2.10", "0.60 / 1.05", "2.0", "2 of 3"]]
 
 
 def test_lost_runs_are_counted() -> None:
