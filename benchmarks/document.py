@@ -104,6 +104,8 @@ Written by `make bench` (`python -m benchmarks.performance`); do not edit. More 
 `python -m benchmarks.page` for what the page costs, `python -m benchmarks.reading BAG...` for how long it takes to
 read others, and `python -m benchmarks.consistency` for [the filter alone](navigation-filter.md).
 
+Errors are root mean squares in the plane: raw starts at the first pose, aligned takes the best rigid motion out.
+
 ## Speed
 
 Measured on {machine()}.
@@ -154,9 +156,8 @@ def judgement(accuracy: Accuracy) -> str:
 Worked out on {machine()}; another processor rounds in another way, after which a drive may come out a little
 better or worse.
 
-Errors are root mean squares in the plane: raw starts at the first pose, aligned takes the best rigid motion out. A
-raw error of more than {LOST_M:g} m counts as lost. Methods: *full* is the default settings; *plain* is the paper's
-own method: {settings}.
+A raw error of more than {LOST_M:g} m counts as lost. Methods: *full* is the default settings; *plain* is the
+paper's own method: {settings}.
 
 ## In simulated rooms
 
