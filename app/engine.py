@@ -71,6 +71,8 @@ class Engine:
         self._out = out
         self._prepare = prepare
         self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._sending = threading.Lock()
+        self._sent = self._obeyed = 0
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
         self._publisher = Publisher(source)
         self._transport = Transport(source.live, autoplay, speed)
@@ -88,13 +90,20 @@ class Engine:
         self._thread.start()
 
     @property
+    def sent(self) -> int:
+        """How many commands were sent so far: all are obeyed once `Snapshot.obeyed` is as many."""
+        return self._sent
+
+    @property
     def started(self) -> bool:
         """Whether it ever began."""
         return self._thread.ident is not None
 
     def send(self, command: Command) -> None:
         """Enqueue a command; returns at once, from any thread."""
-        self._commands.put(command)
+        with self._sending:
+            self._commands.put(command)
+            self._sent += 1
 
     def stop(self) -> None:
         """End the threads, close the source, and wait for it."""
@@ -112,7 +121,12 @@ class Engine:
         self._guard(partial(self._publish, resting=True))
         self._guard(self._get_ready)
         while not isinstance(command := self._next_command(), Quit):
-            self._guard(self._advance if command is None else partial(self._obey, command))
+            if command is None:
+                self._guard(self._advance)
+            else:
+                self._guard(partial(self._obey, command))
+                self._obeyed += 1
+                self._publisher.touch()
         self._source.close()
         if self._feeder is not None:
             self._feeder.close()
@@ -201,7 +215,6 @@ class Engine:
     # --------------------------------------------------------------------------------------------- commands
 
     def _obey(self, command: Command) -> None:
-        self._publisher.touch()
         match command:
             case Play():
                 if self._transport.stopped:
@@ -318,5 +331,5 @@ class Engine:
     def _publish(self, resting: bool) -> None:
         if self._publisher.due(resting):
             config, saves = self._settings.at(self._now_ns), self._out is not None
-            run = Run(self._pipeline, self._transport, config, self._report, self._epoch, saves)
+            run = Run(self._pipeline, self._transport, config, self._report, self._epoch, saves, self._obeyed)
             self._publisher.publish(run, complete=resting)

@@ -25,7 +25,7 @@ LogLevel = Literal["info", "warning", "error"]
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What a snapshot is composed of. config: the one in force now. saves: whether there is a folder for Save."""
+    """What a snapshot is composed of. config: the one in force now. saves, obeyed: as in a `Snapshot`."""
 
     pipeline: Pipeline
     transport: Transport
@@ -33,6 +33,7 @@ class Run:
     report: SourceReport
     epoch: int
     saves: bool
+    obeyed: int
 
 
 class Publisher:
@@ -96,6 +97,7 @@ class Publisher:
             warnings=warnings,
             unused=dict(pipeline.slam.unused),
             saves=run.saves,
+            obeyed=run.obeyed,
         )
         self.mailbox.put(snapshot)
 

@@ -165,7 +165,7 @@ class Snapshot:
     mode: whether the map is new, given and left as it is, or given and going on. searching: why the robot's place
     in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the remedies.
     unused: what was not used of inertial data and aids as it came, by reason.
-    saves: whether there is a folder for Save.
+    saves: whether there is a folder for Save. obeyed: how many commands have been carried out or refused so far.
     """
 
     sequence: int = 0
@@ -189,3 +189,4 @@ class Snapshot:
     warnings: tuple[str, ...] = ()
     unused: Mapping[str, int] = field(default_factory=dict)
     saves: bool = False
+    obeyed: int = 0

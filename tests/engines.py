@@ -26,14 +26,14 @@ def running(source: Source, settings: Settings = START, **options: float) -> Ite
         engine.stop()
 
 
-def until(engine: Engine, holds: Callable[[Snapshot], bool]) -> Snapshot:
+def until(engine: Engine, holds: Callable[[Snapshot], object], patience_s: float = PATIENCE_S) -> Snapshot:
     """The first snapshot for which something holds."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         latest = engine.mailbox.latest
         if latest is not None and holds(latest):
             return latest
-        engine.mailbox.take(timeout=0.1)
+        time.sleep(0.01)  # and not `take`: what a page is to draw is left to it
     assert latest is not None
     raise AssertionError(f"never happened; at last {latest.playback}, {latest.report}, {latest.log}")
 
@@ -45,12 +45,10 @@ def state(word: str) -> Callable[[Snapshot], bool]:
 
 def after(engine: Engine, *commands: Command) -> Snapshot:
     """The snapshot once the commands were obeyed and the engine rests."""
-    seen = engine.mailbox.latest
-    assert seen is not None
     for command in commands:
         engine.send(command)
     resting = ("paused", "ended", "failed")
-    return until(engine, lambda now: now.sequence > seen.sequence and now.playback.state in resting)
+    return until(engine, lambda now: now.obeyed == engine.sent and now.playback.state in resting)
 
 
 def scan_times(items: list[Item]) -> list[int]:

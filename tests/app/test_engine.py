@@ -100,6 +100,15 @@ def test_one_key_plays_and_pauses(drive: list[Item]):
         assert engine.mailbox.latest is None or engine.mailbox.latest.scans <= paused.scans + 1
 
 
+def test_a_snapshot_tells_how_many_commands_it_was_made_after(drive: list[Item]):
+    """Carried out or refused, each counts; the one that counts all that were sent shows what they did."""
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        for sent, speed in enumerate((2.0, -1.0, 3.0), 1):
+            engine.send(SetSpeed(speed))
+            assert engine.sent == sent
+        assert until(engine, lambda now: now.obeyed == 3).playback.speed == 3.0
+
+
 def test_a_step_is_one_scan(drive: list[Item]):
     """Each StepScan brings one scan and leaves the run paused."""
     with running(MemoryRecording(drive), autoplay=False) as engine:

@@ -1,6 +1,5 @@
 """The controls of the page, moved by a person's means, on a real engine."""
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from app.warmup import warm_up
 from app.web.server import PageServer
 from slam_core.config import SlamConfig, with_value
 from tests.browser.conftest import Open
+from tests.engines import until
 from tests.sources import MemoryRecording, MemoryStream
 
 pytestmark = pytest.mark.browser
@@ -42,11 +42,7 @@ class Run:
 
     def until(self, holds: Callable[[Snapshot], Any]) -> Snapshot:
         """The first snapshot that `holds`; fails after a while."""
-        ends = time.monotonic() + PATIENCE_S
-        while not holds(self.now):
-            assert time.monotonic() < ends, self.now.playback
-            time.sleep(0.02)
-        return self.now
+        return until(self.engine, holds, PATIENCE_S)
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +61,7 @@ def run(drive: list[Item], tmp_path: Path) -> Iterator[Run]:
     engine.start()
     made = Run(engine, server.url)
     try:
-        engine.send(Seek(made.until(lambda s: s.sequence).playback.start_ns + 2 * 10**9))
+        engine.send(Seek(min(item.stamp_ns for item in drive) + 2 * 10**9))
         made.until(lambda s: s.maps and s.playback.state == "paused")
         yield made
     finally:

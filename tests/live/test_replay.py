@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.engine import Engine
 from app.feeder import Feeder
 from app.runner import run_headless
 from app.settings import Settings
 from app.simulation import SimulateOptions, simulate
-from app.snapshot import Snapshot
 from app.sources import Item, Source, SourceOptions, open_source
 from slam_core.measurements import Imu, LaserScan
+from tests.engines import running, state, until
 from tests.live.conftest import Replay
 
 TOPICS = ("--topics", "/tf_static", "/scan", "/imu/data_raw", "/pressure", "/ground_truth")
@@ -81,6 +80,16 @@ def test_a_real_recording_arrives_as_from_the_file(recordings: Path, replay: Cal
     assert [plain(item) for item in received] == [plain(item) for item in expected[:500]]
 
 
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Until it holds; a test that waits too long fails."""
+    done = threading.Event()
+    for _ in range(int(GIVE_UP_S / 0.02)):
+        if condition():
+            return
+        done.wait(0.02)
+    raise AssertionError("waited in vain")
+
+
 def test_a_slow_consumer_loses_old_scans_only(drive: Path, replay: Callable[..., Replay]) -> None:
     """Whoever looks away finds the newest scans, every other measurement, and the number of scans given up."""
     with opened(drive) as source:
@@ -116,32 +125,6 @@ def test_a_killed_server_is_waited_for(drive: Path, replay: Callable[..., Replay
         assert source.report.waiting == ""
 
 
-def wait_for(condition: Callable[[], bool]) -> None:
-    """Until it holds; a test that waits too long fails."""
-    done = threading.Event()
-    for _ in range(int(GIVE_UP_S / 0.02)):
-        if condition():
-            return
-        done.wait(0.02)
-    raise AssertionError("waited in vain")
-
-
-@contextmanager
-def running(source: Source) -> Iterator[Engine]:
-    engine = Engine(source, Settings())
-    engine.start()
-    try:
-        yield engine
-    finally:
-        engine.stop()
-
-
-def snapshot(engine: Engine) -> Snapshot:
-    latest = engine.mailbox.latest
-    assert latest is not None
-    return latest
-
-
 def poses(start_ns: int, rows: NDArray[np.float64]) -> tuple[list[int], bytes]:
     """The nanoseconds of a trajectory and the bytes of its poses; runs may count from different starts."""
     return [start_ns + round(seconds * 1e9) for seconds in rows[:, 0]], rows[:, 1:].tobytes()
@@ -151,9 +134,8 @@ def test_a_live_run_gives_the_trajectory_of_the_file(drive: Path, replay: Callab
     """Mapping from the stream ends in the same poses as mapping from the recording, to the last bit."""
     with opened(drive) as source:
         pipeline, _ = run_headless(source, Settings())
-    with opened(replay(drive, *TOPICS, "--speed", "2").uri) as source, running(source) as engine:
-        wait_for(lambda: snapshot(engine).scans >= pipeline.scans - 3)
-        live = snapshot(engine)
+    with opened(replay(drive, *TOPICS, "--speed", "2").uri) as source, running(source, Settings()) as engine:
+        live = until(engine, lambda now: now.scans >= pipeline.scans - 3, GIVE_UP_S)
     assert live.report.dropped == 0
     rows = min(live.scans, pipeline.scans)
     assert poses(live.playback.start_ns, live.trajectory[:rows]) == poses(
@@ -164,14 +146,12 @@ def test_a_live_run_gives_the_trajectory_of_the_file(drive: Path, replay: Callab
 def test_the_map_survives_a_killed_server(drive: Path, replay: Callable[..., Replay]) -> None:
     """While the server is away the page waits and says so; then the same run goes on with its map."""
     first = replay(drive, *TOPICS)
-    with opened(first.uri) as source, running(source) as engine:
-        wait_for(lambda: snapshot(engine).scans >= 10)
+    with opened(first.uri) as source, running(source, Settings()) as engine:
+        until(engine, lambda now: now.scans >= 10, GIVE_UP_S)
         first.kill()
-        wait_for(lambda: snapshot(engine).playback.state == "waiting")
-        alone = snapshot(engine)
+        alone = until(engine, state("waiting"), GIVE_UP_S)
         replay(drive, *TOPICS, "--port", str(first.port), "--begin", "4")
-        wait_for(lambda: snapshot(engine).scans >= alone.scans + 5)
-        resumed = snapshot(engine)
+        resumed = until(engine, lambda now: now.scans >= alone.scans + 5, GIVE_UP_S)
     assert first.uri in alone.playback.detail
     assert resumed.epoch == alone.epoch
     assert resumed.map_updates >= alone.map_updates > 0
