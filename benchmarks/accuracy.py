@@ -13,7 +13,7 @@ from app.simulation import SceneOptions, Simulation
 from app.snapshot import SERIES_DTYPE
 from app.sources import Item, open_source
 from benchmarks import returning
-from benchmarks.cases import LOST_M, METHODS, Recording
+from benchmarks.cases import CELLS_ALONE, LOST_M, METHODS, Recording
 from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
 from slam_core.config import SlamConfig, with_value
@@ -102,9 +102,10 @@ def drive(options: SceneOptions, seed: int) -> Outcomes:
     }
 
 
-def square(options: SceneOptions, seed: int) -> Outcome:
-    """The drive with inertial data by the full method, begun square to the walls."""
-    return outcome(process(_rooms(options, seed), METHODS["full"]))
+def square(options: SceneOptions, seed: int) -> tuple[Outcome, Outcome]:
+    """The drive with inertial data, begun square to the walls: by cells alone, and by the full method."""
+    by_cells, full = (outcome(process(_rooms(options, seed), each)) for each in (CELLS_ALONE, METHODS["full"]))
+    return by_cells, full
 
 
 def _rooms(options: SceneOptions, seed: int) -> Iterator[Item]:

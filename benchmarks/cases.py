@@ -18,6 +18,7 @@ LOST_M = 1.0  # a raw error beyond this is no inaccuracy any more
 PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "map.factor_behind": 0.5,
     "matcher.prior_weight": 0.0,
+    "matcher.surfel_weight": 0.0,
     "matcher.weak_share": 0.0,
     "matcher.blind_share": 0.0,
     "matcher.converged_step": 0.0,
@@ -45,6 +46,7 @@ def plain() -> SlamConfig:
 
 
 METHODS = {"plain": plain(), "full": SlamConfig()}
+CELLS_ALONE = with_value(SlamConfig(), "matcher.surfel_weight", 0.0)
 
 
 @dataclass(frozen=True, slots=True)

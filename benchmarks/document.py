@@ -26,7 +26,7 @@ class Accuracy:
     """Every case, by both methods; lists are over the seeds."""
 
     drives: dict[Drive, list[Outcomes]]
-    square: dict[Drive, list[Outcome]]
+    square: dict[Drive, list[tuple[Outcome, Outcome]]]
     corridor: list[dict[str, CorridorOutcome]]
     halls: list[dict[str, HallOutcome]]
     empty: list[dict[str, Outcome]]
@@ -168,8 +168,9 @@ roll and pitch of a swaying laser, so its scans cannot be put level. Each seed h
 own angle to the walls. The last column says yes where every seed holds the goal, else how many do.
 
 {tables.drives(accuracy.drives)}
-The same drives begun square to the walls, with an IMU, by the full method. Many walls then lie along the edges
-between two cells, for which a map of cells is worst ([why](accuracy.md#walls-along-the-edges-of-cells)).
+The same drives begun square to the walls, with an IMU. Many walls then lie along the edges between two cells, for
+which a map of cells is worst ([why](accuracy.md#walls-along-the-edges-of-cells)): by cells alone, that is the full
+method with `matcher.surfel_weight` 0, and by the full method.
 
 {tables.squares(accuracy.square)}
 ## A bare corridor

@@ -64,18 +64,22 @@ def _drive_row(drive: Drive, seeds: Sequence[Outcomes], imu: bool) -> Iterator[s
     yield _held([run.raw <= drive.goal_m if imu else not run.lost for run in full])
 
 
-def squares(results: Mapping[Drive, Sequence[Outcome]]) -> str:
-    """Errors in centimetres of the same drives from another start, by the full method with inertial data."""
-    head = ("drive", "full, raw", "full, aligned", "goal, raw", "full holds it")
+def squares(results: Mapping[Drive, Sequence[tuple[Outcome, Outcome]]]) -> str:
+    """Errors in centimetres of the same drives from another start, by cells alone and by the full method."""
+    methods = (f"{method}, {error}" for method in ("cells alone", "full") for error in ("raw", "aligned"))
+    head = ("drive", *methods, "goal, raw", "cells alone hold it", "full holds it")
     return table(head, (_square_row(drive, runs) for drive, runs in results.items()))
 
 
-def _square_row(drive: Drive, runs: Sequence[Outcome]) -> Iterator[str]:
+def _square_row(drive: Drive, seeds: Sequence[tuple[Outcome, Outcome]]) -> Iterator[str]:
     yield drive.name
-    yield spread([100 * run.raw for run in runs], ".2f") + _lost(runs)
-    yield spread([100 * run.aligned for run in runs], ".2f")
+    methods = list(zip(*seeds, strict=True))
+    for runs in methods:
+        yield spread([100 * run.raw for run in runs], ".2f") + _lost(runs)
+        yield spread([100 * run.aligned for run in runs], ".2f")
     yield f"{100 * drive.goal_m:.1f}"
-    yield _held([run.raw <= drive.goal_m for run in runs])
+    for runs in methods:
+        yield _held([run.raw <= drive.goal_m for run in runs])
 
 
 def corridor(seeds: Sequence[Mapping[str, CorridorOutcome]]) -> str:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.doubting import doubt_passed, ends_in_free_space
 from slam_core.kernels.mapping import derive_cells, write_scan
+from slam_core.kernels.surfels import write_surfels
 from slam_core.measurements import Float32s, Float64s
 
 
@@ -18,15 +19,20 @@ class GridLevel:
     corner: (2,) column and row in the lattice of the window's cell [0, 0].
     log_odds: (rows, columns), 0 unknown. cells: the same as M of eq. (4), in parts of 2^16, 2^15 unknown.
     known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
+    surfels: where in each cell a surface lies, as `kernels.surfels` packs it, 0 for none; no rows if not kept.
     """
 
     BYTES = 7  # of memory a cell: four in log_odds, two in cells, one mark
+    SURFEL_BYTES = 4
 
-    def __init__(self, resolution: float, shape: tuple[int, int], origin: Float64s) -> None:
+    def __init__(
+        self, resolution: float, shape: tuple[int, int], origin: Float64s, *, surfels: bool = False
+    ) -> None:
         self.resolution = resolution
         self.corner: NDArray[np.int64] = np.rint(origin / resolution).astype(np.int64)
         self.log_odds: Float32s = np.zeros(shape, np.float32)
         self.cells: NDArray[np.uint16] = np.full(shape, UNKNOWN)
+        self.surfels: NDArray[np.uint32] = np.zeros(shape if surfels else (0, 0), np.uint32)
         self._marks = _no_marks(shape)
         self.known = (0, 0, 0, 0)
 
@@ -62,6 +68,8 @@ class GridLevel:
         sides = ((below, above), (left, right))
         self.log_odds = np.pad(self.log_odds, sides)
         self.cells = np.pad(self.cells, sides, constant_values=UNKNOWN)
+        if len(self.surfels):
+            self.surfels = np.pad(self.surfels, sides)
         self._marks = _no_marks(self.shape)
         self.corner = self.corner - (left, below)
         row0, row1, column0, column1 = self.known
@@ -93,6 +101,14 @@ class GridLevel:
             max(column1, touched[3]),
         )
 
+    def place_surfaces(self, points: Float32s, start: Float64s, ends: Float64s, psi: float) -> None:
+        """Take one scan's ends into the surfels.
+
+        points: (n, 2) in the stabilised frame, whose heading is psi, in the order of the sweep. start: (2,) laser.
+        ends: (n, 2) the points in the map. Metres.
+        """
+        write_surfels(self.surfels, self.corner, self.resolution, points, start, ends, psi)
+
     def put(self, corner: NDArray[np.int64], log_odds: Float32s) -> None:
         """Set a rectangle of cells (rows, columns) whose first is at a lattice corner; it must lie within."""
         (column, row), (rows, columns) = (corner - self.corner).tolist(), log_odds.shape
@@ -113,7 +129,7 @@ class GridLevel:
 
         laser: (2,) map metres. beams: their ends `by_bearing`. behind: metres. Returns how many.
         """
-        arrays = self.log_odds, self.cells, self.corner, self.resolution, self.known
+        arrays = self.log_odds, self.cells, self.surfels, self.corner, self.resolution, self.known
         return int(doubt_passed(*arrays, laser, *beams, behind, most, free))
 
     def unexpected(self, points: Float32s, pose: Float64s, apart: float) -> NDArray[np.bool_]:

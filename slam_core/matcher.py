@@ -36,7 +36,8 @@ def coarse_to_fine(
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
     config.prior_weight; R stays what the scan alone says. Where few beams fix some direction of the position, only
     the map's gradient across the surfaces counts (config.weak_share); where next to none do, the pose stays there
-    as it was at the start (config.blind_share).
+    as it was at the start (config.blind_share). The result of the finest level settles where the ends lie on its
+    surfels, too, as far as they count (config.surfel_weight).
     """
     levels = pyramid.levels
     residuals = np.empty(len(points), np.float32)
@@ -47,6 +48,7 @@ def coarse_to_fine(
         tuple([level.cells for level in levels]),
         levels[0].corner,
         levels[0].resolution,
+        levels[0].surfels,
         points,
         start,
         start if prior is None else prior.mean,
@@ -57,6 +59,7 @@ def coarse_to_fine(
         config.converged_step,
         config.max_yaw_step,
         config.sigma,
+        config.surfel_weight,
         config.weak_share,
         config.blind_share,
         found,

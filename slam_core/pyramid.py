@@ -38,7 +38,8 @@ class Pyramid:
         start = np.array([config.start_x, config.start_y])
         origin = -config.resolution * self._block * np.rint(start * size / self._block)
         self.levels = tuple(
-            GridLevel(config.resolution * 2**i, (size >> i,) * 2, origin) for i in range(config.levels)
+            GridLevel(config.resolution * 2**i, (size >> i,) * 2, origin, surfels=i == 0)
+            for i in range(config.levels)
         )
         self.updates = 0
         self.revision = 0
@@ -49,7 +50,8 @@ class Pyramid:
     ) -> None:
         """Write one scan at `pose` (3,) into every level.
 
-        points, cleared: (n, 2), (m, 2) endpoints, and laser: (2,), in the stabilised frame, metres.
+        points, cleared: (n, 2), (m, 2) endpoints, points in the order of the sweep, and laser: (2,), in the
+        stabilised frame, metres.
         """
         placed = transform_points(pose, np.concatenate([laser[None], points, cleared]))
         if config.grow:
@@ -60,6 +62,7 @@ class Pyramid:
         for i, level in enumerate(self.levels):
             behind = 0.0 if i else log_odds(config.factor_behind)
             level.update(start, ends, free, steps, caps, behind)
+        self.levels[0].place_surfaces(points, start, ends, pose[2])
         self.updates += 1
         self.revision += 1
 
@@ -130,7 +133,8 @@ class Pyramid:
 
 def megabytes(cells: int, levels: int) -> float:
     """Memory of a pyramid with so many cells on its finest level."""
-    return GridLevel.BYTES * cells * math.fsum(0.25**i for i in range(levels)) / 1e6
+    shares = math.fsum(0.25**i for i in range(levels))
+    return (GridLevel.BYTES * shares + GridLevel.SURFEL_BYTES) * cells / 1e6
 
 
 def _whole(n: int, block: int) -> int:

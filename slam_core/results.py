@@ -45,7 +45,8 @@ class MatchResult(NamedTuple):
     pose: (3,) xi* = x, y, psi of the stabilised frame in the map. covariance: (3, 3) R of eq. (15), metres
     and radians. hessian: (3, 3) H of eq. (13) at the finest level, per metre and radian.
     residuals: (n,) 1 - M(S_i(xi*)) of every endpoint, at the finest level. iterations: finest level first.
-    trace: (k, 4) level, x, y, psi after each Gauss-Newton step, coarse to fine; (0, 4) when not asked for.
+    trace: (k, 4) level, x, y, psi after each Gauss-Newton step, coarse to fine, before the pose settles on the
+    surfels; (0, 4) when not asked for.
     weakest_share: share of the beams that fix the position in the direction that the scan's shape fixes worst.
     blind: (2,) that direction in the map, where the pose is the start estimate's because too few do; else zero.
     fit: at the coarsest level.

@@ -81,6 +81,16 @@ class MatcherConfig:
     covariance: Annotated[CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")] = (
         "hessian"
     )
+    surfel_weight: Annotated[
+        float,
+        Param(
+            "How much it counts where in its cells a surface lies, which the finest level keeps besides (0: cells"
+            " alone, the paper's match).",
+            "",
+            0.0,
+            100.0,
+        ),
+    ] = 5.0
     weak_share: Annotated[
         float,
         Param(

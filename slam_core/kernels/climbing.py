@@ -14,6 +14,7 @@ from slam_core.kernels.memory import lane
 from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.search import count_hits
 from slam_core.kernels.surfaces import tangents, weakest_direction
+from slam_core.kernels.surfels import settle
 
 get, _ = lane(0)
 _, put = lane(1)
@@ -31,6 +32,7 @@ def climb(
     cells,
     corner,
     resolution,
+    surfels,
     points,
     start,
     mean,
@@ -41,6 +43,7 @@ def climb(
     converged_step,
     max_yaw_step,
     sigma,
+    surfel_weight,
     weak_share,
     blind_share,
     found,
@@ -51,7 +54,7 @@ def climb(
     """Match the points: whether the finest level converged, and of the coarsest what `count_hits` counts.
 
     cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
-    corner: (2,) of the finest.
+    corner: (2,) and surfels: of the finest, which count `surfel_weight`.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
     found: (8, 3) takes the pose, the direction that the scan leaves open, if any, with the share of beams that fix
     it, the Hessian (13) and the covariance (15). taken: (levels,) takes the steps of each level.
@@ -68,7 +71,7 @@ def climb(
         tangents(xs, ys, along_x, along_y)
     if found[1, 2] >= blind_share:
         blind[:] = 0.0
-    noted = _notes()
+    noted, matched = _notes(), np.empty(6)
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
     converged = False
     for i in range(len(cells) - 1, -1, -1):
@@ -87,7 +90,10 @@ def climb(
             residuals,
             trace[i],
             *noted,
+            matched,
         )
+    if surfel_weight > 0.0:
+        settle(surfels, corner, 1.0 / resolution, xs, ys, pose, matched, surfel_weight, blind)
     fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals, noted))
     fill(found[5:], hessian_covariance(found[2:5], sigma, blind))
     pose[2] -= whole_turns(pose[2])

@@ -71,9 +71,12 @@ def _polar(away, n, ways, places):
 
 
 @njit(cache=True, error_model="numpy")
-def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, begin, box, behind, most, free):
-    """Take `most` log-odds at most and the step `free` from every occupied cell that is passed.
+def doubt_passed(
+    log_odds, cells, surfels, corner, resolution, known, laser, lengths, begin, box, behind, most, free
+):
+    """Take `most` log-odds at most and the step `free` from every occupied cell that is passed, and its surfel.
 
+    surfels: as many as cells, or none at all.
     known: row0, row1, column0, column1 (half open). lengths, begin, box: as of `by_bearing`. A cell is passed if
     beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a
     wall that is met at a slant, or an edge. Returns how many were.
@@ -98,6 +101,8 @@ def doubt_passed(log_odds, cells, corner, resolution, known, laser, lengths, beg
                 value = min(log_odds[v, u], most) + free
                 log_odds[v, u] = value
                 cells[v, u] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
+                if len(surfels) > 0:
+                    surfels[v, u] = NONE
                 passed += 1
     return passed
 

@@ -49,7 +49,7 @@ def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
     for begin in range(0, len(xs), TOGETHER):
         n = min(TOGETHER, len(xs) - begin)
-        _place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v)
+        place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v)
         _fetch(flat, columns, where, n, lower, upper)
         s00, s01, s02, s11, s12, s22, t0, t1, t2, e = _add_up(
             lower, upper, arm_u, arm_v, along_x, along_y, begin, n, heading, shift, box, residuals
@@ -66,7 +66,7 @@ def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def _place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v):
+def place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v):
     """Of n beams the first of the four cells around the end, and the end seen from the robot, in cells."""
     left, low, width = np.int32(box[0]), np.int32(box[2]), np.int32(columns)
     for i in range(n):
@@ -178,11 +178,13 @@ def gauss_newton(
     trace,
     words,
     arms,
+    matched,
 ):
     """Iterate (12) on one level; `pose` (3,) is updated in place and every iterate goes to `trace` (k, 3).
 
     prior: (4, 3), information of a predicted pose in units of the cost, and below it that pose; zeros for none.
     blind: (2,) unit vector in which no step is taken, zeros for none.
+    matched: (6,) takes the upper entries of H with the prior in it, as of the last step.
     Ends early when a step is shorter than `converged_step` metres (its yaw counted at one metre's arm).
     Returns the number of steps taken and whether the last one was that short.
     """
@@ -192,15 +194,17 @@ def gauss_newton(
             cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, words, arms
         )
         e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
+        matched[0], matched[1], matched[2] = h00 + prior[0, 0], h01 + prior[0, 1], h02 + prior[0, 2]
+        matched[3], matched[4], matched[5] = h11 + prior[1, 1], h12 + prior[1, 2], h22 + prior[2, 2]
         dx, dy, dpsi, solved = solve3(
             *without(
                 blind,
-                h00 + prior[0, 0],
-                h01 + prior[0, 1],
-                h02 + prior[0, 2],
-                h11 + prior[1, 1],
-                h12 + prior[1, 2],
-                h22 + prior[2, 2],
+                matched[0],
+                matched[1],
+                matched[2],
+                matched[3],
+                matched[4],
+                matched[5],
                 b0 + prior[0, 0] * e0 + prior[0, 1] * e1 + prior[0, 2] * e2,
                 b1 + prior[1, 0] * e0 + prior[1, 1] * e1 + prior[1, 2] * e2,
                 b2 + prior[2, 0] * e0 + prior[2, 1] * e1 + prior[2, 2] * e2,

@@ -38,15 +38,16 @@ def lane(own: int) -> tuple[Any, Any]:
 
 @intrinsic
 def pair(_: Any, cells: Any, i: Any) -> Any:
-    """cells[i] and, in the high half, cells[i + 1] of an array of uint16 in lane 0, as a uint32."""
+    """cells[i] and, in the high half, cells[i + 1] of an array in lane 0: two of uint16 or of uint32 as one."""
+    both: Any = types.uint32 if cells.dtype == types.uint16 else types.uint64
 
     def load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        word = context.get_value_type(types.uint32).as_pointer()
+        word = context.get_value_type(both).as_pointer()
         loaded = builder.load(builder.bitcast(_address(context, builder, signature, arguments), word))
-        loaded.align = 2
+        loaded.align = cells.dtype.bitwidth // 8
         return _apart(builder, loaded, 0)
 
-    return types.uint32(cells, i), load
+    return both(cells, i), load
 
 
 @intrinsic

@@ -44,7 +44,7 @@ def accuracy() -> Accuracy:
     drive = Drive("40 Hz", SceneOptions(), 0.02)
     return Accuracy(
         {drive: [{(method, imu): near for method in METHODS for imu in (True, False)}]},
-        {drive: [near]},
+        {drive: [(near, near)]},
         [dict.fromkeys(METHODS, end)],
         [dict.fromkeys(METHODS, HallOutcome(near, 0, 2.5))],
         [dict.fromkeys(METHODS, near)],

@@ -53,9 +53,10 @@ def test_every_seed_counts_for_the_goal() -> None:
 
 
 def test_the_other_start_is_judged_alike() -> None:
-    """Raw and aligned in centimetres, the goal, and how many hold it."""
-    rows = cells(tables.squares({DRIVE: [Outcome(raw, 0.5 * raw) for raw in (0.010, 0.012, 0.021)]}))
-    assert rows == [["40 Hz", "1.20 / 2.10", "0.60 / 1.05", "2.0", "2 of 3"]]
+    """Raw and aligned in centimetres by both methods, the goal, and how many hold it."""
+    runs = [Outcome(raw, 0.5 * raw) for raw in (0.010, 0.012, 0.021)]
+    rows = cells(tables.squares({DRIVE: [(run, Outcome(0.005, 0.001)) for run in runs]}))
+    assert rows == [["40 Hz", "1.20 / 2.10", "0.60 / 1.05", "0.50 / 0.50", "0.10 / 0.10", "2.0", "2 of 3", "yes"]]
 
 
 def test_lost_runs_are_counted() -> None:

@@ -163,9 +163,9 @@ def test_pyramid_reaches_further_than_one_level(room):
 
 
 def test_trace_holds_every_iterate(room):
-    """On request each Gauss-Newton step of each level is kept, coarse first, ending at the match."""
-    truth = np.array([0.3, -0.2, 0.7])
-    result = coarse_to_fine(room, room_points(truth), truth + 0.05, MatcherConfig(), trace=True)
+    """On request each Gauss-Newton step of each level is kept, coarse first, ending at the match by cells."""
+    truth, cells_alone = np.array([0.3, -0.2, 0.7]), MatcherConfig(surfel_weight=0.0)
+    result = coarse_to_fine(room, room_points(truth), truth + 0.05, cells_alone, trace=True)
     assert len(result.trace) == sum(result.iterations)
     assert list(dict.fromkeys(result.trace[:, 0])) == [2.0, 1.0, 0.0]
     np.testing.assert_allclose(result.trace[-1, 1:], result.pose)
