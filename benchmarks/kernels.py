@@ -23,6 +23,7 @@ from app.warmup import warm_up
 from benchmarks.cases import DEMOS, Recording, present
 from benchmarks.tables import table
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
+from slam_core.kernels.planar import transform_points
 from slam_core.matcher import coarse_to_fine, normal_equations
 from slam_core.measurements import Height, Imu, Int64s, Measurement, TruthPose
 from slam_core.pyramid import Pyramid
@@ -112,17 +113,24 @@ def kernels(slam: HectorSlam, scan: StepResult) -> Iterator[Part]:
     for name, beams in (("plain", Beams.plain(many)), ("across surfaces", Beams.with_surfaces(many))):
         evaluation = microseconds(partial(normal_equations, level, beams, scan.planar))
         yield f"beam evaluation, {name}", evaluation * 1e3 / len(many), "ns"
-    match, update = costs(pyramid, scan, slam.config.map)
-    yield f"match of one scan from 4 cm off, {len(scan.points)} beams", match, "us"
-    yield f"update of {len(pyramid.levels)} levels by one scan", update, "us"
+    by_cells = match(pyramid, scan, MatcherConfig(surfel_weight=0.0))
+    yield f"match of one scan from 4 cm off, {len(scan.points)} beams", match(pyramid, scan, MatcherConfig()), "us"
+    yield "the same by cells alone", by_cells, "us"
+    yield f"update of {len(pyramid.levels)} levels by one scan", update(pyramid, scan, slam.config.map), "us"
+    placed = transform_points(scan.planar, scan.points)
+    surfels = partial(level.place_surfaces, scan.points, scan.planar[:2], placed, scan.planar[2])
+    yield "of that, the surfels", microseconds(surfels), "us"
     yield "memory of a cell, all in", memory(pyramid) / cells(pyramid), "bytes"
 
 
-def costs(pyramid: Pyramid, scan: StepResult, config: MapConfig) -> tuple[float, float]:
-    """Microseconds of a match of `scan` and of an update by it, which changes the pyramid."""
-    start, matcher = scan.planar + OFF, MatcherConfig()
-    match = microseconds(lambda: coarse_to_fine(pyramid, scan.points, start, matcher))
-    return match, microseconds(lambda: pyramid.update(scan.points, NONE, LASER, scan.planar, config))
+def match(pyramid: Pyramid, scan: StepResult, config: MatcherConfig) -> float:
+    """Microseconds of a match of `scan`."""
+    return microseconds(partial(coarse_to_fine, pyramid, scan.points, scan.planar + OFF, config))
+
+
+def update(pyramid: Pyramid, scan: StepResult, config: MapConfig) -> float:
+    """Microseconds of an update by `scan`, which changes the pyramid."""
+    return microseconds(partial(pyramid.update, scan.points, NONE, LASER, scan.planar, config))
 
 
 def cells(pyramid: Pyramid) -> int:
@@ -163,8 +171,8 @@ def _drive(options: SceneOptions) -> list[StepResult]:
 
 def _row(name: str, results: list[StepResult], config: MapConfig) -> tuple[str, ...]:
     pyramid = mapped(results, config)
-    match, update = costs(pyramid, results[-1], config)
-    return name, f"{match:.0f}", f"{update:.0f}", f"{memory(pyramid) / 1e6:.1f}"
+    matched = match(pyramid, results[-1], MatcherConfig())
+    return name, f"{matched:.0f}", f"{update(pyramid, results[-1], config):.0f}", f"{memory(pyramid) / 1e6:.1f}"
 
 
 class Looks(NamedTuple):

@@ -88,7 +88,7 @@ class MatcherConfig:
             " alone, the paper's match).",
             "",
             0.0,
-            100.0,
+            20.0,
         ),
     ] = 5.0
     weak_share: Annotated[

@@ -95,7 +95,7 @@ def _joined(word, beams, nx, ny, offset):
     count = min(n + beams, LAST)
     share = beams / max(count, ONE)
     nx, ny = old_x + (nx - old_x) * share, old_y + (ny - old_y) * share
-    length = np.sqrt(nx * nx + ny * ny)
+    length = max(np.sqrt(nx * nx + ny * ny), HALF)
     return _packed(count, nx / length, ny / length, old + (offset - old) * share)
 
 
