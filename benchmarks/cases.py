@@ -22,6 +22,8 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "matcher.weak_share": 0.0,
     "matcher.blind_share": 0.0,
     "matcher.converged_step": 0.0,
+    "matcher.coarse_beams": 0,
+    "matcher.second_start": 0.0,
     "matcher.start_estimate": "last_pose",
     "scan.deskew": False,
     "motion.refinements": 0,

@@ -36,8 +36,9 @@ def coarse_to_fine(
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
     config.prior_weight; R stays what the scan alone says. Where few beams fix some direction of the position, only
     the map's gradient across the surfaces counts (config.weak_share); where next to none do, the pose stays there
-    as it was at the start (config.blind_share). The result of the finest level settles where the ends lie on its
-    surfels, too, as far as they count (config.surfel_weight).
+    as it was at the start (config.blind_share). Coarser levels see fewer beams (config.coarse_beams). A match far
+    from a sure prediction is tried from there as well (config.second_start). What the finest level found settles
+    where the ends lie on its surfels, too, as far as they count (config.surfel_weight).
     """
     levels = pyramid.levels
     residuals = np.empty(len(points), np.float32)
@@ -58,6 +59,8 @@ def coarse_to_fine(
         config.iterations_fine,
         config.converged_step,
         config.max_yaw_step,
+        config.coarse_beams,
+        config.second_start,
         config.sigma,
         config.surfel_weight,
         config.weak_share,

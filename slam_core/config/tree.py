@@ -74,9 +74,36 @@ class MatcherConfig:
     iterations_coarse: Annotated[int, Param("Gauss-Newton steps on each coarser level.", "", 1, 30)] = 4
     iterations_fine: Annotated[int, Param("Gauss-Newton steps on the finest level.", "", 1, 60)] = 6
     converged_step: Annotated[
-        float, Param("A level ends when its step is shorter than this (0: never).", "m", 0.0, 0.05)
-    ] = 0.0005
+        float,
+        Param(
+            "The finest level ends when its step is shorter than this, a coarser one too, or when it is shorter"
+            " than a twentieth of its cells (0: never).",
+            "m",
+            0.0,
+            0.05,
+        ),
+    ] = 0.001
     max_yaw_step: Annotated[float, Param("A single step never turns further than this.", "rad", 0.01, 1.0)] = 0.2
+    coarse_beams: Annotated[
+        int,
+        Param(
+            "Each coarser level takes half of the beams that the finer ones left, if these are so many or more (0:"
+            " all beams, the paper's match).",
+            "",
+            0,
+            2000,
+        ),
+    ] = 180
+    second_start: Annotated[
+        float,
+        Param(
+            "A match further than this from the prediction is compared with one whose finest level begins there,"
+            " and the better one counts (0: never, the paper's match).",
+            "σ",
+            0.0,
+            100.0,
+        ),
+    ] = 3.0
     sigma: Annotated[float, Param("Scale of the match covariance, eq. (15).", "", 0.001, 10.0, log=True)] = 0.2
     covariance: Annotated[CovarianceMethod, Param("From the Hessian, eq. (15), or sampled around the match.")] = (
         "hessian"

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.linear import fill
-from slam_core.kernels.matching import gauss_newton, normal_equations, notes, without
+from slam_core.kernels.matching import against, gauss_newton, joint_cost, normal_equations, notes, without
 from slam_core.kernels.memory import lane
 from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.search import count_hits
@@ -23,6 +23,8 @@ _notes = njit(inline="always")(notes)
 
 # Of the beams, evenly, this many at least show how well the shape of the scan fixes its position.
 SURVEYED = 180
+# A coarser level only starts the next: it ends when its step is shorter than this part of its cells.
+NEAR = 0.05
 # A direction that the scan says nothing about is this uncertain at most: metres, metres, radians.
 LARGEST_SIGMA = (10.0, 10.0, math.pi)
 
@@ -42,6 +44,8 @@ def climb(
     iterations_fine,
     converged_step,
     max_yaw_step,
+    coarse_beams,
+    second_start,
     sigma,
     surfel_weight,
     weak_share,
@@ -56,6 +60,8 @@ def climb(
     cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
     corner: (2,) and surfels: of the finest, which count `surfel_weight`.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
+    coarse_beams: fewest that a coarser level takes, 0 for all. second_start: that many sigmas off a prediction the
+    finest level is climbed from there as well, and the end where (7) with the prior is less stays; 0 for never.
     found: (8, 3) takes the pose, the direction that the scan leaves open, if any, with the share of beams that fix
     it, the Hessian (13) and the covariance (15). taken: (levels,) takes the steps of each level.
     trace: (levels, k, 3) takes the first k iterates of each level.
@@ -67,37 +73,60 @@ def climb(
     along_x, along_y = np.zeros_like(xs), np.zeros_like(xs)
     beams = (xs, ys, along_x, along_y)
     found[1] = survey(xs, ys, start[2])
+    weak = np.zeros(2)
     if found[1, 2] < weak_share:
+        weak[:] = blind
         tangents(xs, ys, along_x, along_y)
     if found[1, 2] >= blind_share:
         blind[:] = 0.0
     noted, matched = _notes(), np.empty(6)
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
-    converged = False
-    for i in range(len(cells) - 1, -1, -1):
-        allowed = iterations_coarse if i else iterations_fine
-        taken[i], converged = gauss_newton(
+    last, finest, n = len(cells) - 1, (cells[0], corner, 1.0 / resolution), len(xs)
+    mixed_x, mixed_y, mixed_along_x, mixed_along_y = _by_turns(xs, last), _by_turns(ys, last), along_x, along_y
+    if found[1, 2] < weak_share:
+        mixed_along_x, mixed_along_y = _by_turns(along_x, last), _by_turns(along_y, last)
+    for i in range(last, 0, -1):
+        cell, (begin, end) = resolution * (1 << i), _turn(i, n, coarse_beams)
+        close = max(converged_step, NEAR * cell) if converged_step else 0.0
+        lighter = prior.copy()
+        lighter[:3] *= (end - begin) / max(n, 1)
+        taken[i], _ = gauss_newton(
             cells[i],
             corner >> i,
-            1.0 / (resolution * (1 << i)),
-            *beams,
+            1.0 / cell,
+            mixed_x[begin:end],
+            mixed_y[begin:end],
+            mixed_along_x[begin:end],
+            mixed_along_y[begin:end],
             pose,
-            prior,
+            lighter,
             blind,
-            allowed,
-            converged_step,
+            iterations_coarse,
+            close,
             max_yaw_step,
             residuals,
             trace[i],
             *noted,
             matched,
         )
+    limits = (blind, iterations_fine, converged_step, max_yaw_step)
+    taken[0], converged = gauss_newton(*finest, *beams, pose, prior, *limits, residuals, trace[0], *noted, matched)
+    if 0.0 < (second_start * sigma) ** 2 < against(prior, pose):
+        other, its_matched, its_trace = prior[3].copy(), np.empty_like(matched), np.empty_like(trace[0])
+        steps, well = gauss_newton(
+            *finest, *beams, other, prior, *limits, residuals, its_trace, *noted, its_matched
+        )
+        here = joint_cost(*finest, *beams, pose, prior, residuals, *noted)
+        if joint_cost(*finest, *beams, other, prior, residuals, *noted) < here:
+            pose[:], matched[:], trace[0][:] = other, its_matched, its_trace
+            taken[0], converged = steps, well
     if surfel_weight > 0.0:
-        settle(surfels, corner, 1.0 / resolution, xs, ys, pose, matched, surfel_weight, blind)
+        half = n - n // 2
+        halves = ((mixed_x[:half], mixed_y[:half]), (mixed_x[half:], mixed_y[half:]))
+        settle(surfels, corner, 1.0 / resolution, halves, pose, matched, surfel_weight, weak)
     fill(found[2:5], hessian(cells[0], corner, 1.0 / resolution, beams, pose, residuals, noted))
     fill(found[5:], hessian_covariance(found[2:5], sigma, blind))
     pose[2] -= whole_turns(pose[2])
-    last = len(cells) - 1
     known, hits = count_hits(cells[last], corner >> last, 1.0 / (resolution * (1 << last)), points, pose)
     return converged, known, hits
 
@@ -108,6 +137,39 @@ def _part(points, xs, ys):
     for k in range(len(xs)):
         put(xs, k, get(points, 2 * k))
         put_too(ys, k, get(points, 2 * k + 1))
+
+
+@njit(cache=True, error_model="numpy")
+def _by_turns(values, levels):
+    """A copy with every other value moved behind the rest, and of that rest again, once a coarser level."""
+    mixed, rest = values.copy(), len(values)
+    for _ in range(max(levels, 1)):
+        half = rest - rest // 2
+        _deal(mixed[:rest].copy(), mixed[:half], mixed[half:rest])
+        rest = half
+    return mixed
+
+
+@njit(cache=True, error_model="numpy")
+def _deal(values, first, second):
+    """Values to two receivers by turns."""
+    for k in range(len(second)):
+        put(first, k, get(values, 2 * k))
+        put_too(second, k, get(values, 2 * k + 1))
+    if len(first) > len(second):
+        first[-1] = values[-1]
+
+
+@njit(cache=True, error_model="numpy")
+def _turn(i, n, fewest):
+    """From where to where level i takes n beams `_by_turns`: half of those left, if they are `fewest` or more."""
+    begin, end = 0, n
+    for _ in range(i if fewest else 0):
+        end = begin if begin else n
+        begin = end - end // 2
+        if end - begin < fewest:
+            return 0, end
+    return begin, end
 
 
 @njit(cache=True, error_model="numpy")

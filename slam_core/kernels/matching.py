@@ -222,3 +222,22 @@ def gauss_newton(
         if max(abs(dx), abs(dy), abs(dpsi)) < converged_step:
             return steps, True
     return steps, converged_step == 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def joint_cost(cells, corner, inverse, xs, ys, along_x, along_y, pose, prior, residuals, words, arms):
+    """The cost of (7) at a pose (3,) and what the prior, as in `gauss_newton`, says against that pose."""
+    cost = normal_equations(
+        cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, words, arms
+    )[9]
+    return cost + against(prior, pose)
+
+
+@njit(cache=True, error_model="numpy")
+def against(prior, pose):
+    """(xi - mean)^T P^-1 (xi - mean), as a cost: what the prior of `gauss_newton` says against a pose (3,)."""
+    sum_ = 0.0
+    for i in range(3):
+        for j in range(3):
+            sum_ += prior[i, j] * (pose[i] - prior[3, i]) * (pose[j] - prior[3, j])
+    return sum_

@@ -29,7 +29,6 @@ RIGHT = np.uint64(32)
 
 STRAIGHT = 0.5  # of a surface around a beam's end, squared length of its tangent: less is no line
 AGREE = np.float32(0.7)  # cosine of the angle between two normals of one surface
-STEPS = 2
 # Ends this far (cells) off the line through their surfels count half; so do surfels of this many beams.
 APART = np.float32(1.0 / 0.2**2)
 FEW = np.float32(10.0)
@@ -118,22 +117,20 @@ def _packed(n, nx, ny, offset):
 
 
 @njit(cache=True, error_model="numpy")
-def settle(surfels, corner, inverse, xs, ys, pose, matched, weight, blind):
+def settle(surfels, corner, inverse, halves, pose, matched, weight, blind):
     """Move a matched pose (3,) to where the beams' ends lie on the surfels too, at most a cell on.
 
     Minimises (xi - pose)^T H (xi - pose) + weight sum_i w_i r_i^2 by Gauss-Newton, where r_i is the distance in
-    cells of end i from the mean line of the surfels in the four cells around it that look at the robot. Of the two
-    steps each takes every second beam: neighbours tell nearly the same.
+    cells of end i from the mean line of the surfels in the four cells around it that look at the robot. Each step
+    takes one of `halves` (xs, ys), every other beam: neighbours tell nearly the same.
     matched: (6,) upper entries of H, what the match says of itself. blind: as in `gauss_newton`.
     """
     x, y, psi = pose[0], pose[1], pose[2]
     m00, m01, m02, m11, m12, m22 = matched
-    weight *= STEPS
+    weight *= len(halves)
     k, kk = weight * inverse, weight * inverse * inverse
-    for step in range(STEPS):
-        h00, h01, h02, h11, h12, h22, b0, b1, b2 = normal_equations(
-            surfels, corner, inverse, xs[step::STEPS].copy(), ys[step::STEPS].copy(), x, y, psi
-        )
+    for xs, ys in halves:
+        h00, h01, h02, h11, h12, h22, b0, b1, b2 = normal_equations(surfels, corner, inverse, xs, ys, x, y, psi)
         e0, e1, e2 = pose[0] - x, pose[1] - y, pose[2] - psi
         dx, dy, dpsi, solved = solve3(
             *without(

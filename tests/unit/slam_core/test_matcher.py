@@ -7,6 +7,7 @@ import pytest
 
 from slam_core import matcher
 from slam_core.config import MapConfig, MatcherConfig
+from slam_core.kernels import climbing
 from slam_core.kernels.matching import TOGETHER
 from slam_core.matcher import coarse_to_fine, hessian_covariance, normal_equations, sampled_covariance
 from slam_core.pyramid import Pyramid
@@ -187,6 +188,57 @@ def test_converged_step_ends_early(room):
     early = coarse_to_fine(room, points, truth + 0.02, MatcherConfig(converged_step=0.0005, iterations_fine=20))
     assert sum(early.iterations) < sum(plain.iterations)
     assert np.abs(early.pose - plain.pose).max() < 0.002
+
+
+def test_coarser_levels_need_only_some_of_the_beams(room):
+    """With every other beam of the level below, and so on, the match ends where it does with all of them."""
+    truth = np.array([0.3, -0.2, 0.7])
+    points = room_points(truth)
+    some, every = (
+        coarse_to_fine(room, points, truth + 0.05, MatcherConfig(coarse_beams=k, converged_step=1e-5))
+        for k in (60, 0)
+    )
+    np.testing.assert_allclose(some.pose, every.pose, atol=1e-4)
+    assert len(some.residuals) == len(points)
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 181, 1080])
+@pytest.mark.parametrize("fewest", [0, 1, 180])
+def test_levels_share_the_beams_by_turns(n, fewest):
+    """Each level has as many as it needs or all that are left, none twice, spread over the whole sweep."""
+    mixed = climbing._by_turns(np.arange(n, dtype=np.float32), 2)
+    assert sorted(mixed) == list(range(n))
+    shares = [mixed[slice(*climbing._turn(i, n, fewest))] for i in range(3)]
+    assert len(shares[0]) == n
+    for share in shares[1:]:
+        assert len(share) == n or len(share) >= fewest > 0
+        assert np.ptp(np.diff(share)) == 0 if 1 < len(share) < n else True
+    if fewest and n == 1080:
+        assert [len(share) for share in shares] == [1080, 540, 270]
+        assert not set(shares[1]) & set(shares[2])
+
+
+def corridor_end(wall_at):
+    """Endpoints on a wall ahead and two at the sides, from the origin."""
+    y, x = np.linspace(-1.5, 1.5, 400), np.linspace(-1.5, 2.0, 400)
+    ahead = np.column_stack([np.full_like(y, wall_at), y])
+    sides = [np.column_stack([x, np.full_like(x, side)]) for side in (1.52, -1.52)]
+    return np.concatenate([ahead, *sides]).astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "second_start", "far"), [(0.005, 0.0, True), (0.005, 3.0, False), (1.0, 3.0, True)]
+)
+def test_a_sure_prediction_is_a_second_start(sigma, second_start, far):
+    """A wall drawn twice leads the coarser levels away; a match near a sure prediction that costs less wins."""
+    pyramid, nothing, origin = Pyramid(ROOM), np.empty((0, 2), np.float32), np.zeros(3)
+    for wall_at in (2.12, 2.12, 2.12, 1.92):
+        pyramid.update(corridor_end(wall_at), nothing, origin[:2], origin, ROOM)
+    prior = PlanarGaussian(origin, np.diag([sigma, sigma, 0.002]) ** 2)
+    config = MatcherConfig(second_start=second_start, surfel_weight=0.0)
+    match = coarse_to_fine(pyramid, corridor_end(1.92), origin, config, prior=prior, trace=True)
+    assert (match.pose[0] > 0.05) == far
+    np.testing.assert_allclose(match.trace[-1, 1:], match.pose)
 
 
 def test_equation_15():

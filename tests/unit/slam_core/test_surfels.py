@@ -47,12 +47,16 @@ def seen(points, times=1, *, laser=LASER, onto=None):
     return pyramid
 
 
+def halves(points):
+    """Every other point, as coordinates."""
+    return tuple((part[:, 0].copy(), part[:, 1].copy()) for part in (points[::2], points[1::2]))
+
+
 def pulled(pyramid, points, pose=HERE):
     """Where surfels alone take a pose that a match holds weakly."""
     level, moved = pyramid.levels[0], pose.copy()
-    xs, ys = points[:, 0].copy(), points[:, 1].copy()
     weak = np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0])
-    settle(level.surfels, level.corner, 1.0 / level.resolution, xs, ys, moved, weak, 1.0, OPEN)
+    settle(level.surfels, level.corner, 1.0 / level.resolution, halves(points), moved, weak, 1.0, OPEN)
     return moved
 
 
@@ -217,8 +221,8 @@ def test_an_open_direction_is_left_as_it_is():
     pyramid, points = seen(wall(2.02), 5), wall(2.02)
     level = pyramid.levels[0]
     pose, blind = np.array([0.01, 0.0, 0.0]), np.array([1.0, 0.0])
-    xs, ys = points[:, 0].copy(), points[:, 1].copy()
-    settle(level.surfels, level.corner, 1.0 / CELL, xs, ys, pose, np.array([1.0, 0, 0, 1.0, 0, 1.0]), 1.0, blind)
+    loose = np.array([1.0, 0, 0, 1.0, 0, 1.0])
+    settle(level.surfels, level.corner, 1.0 / CELL, halves(points), pose, loose, 1.0, blind)
     assert pose[0] == 0.01
 
 
