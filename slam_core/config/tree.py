@@ -93,7 +93,7 @@ class MatcherConfig:
             0,
             2000,
         ),
-    ] = 180
+    ] = 360
     second_start: Annotated[
         float,
         Param(
