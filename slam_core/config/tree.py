@@ -82,7 +82,7 @@ class MatcherConfig:
             0.0,
             0.05,
         ),
-    ] = 0.001
+    ] = 0.0005
     max_yaw_step: Annotated[float, Param("A single step never turns further than this.", "rad", 0.01, 1.0)] = 0.2
     coarse_beams: Annotated[
         int,
