@@ -18,7 +18,7 @@ def refine(
     scan: LaserScan,
     leveled: StabilisedScan,
     match: MatchResult,
-    prior: PlanarGaussian,
+    prior: PlanarGaussian | None,
     pyramid: Pyramid,
     motion: PlanarMotion,
     config: SlamConfig,
@@ -27,8 +27,8 @@ def refine(
 ) -> tuple[StabilisedScan, MatchResult]:
     """Place the beams by the motion fused with their match and match again, as long as eq. (7) becomes smaller.
 
-    motion: the belief before the match, at the instant of `prior`; it is left as it is. Returns the scan and match
-    to go on with, at first those given. trace: as in `coarse_to_fine`.
+    motion: the belief before the match; it is left as it is. prior, trace: as in `coarse_to_fine`.
+    Returns the scan and match to go on with, at first those given.
     """
     half_sweep = 0.5e-9 * (scan.end_ns - scan.stamp_ns) if config.scan.deskew else 0.0
     twist = motion.twist

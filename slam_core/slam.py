@@ -14,7 +14,7 @@ from slam_core.faults import NO_BEAM
 from slam_core.given import GivenMap
 from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
-from slam_core.measurements import Float32s, Float64s, LaserScan, Measurement
+from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.pyramid import Pyramid
 from slam_core.results import Durations, MatchResult, PlanarGaussian, StepResult
 from slam_core.resweep import refine
@@ -128,12 +128,7 @@ class HectorSlam:
             return None
         prior = self._motion.prior(mid_ns)
         matching_at = clock()
-        match, verdict = self._match(leveled, prior, mid_ns)
-        if match and verdict.believed and (guess := self._motion.guessed):
-            leveled, match = refine(
-                scan, leveled, match, prior, self.pyramid, guess, self.config, trace=self.trace
-            )
-            self._pose = match.pose
+        leveled, match, verdict = self._match(scan, leveled, prior, mid_ns)
         matched_at = clock()
         unexpected = self.pyramid.unexpected(leveled.points, self._pose)
         updated = verdict.believed and self._map(leveled)
@@ -188,38 +183,51 @@ class HectorSlam:
         self._pose = self._fused = start.mean
 
     def _match(
-        self, leveled: StabilisedScan, prior: PlanarGaussian, time_ns: int
-    ) -> tuple[MatchResult | None, Verdict]:
-        """Align the scan with the map and judge that; no match for the first scan, whose pose is the origin."""
+        self, scan: LaserScan, leveled: StabilisedScan, prior: PlanarGaussian, time_ns: int
+    ) -> tuple[StabilisedScan, MatchResult | None, Verdict]:
+        """Align the scan with the map and judge that; no match for the first scan, whose pose is the origin.
+
+        With it comes the scan as its beams lie by what the match says of the motion.
+        """
         if self.pyramid.empty:
-            return None, WELL
-        start = self._start_estimate(prior)
-        match = coarse_to_fine(
-            self.pyramid, leveled.points, start, self.config.matcher, prior=prior, trace=self.trace
-        )
+            return leveled, None, WELL
+        leveled, match = self._align(scan, leveled, self._start_estimate(prior), prior)
         verdict = WELL
         if self.config.tracking.check:
-            match, verdict = self._judge(match, leveled.points, prior)
+            leveled, match, verdict = self._judge(scan, leveled, match, prior)
         if verdict.state == "lost" and self.config.tracking.relocalise:
             match, verdict = self._seek(match, verdict, leveled, time_ns)
         if verdict.believed:
             self._lookout.rest()
         self._pose = match.pose if verdict.believed else prior.mean
-        return match, verdict
+        return leveled, match, verdict
 
-    def _judge(self, match: MatchResult, points: Float32s, prior: PlanarGaussian) -> tuple[MatchResult, Verdict]:
+    def _align(
+        self, scan: LaserScan, leveled: StabilisedScan, start: Float64s, prior: PlanarGaussian | None
+    ) -> tuple[StabilisedScan, MatchResult]:
+        """A scan matched from a start, and how its beams lie then."""
+        match = coarse_to_fine(
+            self.pyramid, leveled.points, start, self.config.matcher, prior=prior, trace=self.trace
+        )
+        guess = self._motion.guessed
+        if guess is None:
+            return leveled, match
+        return refine(scan, leveled, match, prior, self.pyramid, guess, self.config, trace=self.trace)
+
+    def _judge(
+        self, scan: LaserScan, leveled: StabilisedScan, match: MatchResult, prior: PlanarGaussian
+    ) -> tuple[StabilisedScan, MatchResult, Verdict]:
         """The match if it can be believed, else one found further away, else the verdict against both."""
         config, tracker = self.config.tracking, self._tracker
         reason = tracker.doubt(match.fit, disagreement(match, prior), config)
         if not reason:
-            return match, tracker.believe(match.fit, reason)
-        start = find_pose(self.pyramid.levels[-1], points, prior.mean, search_window(prior, config))
+            return leveled, match, tracker.believe(match.fit, reason)
+        start = find_pose(self.pyramid.levels[-1], leveled.points, prior.mean, search_window(prior, config))
         start[:2] -= match.blind * (match.blind @ (start - prior.mean)[:2])  # there any place fits as well
-        other = coarse_to_fine(self.pyramid, points, start, self.config.matcher, trace=self.trace)
-        for candidate in (other, match):
+        for placed, candidate in (self._align(scan, leveled, start, None), (leveled, match)):
             if tracker.convinces(candidate.fit, disagreement(candidate, prior), config):
-                return candidate, tracker.believe(candidate.fit, reason)
-        return match, tracker.miss(reason, config)
+                return placed, candidate, tracker.believe(candidate.fit, reason)
+        return leveled, match, tracker.miss(reason, config)
 
     def _seek(
         self, match: MatchResult, verdict: Verdict, leveled: StabilisedScan, time_ns: int

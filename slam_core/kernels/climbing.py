@@ -81,7 +81,7 @@ def climb(
         blind[:] = 0.0
     noted, matched = _notes(), np.empty(6)
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
-    last, finest, n = len(cells) - 1, (cells[0], corner, 1.0 / resolution), len(xs)
+    last, n = len(cells) - 1, len(xs)
     mixed_x, mixed_y, mixed_along_x, mixed_along_y = _by_turns(xs, last), _by_turns(ys, last), along_x, along_y
     if found[1, 2] < weak_share:
         mixed_along_x, mixed_along_y = _by_turns(along_x, last), _by_turns(along_y, last)
@@ -109,17 +109,18 @@ def climb(
             *noted,
             matched,
         )
+    finest = (cells[0], corner, 1.0 / resolution, *beams)
     limits = (blind, iterations_fine, converged_step, max_yaw_step)
-    taken[0], converged = gauss_newton(*finest, *beams, pose, prior, *limits, residuals, trace[0], *noted, matched)
+    taken[0], converged = gauss_newton(*finest, pose, prior, *limits, residuals, trace[0], *noted, matched)
     if 0.0 < (second_start * sigma) ** 2 < against(prior, pose):
-        other, its_matched, its_trace = prior[3].copy(), np.empty_like(matched), np.empty_like(trace[0])
-        steps, well = gauss_newton(
-            *finest, *beams, other, prior, *limits, residuals, its_trace, *noted, its_matched
+        rival, its_matched, its_trace = prior[3].copy(), np.empty_like(matched), np.empty_like(trace[0])
+        its_steps, its_end = gauss_newton(
+            *finest, rival, prior, *limits, residuals, its_trace, *noted, its_matched
         )
-        here = joint_cost(*finest, *beams, pose, prior, residuals, *noted)
-        if joint_cost(*finest, *beams, other, prior, residuals, *noted) < here:
-            pose[:], matched[:], trace[0][:] = other, its_matched, its_trace
-            taken[0], converged = steps, well
+        cost = joint_cost(*finest, pose, prior, residuals, *noted)
+        if joint_cost(*finest, rival, prior, residuals, *noted) < cost:
+            pose[:], matched[:], trace[0][:] = rival, its_matched, its_trace
+            taken[0], converged = its_steps, its_end
     if surfel_weight > 0.0:
         half = n - n // 2
         halves = ((mixed_x[:half], mixed_y[:half]), (mixed_x[half:], mixed_y[half:]))
