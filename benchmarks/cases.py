@@ -29,6 +29,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "motion.refinements": 0,
     "tracking.check": False,
     "map.doubt_interval": 0.0,
+    "map.patience": 0.0,
     "aiding.standstill": False,
     "motion.odometry_slip": 0.0,
     "tracking.relocalise": False,

@@ -54,6 +54,11 @@ class EgoMotion:
         return None if self.inertial else self._planar
 
     @property
+    def unaided(self) -> bool:
+        """Whether nothing but matches tells how the base moves and is tilted."""
+        return not (self.inertial or self._planar.aided)
+
+    @property
     def unused(self) -> Counter[str]:
         """Inertial data, and what aids it, that was not used as it came, by reason."""
         return self._filter.counts + self._plane.counts

@@ -31,10 +31,14 @@ SET_BACK_NS = 1_000_000_000
 
 
 class PlanarMotion:
-    """A Kalman filter on x, y, psi in the map and the body's velocity forward, left and about z; six states."""
+    """A Kalman filter on x, y, psi in the map and the body's velocity forward, left and about z; six states.
+
+    aided: whether anything but matches was heard of: somebody else's attitude, or wheels.
+    """
 
     def __init__(self) -> None:
         self.stamp_ns: int | None = None
+        self.aided = False
         self._mean = np.zeros(6)
         self._covariance = np.diag([0.01, 0.01, 0.01, 1.0, 1.0, 1.0]) ** 2.0
         self._attitudes: deque[Attitude] = deque(maxlen=MEMORY)
@@ -42,6 +46,7 @@ class PlanarMotion:
     def add_attitude(self, attitude: Attitude) -> None:
         """Remember roll and pitch."""
         self._attitudes.append(attitude)
+        self.aided = True
 
     def add_yaw_rate(self, time_ns: int, rate: float, config: MotionConfig) -> None:
         """Let a gyro correct the yaw rate, rad/s."""
@@ -57,6 +62,7 @@ class PlanarMotion:
     def add_odometry(self, odometry: Odometry, config: MotionConfig) -> None:
         """Let wheels correct the velocity."""
         self._advance(odometry.stamp_ns, config)
+        self.aided = True
         wanted = np.array([*odometry.velocity, odometry.yaw_rate])
         self._observe(OBSERVE_TWIST, wanted, np.diag(odometry_sigmas(odometry, config) ** 2))
 
@@ -136,7 +142,7 @@ class PlanarMotion:
         """An independent copy."""
         other = PlanarMotion()
         other.stamp_ns, other._mean, other._covariance = self.stamp_ns, self._mean.copy(), self._covariance.copy()
-        other._attitudes = self._attitudes.copy()
+        other.aided, other._attitudes = self.aided, self._attitudes.copy()
         return other
 
     def _advance(self, time_ns: int, config: MotionConfig) -> None:

@@ -1,6 +1,5 @@
 """The paper's figure 1: scans and inertial data in, map and 6DOF pose out."""
 
-import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 
@@ -21,6 +20,7 @@ from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
 from slam_core.tracking import WELL, Tracker, Verdict, disagreement, search_window
+from slam_core.updates import Updates
 
 # Where the map begins is where the first scan was taken: this sure.
 FIRST = MatchResult(
@@ -53,7 +53,7 @@ class HectorSlam:
         self._pose = np.zeros(3)
         self._fused = np.zeros(3)
         self._drawn = DrawnMap()
-        self._mapped: Float64s | None = None
+        self._updates = Updates()
         self._doubted_ns = 0
         self._waiting_ns = 0
 
@@ -131,7 +131,7 @@ class HectorSlam:
         leveled, match, verdict = self._match(scan, leveled, prior, mid_ns)
         matched_at = clock()
         unexpected = self.pyramid.unexpected(leveled.points, self._pose)
-        updated = verdict.believed and self._map(leveled)
+        updated = verdict.believed and self._map(leveled, match, mid_ns)
         if match and verdict.believed:
             self._doubt(leveled, mid_ns)
         mapped_at = clock()
@@ -248,16 +248,11 @@ class HectorSlam:
             return geometry.compose(self._pose, moved)
         return self._pose
 
-    def _map(self, leveled: StabilisedScan) -> bool:
-        """Write the scan at the matched pose if the robot moved or turned enough since the last time."""
-        if not self._writes:
+    def _map(self, leveled: StabilisedScan, match: MatchResult | None, time_ns: int) -> bool:
+        """Write the scan at the matched pose if it is time to write one."""
+        residuals = match.residuals if match and self._motion.unaided else None
+        if not (self._writes and self._updates.writes(self._pose, time_ns, residuals, self.config.map)):
             return False
-        if self._mapped is not None:
-            (x, y, psi), (mapped_x, mapped_y, mapped_psi) = self._pose.tolist(), self._mapped.tolist()
-            near = math.hypot(x - mapped_x, y - mapped_y) < self.config.map.update_distance
-            if near and abs(geometry.wrap(psi - mapped_psi)) < self.config.map.update_angle:
-                return False
-        self._mapped = self._pose.copy()
         self.pyramid.update(leveled.points, leveled.cleared, leveled.laser, self._pose, self.config.map)
         return True
 

@@ -61,6 +61,16 @@ class MapConfig:
     log_odds_max: Annotated[float, Param("Upper cap of a cell: how sure a wall may get.", "", 0.5, 50.0)] = 50.0
     update_distance: Annotated[float, Param("The map is updated after moving this far.", "m", 0.0, 5.0)] = 0.4
     update_angle: Annotated[float, Param("The map is updated after turning this far.", "rad", 0.0, 3.14)] = 0.06
+    patience: Annotated[
+        float,
+        Param(
+            "How long a scan that fits worse than usual waits for a better one to be written in its place, where"
+            " nothing but matches tells how the laser moves (0: never, the paper).",
+            "s",
+            0.0,
+            10.0,
+        ),
+    ] = 0.5
     doubt_interval: Annotated[
         float,
         Param("How often occupied cells that beams pass are doubted, at rest too (0: never).", "s", 0.0, 60.0),

@@ -1,0 +1,55 @@
+"""Which scans are written into the map: one whenever the robot has moved on, if need be the better of a few."""
+
+import math
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.config import MapConfig
+from slam_core.measurements import Float32s, Float64s
+
+# A scan whose known residuals are this many times the usual ones fits badly; a residual this near to that of an
+# unknown map says nothing.
+POORER, UNKNOWN = 1.1, 0.02
+MEMORY = 0.05  # weight of the newest scan in the running level
+
+
+class Updates:
+    """Remembers where the last scan was written, since when another one is due, and how well scans fit."""
+
+    def __init__(self) -> None:
+        self._written: Float64s | None = None
+        self._due_ns: int | None = None
+        self._usual: float | None = None
+
+    def writes(self, pose: Float64s, time_ns: int, residuals: Float32s | None, config: MapConfig) -> bool:
+        """Whether the scan of an instant, believed to be at a pose (3,), is to be written.
+
+        residuals: (n,) of its match, where nothing else tells how the laser moved and was tilted. Then a scan that
+        fits worse than usual is likely to be bent, and for some time a better one is waited for.
+        """
+        poor = residuals is not None and self._is_poor(residuals)
+        if not self._has_moved(pose, config):
+            return False
+        if self._due_ns is None:
+            self._due_ns = time_ns
+        if poor and 0 <= time_ns - self._due_ns < config.patience * 1e9:
+            return False
+        self._written, self._due_ns = pose.copy(), None
+        return True
+
+    def _has_moved(self, pose: Float64s, config: MapConfig) -> bool:
+        """Whether it moved or turned enough since the last one that was written."""
+        if self._written is None:
+            return True
+        (x, y, psi), (written_x, written_y, written_psi) = pose.tolist(), self._written.tolist()
+        far = math.hypot(x - written_x, y - written_y) >= config.update_distance
+        return far or abs(geometry.wrap(psi - written_psi)) >= config.update_angle
+
+    def _is_poor(self, residuals: Float32s) -> bool:
+        known = residuals[np.abs(residuals - 0.5) > UNKNOWN]
+        error = math.sqrt(float(np.mean(np.square(known)))) if len(known) else 0.5
+        if self._usual is None:
+            self._usual = error
+        self._usual += MEMORY * (error - self._usual)
+        return error > POORER * self._usual
