@@ -38,13 +38,9 @@ def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi
     residuals: (n,) takes 1 - M(S_i(xi)) of every beam. Points off the map read 0.5 (unknown) with no gradient.
     words, arms: room for `notes` of the beams.
     """
-    turn = np.float32(math.cos(psi) * inverse), np.float32(math.sin(psi) * inverse)
+    turn, shift, box = in_lattice(cells, corner, inverse, x, y, psi)
     heading = np.float32(math.cos(psi)), np.float32(math.sin(psi))
-    shift = np.float32(x * inverse - 0.5), np.float32(y * inverse - 0.5)
-    rows, columns = cells.shape
-    left, low = np.int32(corner[0]), np.int32(corner[1])
-    box = np.float32(left), np.float32(left + columns - 2), np.float32(low), np.float32(low + rows - 2)
-    flat = cells.reshape(-1)
+    flat, columns = cells.reshape(-1), cells.shape[1]
     where, lower, upper, arm_u, arm_v = words[0], words[1], words[2], arms[0], arms[1]
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
     for begin in range(0, len(xs), TOGETHER):
@@ -63,6 +59,20 @@ def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi
         h00 * k * k, h01 * k * k, h02 * k * p, h11 * k * k, h12 * k * p, h22 * p * p,
         b0 * k, b1 * k, b2 * p, np.float64(cost),
     )  # fmt: skip
+
+
+@njit(inline="always")
+def in_lattice(cells, corner, inverse, x, y, psi):
+    """A pose as `place` takes it: turn and shift in cells, and the box of those with a neighbour beyond."""
+    turn = np.float32(math.cos(psi) * inverse), np.float32(math.sin(psi) * inverse)
+    shift = np.float32(x * inverse - 0.5), np.float32(y * inverse - 0.5)
+    rows, columns = cells.shape
+    left, low = np.int32(corner[0]), np.int32(corner[1])
+    return (
+        turn,
+        shift,
+        (np.float32(left), np.float32(left + columns - 2), np.float32(low), np.float32(low + rows - 2)),
+    )
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")

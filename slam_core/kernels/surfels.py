@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.matching import TOGETHER, place, solve3, without
+from slam_core.kernels.matching import TOGETHER, in_lattice, place, solve3, without
 from slam_core.kernels.memory import lane, pair
 from slam_core.kernels.surfaces import tangents
 
@@ -156,12 +156,8 @@ def settle(surfels, corner, inverse, halves, pose, matched, weight, blind):
 @njit(cache=True, error_model="numpy")
 def normal_equations(surfels, corner, inverse, xs, ys, x, y, psi):
     """The six upper entries and the right side of what `settle` minimises, in cells and radians."""
-    turn = np.float32(math.cos(psi) * inverse), np.float32(math.sin(psi) * inverse)
-    shift = np.float32(x * inverse - 0.5), np.float32(y * inverse - 0.5)
-    rows, columns = surfels.shape
-    left, low = np.int32(corner[0]), np.int32(corner[1])
-    box = np.float32(left), np.float32(left + columns - 2), np.float32(low), np.float32(low + rows - 2)
-    flat, room = surfels.reshape(-1), min(TOGETHER, len(xs))
+    turn, shift, box = in_lattice(surfels, corner, inverse, x, y, psi)
+    flat, columns, room = surfels.reshape(-1), surfels.shape[1], min(TOGETHER, len(xs))
     where, words, arms = np.empty(room, np.uint32), np.empty((4, room), np.int32), np.empty((2, room), np.float32)
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = ZERO
     for begin in range(0, len(xs), TOGETHER):
