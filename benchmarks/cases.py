@@ -33,6 +33,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
     "aiding.standstill": False,
     "motion.odometry_slip": 0.0,
     "tracking.relocalise": False,
+    "tracking.go_on": False,
     "navigation.height_gate": 0.0,
     "motion.odometry_gate": 0.0,
     "motion.observed_only": False,

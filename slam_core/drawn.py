@@ -1,7 +1,7 @@
 """How uncertain the map itself is: what lies beyond a stretch with an open direction was drawn with that.
 
-A match says where the robot is on the map. Where scans left a direction open, the map goes on from where the robot
-believed itself to be, and no match further on knows how long that stretch was.
+A match says where the robot is on the map. Where scans left a direction open, or there were none, the map goes on
+from where the robot believed itself to be, and no match further on knows how long that stretch was.
 """
 
 import numpy as np
@@ -17,6 +17,11 @@ class DrawnMap:
         self._lost: Float64s | None = None  # (2, 2) metres, against where the run began; None: nothing
         self._open: Float64s | None = None  # the direction
         self._variances = (0.0, 0.0)  # of the pose along it, when it opened and now
+
+    def go_on(self, prior: PlanarGaussian) -> None:
+        """The map goes on from a predicted pose, with nothing in between."""
+        spread = prior.covariance[:2, :2]
+        self._lost = spread if self._lost is None else self._lost + spread
 
     def claim(self, fused: PlanarGaussian, blind: Float64s) -> PlanarGaussian:
         """A fused pose with what the map adds to its uncertainty. blind: (2,) the open direction, or zero."""

@@ -15,7 +15,7 @@ from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
 from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.pyramid import Pyramid
-from slam_core.results import Durations, MatchResult, PlanarGaussian, StepResult
+from slam_core.results import NOWHERE, Durations, MatchResult, PlanarGaussian, StepResult
 from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
@@ -197,6 +197,8 @@ class HectorSlam:
             leveled, match, verdict = self._judge(scan, leveled, match, prior)
         if verdict.state == "lost" and self.config.tracking.relocalise:
             match, verdict = self._seek(match, verdict, leveled, time_ns)
+        if verdict.beyond and self._writes and self.config.tracking.go_on:
+            match, verdict = self._go_on(match, verdict, prior)
         if verdict.believed:
             self._lookout.rest()
         self._pose = match.pose if verdict.believed else prior.mean
@@ -227,7 +229,7 @@ class HectorSlam:
         for placed, candidate in (self._align(scan, leveled, start, None), (leveled, match)):
             if tracker.convinces(candidate.fit, disagreement(candidate, prior), config):
                 return placed, candidate, tracker.believe(candidate.fit, reason)
-        return leveled, match, tracker.miss(reason, config)
+        return leveled, match, tracker.miss(match.fit, reason, config)
 
     def _seek(
         self, match: MatchResult, verdict: Verdict, leveled: StabilisedScan, time_ns: int
@@ -238,6 +240,18 @@ class HectorSlam:
             return match, verdict
         self._place(time_ns, found.gaussian)
         return found, self._tracker.believe(found.fit, f"{verdict.reason}; found by a search of the whole map")
+
+    def _go_on(self, match: MatchResult, verdict: Verdict, prior: PlanarGaussian) -> tuple[MatchResult, Verdict]:
+        """Of a robot that got lost beyond its map: that goes on from the prediction, as uncertain as it is.
+
+        With nothing to match against the pose would drift for good.
+        """
+        self._tracker.rest()
+        self._drawn.go_on(prior)
+        self._updates.forget()
+        nothing = np.full_like(match.residuals, 0.5)
+        match = match._replace(pose=prior.mean, covariance=prior.covariance, residuals=nothing, blind=NOWHERE)
+        return match, Verdict("recovered", f"{verdict.reason}: the map goes on from the prediction")
 
     def _start_estimate(self, prior: PlanarGaussian) -> Float64s:
         """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""

@@ -15,11 +15,15 @@ LEAST_WINDOW = (0.5, 0.3)  # metres, radians: a prediction that failed may be to
 
 
 class Verdict(NamedTuple):
-    """What became of a scan's match: if it is not believed, the pose is the prediction; reason: what is wrong."""
+    """What became of a scan's match: if it is not believed, the pose is the prediction; reason: what is wrong.
+
+    beyond: whether the robot got lost where there is no map yet, and has seen next to none of it since.
+    """
 
     state: Tracking = "tracking"
     reason: str = ""
     believed: bool = True
+    beyond: bool = False
 
 
 WELL = Verdict()
@@ -38,11 +42,12 @@ def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float,
 
 
 class Tracker:
-    """The running level of the fit, and for how many scans none was good enough."""
+    """The running level of the fit, and for how many scans none was good enough, all beyond the map or not."""
 
     def __init__(self) -> None:
         self._usual = USUAL_FIT
         self._missed = 0
+        self._beyond = True
 
     def doubt(self, seen: Fit, sigmas: float, config: TrackingConfig) -> str:
         """Why a match cannot be believed as it is; empty if it can."""
@@ -64,13 +69,20 @@ class Tracker:
         """Go on with a match; `reason` is why it had to be searched for, if it had."""
         self._usual += MEMORY * (seen.hit - self._usual)
         recovered = bool(reason) or self._missed > 0
-        self._missed = 0
+        self.rest()
         return Verdict("recovered", reason) if recovered else WELL
 
-    def miss(self, reason: str, config: TrackingConfig) -> Verdict:
+    def rest(self) -> None:
+        """The robot has its place, whatever was missed."""
+        self._missed, self._beyond = 0, True
+
+    def miss(self, seen: Fit, reason: str, config: TrackingConfig) -> Verdict:
         """Go on with the prediction."""
         self._missed += 1
-        return Verdict("degraded" if self._missed < config.lost_after else "lost", reason, believed=False)
+        self._beyond &= seen.known < config.min_overlap
+        if self._missed < config.lost_after:
+            return Verdict("degraded", reason, believed=False)
+        return Verdict("lost", reason, believed=False, beyond=self._beyond)
 
 
 def _astray(seen: Fit, sigmas: float) -> bool:

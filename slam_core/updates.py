@@ -38,6 +38,10 @@ class Updates:
         self._written, self._due_ns = pose.copy(), None
         return True
 
+    def forget(self) -> None:
+        """The next scan is to be written wherever that is."""
+        self._written = self._due_ns = None
+
     def _has_moved(self, pose: Float64s, config: MapConfig) -> bool:
         """Whether it moved or turned enough since the last one that was written."""
         if self._written is None:
@@ -48,7 +52,9 @@ class Updates:
 
     def _is_poor(self, residuals: Float32s) -> bool:
         known = residuals[np.abs(residuals - 0.5) > UNKNOWN]
-        error = math.sqrt(float(np.mean(np.square(known)))) if len(known) else 0.5
+        if not len(known):
+            return False
+        error = math.sqrt(float(np.mean(np.square(known))))
         if self._usual is None:
             self._usual = error
         self._usual += MEMORY * (error - self._usual)

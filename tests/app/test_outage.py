@@ -5,6 +5,7 @@ from statistics import median
 
 from app.simulation import SceneOptions
 from benchmarks.outage import ALONE, laser_fails, satellites_fail
+from slam_core.config import with_value
 
 FEW_BEAMS = SceneOptions(seed=2, beams=361, scan_rate=20.0)
 SEEDS = (2, 3, 4)
@@ -32,3 +33,11 @@ def test_satellites_and_compass_carry_the_boat_without_a_laser() -> None:
 def test_satellites_and_compass_carry_a_boat_that_has_no_imu() -> None:
     """The same ten seconds in the plane: within half a metre at the end, where guessing strays over ten."""
     assert laser_fails(replace(FEW_BEAMS, imu=False)).at_return < 0.5
+
+
+def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
+    """Ten seconds on, next to nothing is known: it errs by what it drifted, and hardly more from there."""
+    options = SceneOptions(seed=1)
+    found = laser_fails(options, ALONE)
+    assert found.after < found.at_return + 0.5
+    assert laser_fails(options, with_value(ALONE, "tracking.go_on", False)).after > found.after + 5.0

@@ -1,4 +1,4 @@
-"""Faults put into drives: what the check of the matches is for. Plain is the same pipeline with the check off."""
+"""Faults put into drives: what the check of the matches is for. Plain has neither that nor patience."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
@@ -63,7 +63,8 @@ def kidnapped(imu: bool) -> Iterator[Item]:
 
 def run(items: Iterable[Item], check: bool) -> tuple[Pipeline, float]:
     """The pipeline after all of it, and its aligned error."""
-    pipeline = Pipeline(Settings(with_value(SlamConfig(), "tracking.check", check)))
+    plain = with_value(with_value(SlamConfig(), "tracking.check", False), "map.patience", 0.0)
+    pipeline = Pipeline(Settings(SlamConfig() if check else plain))
     for item in items:
         for measurement in pipeline.admit(item):
             pipeline.step(measurement)

@@ -50,3 +50,13 @@ def test_where_no_direction_is_open_the_claim_is_the_filter_s() -> None:
     drawn = DrawnMap()
     for lost in (0.5, 3.0, SURE):
         assert np.array_equal(drawn.claim(belief(lost), NOWHERE).covariance, belief(lost).covariance)
+
+
+def test_a_map_that_goes_on_from_a_prediction_is_as_uncertain_as_that() -> None:
+    """3 m and 4 m, in every direction: 5 m from then on, however sure a match is of its place on the map."""
+    drawn = DrawnMap()
+    for lost in (3.0, 4.0):
+        drawn.go_on(PlanarGaussian(np.zeros(3), lost**2 * np.eye(3)))
+    claimed = drawn.claim(belief(SURE), NOWHERE)
+    assert np.isclose(sigma(claimed, ALONG), 5.0, atol=1e-3)
+    assert np.isclose(sigma(claimed, ACROSS), 5.0, atol=1e-3)

@@ -11,6 +11,7 @@ from tests.worlds import fit, in_parts
 
 CONFIG = TrackingConfig(lost_after=3)
 GOOD, WORSE, BAD = Fit(0.9, 0.95), Fit(0.9, 0.65), Fit(0.9, 0.2)
+NEW = Fit(0.1, 0.8)
 
 
 def test_the_fit_counts_known_and_occupied_cells():
@@ -47,12 +48,22 @@ def test_what_is_usual_follows_the_place():
 def test_the_states_follow_each_other():
     """Degraded, lost after as many scans as set, recovered once, then tracking."""
     tracker = Tracker()
-    missed = [tracker.miss("why", CONFIG) for _ in range(4)]
+    missed = [tracker.miss(BAD, "why", CONFIG) for _ in range(4)]
     assert [verdict.state for verdict in missed] == ["degraded", "degraded", "lost", "lost"]
-    assert not any(verdict.believed for verdict in missed)
+    assert not any(verdict.believed or verdict.beyond for verdict in missed)
     found = [tracker.believe(GOOD, "") for _ in range(2)]
     assert [verdict.state for verdict in found] == ["recovered", "tracking"]
     assert tracker.believe(GOOD, "searched for").state == "recovered"
+
+
+@pytest.mark.parametrize(("seen", "beyond"), [([NEW] * 4, True), ([BAD, NEW, NEW, NEW], False)])
+def test_a_robot_is_lost_beyond_the_map_if_it_never_saw_any(seen, beyond):
+    """Not one that was carried away in known rooms, though it then wanders off: it has to be found in the map."""
+    tracker = Tracker()
+    for _ in range(2):  # the second time after it was found
+        missed = [tracker.miss(each, "why", CONFIG) for each in seen]
+        assert [verdict.beyond for verdict in missed] == [False, False, beyond, beyond]
+        tracker.believe(GOOD, "")
 
 
 def test_a_pose_that_was_searched_for_must_convince():

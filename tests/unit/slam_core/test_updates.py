@@ -57,6 +57,15 @@ def test_what_is_new_does_not_count_as_a_bad_fit(updates):
     assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, new, CONFIG)
 
 
+def test_a_scan_on_nothing_but_unknown_map_is_written_at_once(updates):
+    """Also at the place of the last one, if that is to be forgotten."""
+    nothing = np.full(100, 0.5, np.float32)
+    assert not updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
+    updates.forget()
+    assert updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
+    assert not updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
+
+
 def test_all_scans_are_alike_where_the_motion_is_known(updates):
     """Without residuals there is no wait, nor with a patience of 0, the paper's way."""
     assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, None, CONFIG)
