@@ -343,9 +343,6 @@ class TrackingConfig:
         int, Param("Scans in a row without a match that is believed until the pose is lost.", "", 1, 1000)
     ] = 10
     relocalise: Annotated[bool, Param("Search the whole map while the pose is lost.")] = True
-    go_on: Annotated[
-        bool, Param("A robot that got lost where there is no map yet goes on with it from the prediction.")
-    ] = True
     search_interval: Annotated[
         float, Param("Time from one search of the whole map to the next.", "s", 0.0, 60.0)
     ] = 1.0
@@ -353,6 +350,9 @@ class TrackingConfig:
         float,
         Param("Share of a scan that the map must explain at a place found by that search.", "", 0.3, 1.0),
     ] = 0.85
+    go_on: Annotated[
+        bool, Param("A robot that got lost where there is no map yet goes on with it from the prediction.")
+    ] = True
 
 
 @dataclass(frozen=True, slots=True)
