@@ -28,37 +28,34 @@ NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, a
 
 @njit(cache=True, error_model="numpy")
 def by_bearing(laser, ends):
-    """(n,) metres from the laser to the ends (n, 2), by bin of bearings and by length; where bins begin; a box.
+    """(n,) metres from the laser to the ends (n, 2), by bin of bearings; where bins begin, and their longest; a box.
 
-    The box, lowest and highest coordinates (2, 2), holds every place that a beam or its bin passes.
+    A bin without an end has -1 for its longest. The box, lowest and highest coordinates (2, 2), holds every place
+    that a beam or its bin passes.
     """
-    n, box, longest = len(ends), np.empty((2, 2)), 0.0
+    n, box, furthest = len(ends), np.empty((2, 2)), 0.0
     away, ways, places = np.empty((n, 2)), np.empty(n), np.empty(n)
     for k in range(n):
         away[k, 0], away[k, 1] = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
     _polar(away.reshape(-1), n, ways, places)
-    bins, begin = np.empty(n, np.int64), np.zeros(BINS + 1, np.int64)
+    bins, begin, longest = np.empty(n, np.int64), np.zeros(BINS + 1, np.int64), np.full(BINS, -1.0)
     box[:] = laser
     for k in range(n):
-        bins[k] = _bin(away[k, 0], away[k, 1], places[k])
-        begin[bins[k] + 1] += 1
-        longest = max(longest, ways[k])
+        b = _bin(away[k, 0], away[k, 1], places[k])
+        bins[k], longest[b], furthest = b, max(longest[b], ways[k]), max(furthest, ways[k])
+        begin[b + 1] += 1
         for j in range(2):
             box[0, j], box[1, j] = min(box[0, j], ends[k, j]), max(box[1, j], ends[k, j])
     for j in range(2):
-        box[0, j] -= BIN * longest
-        box[1, j] += BIN * longest
+        box[0, j] -= BIN * furthest
+        box[1, j] += BIN * furthest
     for b in range(BINS):
         begin[b + 1] += begin[b]
     lengths, filled = np.empty(n), begin[:-1].copy()
     for k in range(n):
-        i, first = filled[bins[k]], begin[bins[k]]
+        lengths[filled[bins[k]]] = ways[k]
         filled[bins[k]] += 1
-        while i > first and lengths[i - 1] > ways[k]:
-            lengths[i] = lengths[i - 1]
-            i -= 1
-        lengths[i] = ways[k]
-    return lengths, begin, box
+    return lengths, begin, longest, box
 
 
 @njit(cache=True, error_model="numpy")
@@ -72,12 +69,12 @@ def _polar(away, n, ways, places):
 
 @njit(cache=True, error_model="numpy")
 def doubt_passed(
-    log_odds, cells, surfels, corner, resolution, known, laser, lengths, begin, box, behind, most, free
+    log_odds, cells, surfels, corner, resolution, known, laser, lengths, begin, longest, box, behind, most, free
 ):
     """Take `most` log-odds at most and the step `free` from every occupied cell that is passed, and its surfel.
 
     surfels: as many as cells, or none at all.
-    known: row0, row1, column0, column1 (half open). lengths, begin, box: as of `by_bearing`. A cell is passed if
+    known: row0, row1, column0, column1 (half open). lengths, begin, longest, box: as of `by_bearing`. A cell is passed if
     beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a
     wall that is met at a slant, or an edge. Returns how many were.
     """
@@ -86,16 +83,15 @@ def doubt_passed(
     row, end = max(known[0], low), min(known[1], high + 1)
     room = MANY + cells.shape[1]
     us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
-    away, ways, places = np.empty((room, 2)), np.empty(room), np.empty(room)
+    away, ways, places, doubtful = np.empty((room, 2)), np.empty(room), np.empty(room), np.empty(room + 1, np.int32)
     most, free = np.float32(most), np.float32(free)
     passed = 0
     while row < end:
         n, row = _occupied(cells, row, end, first, last, us, vs)
-        for k in range(n):
-            away[k, 0] = (us[k] + corner[0] + 0.5) * resolution - laser[0]
-            away[k, 1] = (vs[k] + corner[1] + 0.5) * resolution - laser[1]
+        _centres(us, vs, n, corner, resolution, laser, away.reshape(-1))
         _polar(away.reshape(-1), n, ways, places)
-        for k in range(n):
+        for i in range(_before_an_end(ways, places, n, longest, behind, doubtful)):
+            k = doubtful[i]
             u, v = us[k], vs[k]
             if _is_passed(_bin(away[k, 0], away[k, 1], places[k]), ways[k], lengths, begin, behind):
                 value = min(log_odds[v, u], most) + free
@@ -129,10 +125,33 @@ def _occupied(cells, row, end, first, last, us, vs):
     return n, row
 
 
+@njit(cache=True, error_model="numpy")
+def _centres(us, vs, n, corner, resolution, laser, away):
+    """Of n cells, seen from the laser, into `away` (n, 2), flat."""
+    left, low, x, y = corner[0] + 0.5, corner[1] + 0.5, laser[0], laser[1]
+    for k in range(n):
+        put(away, 2 * k, (get(us, k) + left) * resolution - x)
+        put(away, 2 * k + 1, (get(vs, k) + low) * resolution - y)
+
+
+@njit(cache=True, error_model="numpy")
+def _before_an_end(ways, places, n, longest, behind, found):
+    """Into `found` those of n cells with a beam in their bin that ends behind them, or of an unsure bin: how many.
+
+    Few do, and which nobody foresees, so no branch hangs on that.
+    """
+    m = 0
+    for k in range(n):
+        place = places[k]
+        b = np.int64(np.floor(place))
+        b += BINS if b < 0 else 0
+        found[m] = k
+        m += (longest[b] > ways[k] + behind) | (abs(place - np.floor(place + 0.5)) < UNSURE)
+    return m
+
+
 @njit(inline="always")
 def _is_passed(b, distance, lengths, begin, behind):
-    if begin[b] == begin[b + 1] or lengths[begin[b + 1] - 1] <= distance + behind:  # of most cells
-        return False
     reach = _nearest(lengths, begin, b, NEAR * distance)
     if distance + behind < reach < np.inf:
         for beside in ((b + 1) % BINS, (b - 1) % BINS):
@@ -142,11 +161,12 @@ def _is_passed(b, distance, lengths, begin, behind):
 
 @njit(inline="always")
 def _nearest(lengths, begin, b, least):
-    """The shortest way of a bin's beams that end `least` metres away or further; inf without one."""
+    """The shortest way of a bin's beams that end further than `least` metres away; inf without one."""
+    nearest = np.inf
     for k in range(begin[b], begin[b + 1]):
         if lengths[k] > least:
-            return lengths[k]
-    return np.inf
+            nearest = min(nearest, lengths[k])
+    return nearest
 
 
 @njit(cache=True, error_model="numpy")

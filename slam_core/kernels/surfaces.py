@@ -36,13 +36,11 @@ def tangents(xs, ys, along_x, along_y):
     first, end = np.empty(n, np.int32), np.empty(n, np.int32)
     _neighbours(xs, ys, first, end)
     sums = np.zeros((5, n + 1))
+    sx = sy = sxx = sxy = syy = 0.0
     for i in range(n):
         x, y = float(xs[i]), float(ys[i])
-        sums[0, i + 1] = sums[0, i] + x
-        sums[1, i + 1] = sums[1, i] + y
-        sums[2, i + 1] = sums[2, i] + x * x
-        sums[3, i + 1] = sums[3, i] + x * y
-        sums[4, i + 1] = sums[4, i] + y * y
+        sx, sy, sxx, sxy, syy = sx + x, sy + y, sxx + x * x, sxy + x * y, syy + y * y
+        sums[0, i + 1], sums[1, i + 1], sums[2, i + 1], sums[3, i + 1], sums[4, i + 1] = sx, sy, sxx, sxy, syy
     _directions(sums[0], sums[1], sums[2], sums[3], sums[4], first, end, along_x, along_y)
 
 
@@ -71,29 +69,49 @@ def weakest_direction(xs, ys, along_x, along_y):
 
 @njit(cache=True, error_model="numpy")
 def _neighbours(xs, ys, first, end):
-    """The endpoints on the surface around each: from `first` up to before `end`."""
+    """The endpoints on the surface around each: from `first` up to before `end`.
+
+    Where a surface ends nobody foresees, so no branch hangs on that.
+    """
     n = len(xs)
-    way = np.zeros(n)
-    joined = np.zeros(n, np.bool_)  # with the one before
-    ux = uy = before = 0.0
-    for i in range(1, n):
-        dx, dy = float(xs[i] - xs[i - 1]), float(ys[i] - ys[i - 1])
-        step = math.sqrt(dx * dx + dy * dy)
-        way[i] = way[i - 1] + step
-        joined[i] = step <= GAP
-        if max(step, before) <= GROWTH * min(step, before) and dx * ux + dy * uy >= STRAIGHT * step * before:
-            joined[i] = joined[i - 1] = True
-        ux, uy, before = dx, dy, step
-    low = high = begin = 0
+    joined, way = np.empty(n, np.uint8), np.zeros(n + 1)
+    _join(xs, ys, joined, way)
+    i = low = 0
+    here = behind = 0.0
+    while i < n:  # either is one further after each round
+        far, next_here, next_behind = here - behind > REACH, way[i + 1], way[low + 1]
+        first[i], end[low] = low, i
+        here, behind = here if far else next_here, next_behind if far else behind
+        low, i = low + far, i + (not far)
+    for i in range(low, n):
+        end[i] = n
+    begin, stop = 0, n
     for i in range(n):
-        if not joined[i]:
-            begin = i
-        while low < begin or (low < i - NEIGHBOURS and way[i] - way[low] > REACH):
-            low += 1
-        high = max(high, i + 1)
-        while high < n and joined[high] and (high - i <= NEIGHBOURS or way[high] - way[i] <= REACH):
-            high += 1
-        first[i], end[i] = low, high
+        begin = begin if joined[i] else i
+        first[i] = max(min(first[i], i - NEIGHBOURS), begin)
+    for i in range(n - 1, -1, -1):
+        end[i] = min(max(end[i], i + 1 + NEIGHBOURS), stop)
+        stop = stop if joined[i] else i
+
+
+@njit(cache=True, error_model="numpy")
+def _join(xs, ys, joined, way):
+    """Which of n endpoints lie on one surface with the one before, and the way (n + 1,) along them, metres."""
+    n = len(xs)
+    steps, straight = np.zeros(n), np.zeros(n + 1, np.uint8)
+    for i in range(1, n):
+        dx, dy = float(get(xs, i) - get(xs, i - 1)), float(get(ys, i) - get(ys, i - 1))
+        put(steps, i, math.sqrt(dx * dx + dy * dy))
+    for i in range(2, n):
+        dx, dy = float(get(xs, i) - get(xs, i - 1)), float(get(ys, i) - get(ys, i - 1))
+        ux, uy = float(get(xs, i - 1) - get(xs, i - 2)), float(get(ys, i - 1) - get(ys, i - 2))
+        step, before = math.sqrt(dx * dx + dy * dy), math.sqrt(ux * ux + uy * uy)
+        even = (max(step, before) <= GROWTH * min(step, before)) & (dx * ux + dy * uy >= STRAIGHT * step * before)
+        put(straight, i, np.uint8(even))
+    for i in range(n):
+        joined[i] = (steps[i] <= GAP) | straight[i] | straight[i + 1]
+    for i in range(1, n):
+        way[i] = way[i - 1] + steps[i]
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")

@@ -59,15 +59,16 @@ def test_an_end_is_unexpected_in_the_midst_of_free_cells_alone(seed: int, around
 @settings(max_examples=60, deadline=None)
 @given(seeds, st.floats(1e-3, 30.0))
 def test_beams_are_sorted_into_the_bins_of_their_bearings(seed: int, reach: float) -> None:
-    """Each is in the bin that the arc tangent gives, also along the edge of two; shortest first."""
+    """Each is in the bin that the arc tangent gives, also along the edge of two; so is the longest of each."""
     rng = np.random.default_rng(seed)
     angles = np.concatenate([rng.uniform(-np.pi, np.pi, 150), rng.integers(-BINS // 2, BINS // 2, 50) * BIN])
     ways = reach * rng.uniform(0.1, 1.0, len(angles))
     ends = np.stack([ways * np.cos(angles), ways * np.sin(angles)], axis=1)
-    lengths, begin, box = by_bearing(np.zeros(2), ends)
+    lengths, begin, longest, box = by_bearing(np.zeros(2), ends)
     bins = np.array([math.floor(math.atan2(y, x) / BIN) % BINS for x, y in ends.tolist()])
     assert np.diff(begin).tolist() == np.bincount(bins, minlength=BINS).tolist()
     for b in range(BINS):
         wanted = np.sort(np.hypot(*ends[bins == b].T))
-        assert np.allclose(lengths[begin[b] : begin[b + 1]], wanted, rtol=1e-12, atol=0)
+        assert np.allclose(np.sort(lengths[begin[b] : begin[b + 1]]), wanted, rtol=1e-12, atol=0)
+        assert longest[b] == lengths[begin[b] : begin[b + 1]].max(initial=-1.0)
     assert (box[0] <= ends.min(axis=0)).all() and (box[1] >= ends.max(axis=0)).all()
