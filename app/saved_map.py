@@ -1,4 +1,4 @@
-"""A map on the disk: map.npz holds every cell exactly, map.yaml and its image are what ROS map servers share."""
+"""A map on the disk: map.npz holds all of it exactly, map.yaml and its image are what ROS map servers share."""
 
 import io
 import zipfile
@@ -23,6 +23,8 @@ def to_npz(levels: tuple[SavedLevel, ...]) -> bytes:
     arrays = {"version": np.array(VERSION), "resolutions": np.array([level.resolution for level in levels])}
     for i, level in enumerate(levels):
         arrays[f"corner{i}"], arrays[f"log_odds{i}"] = level.corner, level.log_odds
+        if level.surfels is not None:
+            arrays[f"surfels{i}"] = level.surfels
     content = io.BytesIO()
     np.savez_compressed(content, allow_pickle=False, **arrays)
     return content.getvalue()
@@ -66,16 +68,28 @@ def _read_npz(file: Path, limit: float) -> tuple[SavedLevel, ...]:
         with np.load(file, allow_pickle=False) as arrays:
             if int(arrays["version"]) != VERSION:
                 raise MapError(f"{file} is of version {int(arrays['version'])}, not {VERSION}: make the map again")
-            return tuple(
-                _level(float(resolution), arrays[f"corner{i}"], arrays[f"log_odds{i}"])
-                for i, resolution in enumerate(arrays["resolutions"])
+            entries = dict(arrays)
+            del entries["version"]
+            levels = tuple(
+                _level(
+                    float(resolution),
+                    entries.pop(f"corner{i}"),
+                    entries.pop(f"log_odds{i}"),
+                    entries.pop(f"surfels{i}", None),  # of the finest level, and not in maps of long ago
+                )
+                for i, resolution in enumerate(entries.pop("resolutions"))
             )
+            if entries:
+                raise ValueError("it holds something else besides")
+            return levels
     except DAMAGE as error:
         raise MapError(f"{file} is damaged or no map ({error}): save the map again") from error
 
 
-def _level(resolution: float, corner: np.ndarray, log_odds: np.ndarray) -> SavedLevel:
+def _level(resolution: float, corner: np.ndarray, log_odds: np.ndarray, surfels: np.ndarray | None) -> SavedLevel:
     sound = corner.shape == (2,) and corner.dtype == np.int64 and log_odds.ndim == 2 and log_odds.size
     if not (sound and log_odds.dtype == np.float32 and np.isfinite(log_odds).all() and 0.0 < resolution < 100.0):
         raise ValueError("a level is not made of cells")
-    return SavedLevel(resolution, corner, log_odds)
+    if surfels is not None and not (surfels.dtype == np.uint32 and surfels.shape == log_odds.shape):
+        raise ValueError("the surfels are not as many as the cells")
+    return SavedLevel(resolution, corner, log_odds, surfels)

@@ -20,12 +20,13 @@ class SavedLevel:
     """The known part of one level: log_odds (rows, columns), row 0 the lowest y, 0 unknown.
 
     resolution: metres a cell. corner: (2,) column and row of cell [0, 0] in the lattice whose cell (0, 0) begins
-    at the map's origin.
+    at the map's origin. surfels: (rows, columns) as in a GridLevel; None if it has none or they were not saved.
     """
 
     resolution: float
     corner: NDArray[np.int64]
     log_odds: Float32s
+    surfels: NDArray[np.uint32] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +54,7 @@ class GivenMap:
         """A pyramid of its own with every saved cell in it; MapError if the settings do not fit."""
         self.check(config)
         pyramid = Pyramid(config)
-        cells = [(level.corner, level.log_odds) for level in self.levels]
+        cells = [(level.corner, level.log_odds, level.surfels) for level in self.levels]
         if not pyramid.restore(cells, config.limit):
             raise MapError(f"{self.name} needs more than {config.limit:g} MB: raise --map.limit")
         return pyramid
@@ -64,6 +65,7 @@ def saved_levels(pyramid: Pyramid) -> tuple[SavedLevel, ...]:
     levels = []
     for level in pyramid.levels:
         row0, row1, column0, column1 = level.known
-        corner = level.corner + np.array([column0, row0])
-        levels.append(SavedLevel(level.resolution, corner, level.log_odds[row0:row1, column0:column1]))
+        corner, box = level.corner + np.array([column0, row0]), np.s_[row0:row1, column0:column1]
+        surfels = level.surfels[box] if len(level.surfels) else None
+        levels.append(SavedLevel(level.resolution, corner, level.log_odds[box], surfels))
     return tuple(levels)

@@ -109,18 +109,25 @@ class GridLevel:
         """
         write_surfels(self.surfels, self.corner, self.resolution, points, start, ends, psi)
 
-    def put(self, corner: NDArray[np.int64], log_odds: Float32s) -> None:
-        """Set a rectangle of cells (rows, columns) whose first is at a lattice corner; it must lie within."""
+    def put(
+        self, corner: NDArray[np.int64], log_odds: Float32s, surfels: NDArray[np.uint32] | None = None
+    ) -> None:
+        """Set a rectangle of cells (rows, columns) whose first is at a lattice corner; it must lie within.
+
+        surfels: as many, if this level keeps them.
+        """
         (column, row), (rows, columns) = (corner - self.corner).tolist(), log_odds.shape
         box = slice(row, row + rows), slice(column, column + columns)
         self.log_odds[box] = log_odds
         derive_cells(self.log_odds[box], self.cells[box])
+        if surfels is not None and len(self.surfels):
+            self.surfels[box] = surfels
         self.known = (row, row + rows, column, column + columns)
 
     def doubt(
         self,
         laser: Float64s,
-        beams: tuple[Float64s, NDArray[np.int64], Float64s],
+        beams: tuple[Float64s, NDArray[np.int64], Float64s, Float64s],
         behind: float,
         most: float,
         free: float,

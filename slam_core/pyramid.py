@@ -23,6 +23,9 @@ DOUBTED = 4.0
 # A beam is no surprise if it ends this many metres from an occupied cell.
 APART = 0.15
 
+SavedCells = tuple[NDArray[np.int64], Float32s, NDArray[np.uint32] | None]
+"""Of a level the lattice corner, the log-odds, and the surfels if there are any."""
+
 
 class Pyramid:
     """levels: finest first; they share the corner at `origin`. updates: scans written so far.
@@ -109,19 +112,19 @@ class Pyramid:
         """Whether no cell was ever touched."""
         return not self.levels[0].known[1]
 
-    def restore(self, cells: Sequence[tuple[NDArray[np.int64], Float32s]], limit: float) -> bool:
-        """Put saved cells into an empty pyramid: lattice corner and log-odds of every level, finest first.
+    def restore(self, cells: Sequence[SavedCells], limit: float) -> bool:
+        """Put saved cells into an empty pyramid, finest level first.
 
         The map grows to take them in; False, and nothing is put, if that needs more than `limit` megabytes.
         """
         ends = []
-        for level, (corner, values) in zip(self.levels, cells, strict=True):
+        for level, (corner, values, _) in zip(self.levels, cells, strict=True):
             ends += [level.resolution * (corner + 0.5), level.resolution * (corner + values.shape[::-1] - 0.5)]
         self._make_room(np.array(ends), limit)
         if self.stopped_at:
             return False
-        for level, (corner, values) in zip(self.levels, cells, strict=True):
-            level.put(corner, values)
+        for level, (corner, values, surfels) in zip(self.levels, cells, strict=True):
+            level.put(corner, values, surfels)
         return True
 
     def copy(self) -> "Pyramid":

@@ -69,15 +69,17 @@ def room_scan(
 
 
 def same_map(a: Pyramid, b: Pyramid) -> bool:
-    """Whether both hold the same in every cell of every level, however far each of them reaches."""
+    """Whether both hold the same in every cell and surfel of every level, however far each of them reaches."""
     return all(_known_cells(x) == _known_cells(y) for x, y in zip(a.levels, b.levels, strict=True))
 
 
-def _known_cells(level: GridLevel) -> tuple[list[int], bytes, bytes]:
+def _known_cells(level: GridLevel) -> tuple[list[int], bytes, bytes, bytes]:
     """The known box in the lattice and what is in it; nothing may be outside."""
     row0, row1, column0, column1 = level.known
     box = level.log_odds[row0:row1, column0:column1]
     assert np.count_nonzero(level.log_odds) == np.count_nonzero(box)
     assert np.count_nonzero(level.cells != UNKNOWN) == np.count_nonzero(box)
     place = [*(level.corner + np.array([column0, row0])).tolist(), *box.shape]
-    return place, box.tobytes(), level.cells[row0:row1, column0:column1].tobytes()
+    surfels = level.surfels[row0:row1, column0:column1]
+    assert np.count_nonzero(level.surfels) == np.count_nonzero(surfels)
+    return place, box.tobytes(), level.cells[row0:row1, column0:column1].tobytes(), surfels.tobytes()

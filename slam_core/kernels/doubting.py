@@ -28,7 +28,7 @@ NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, a
 
 @njit(cache=True, error_model="numpy")
 def by_bearing(laser, ends):
-    """(n,) metres from the laser to the ends (n, 2), by bin of bearings; where bins begin, and their longest; a box.
+    """(n,) metres from the laser to the ends (n, 2), by bin of bearings; where bins begin; their longest; a box.
 
     A bin without an end has -1 for its longest. The box, lowest and highest coordinates (2, 2), holds every place
     that a beam or its bin passes.
@@ -74,16 +74,17 @@ def doubt_passed(
     """Take `most` log-odds at most and the step `free` from every occupied cell that is passed, and its surfel.
 
     surfels: as many as cells, or none at all.
-    known: row0, row1, column0, column1 (half open). lengths, begin, longest, box: as of `by_bearing`. A cell is passed if
-    beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends close by: a
-    wall that is met at a slant, or an edge. Returns how many were.
+    known: row0, row1, column0, column1 (half open). lengths, begin, longest, box: as of `by_bearing`. A cell is
+    passed if beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends
+    close by: a wall that is met at a slant, or an edge. Returns how many were.
     """
     (left, right), (low, high) = cells_of(box, corner, resolution)
     first, last = max(known[2], left), min(known[3], right + 1)
     row, end = max(known[0], low), min(known[1], high + 1)
     room = MANY + cells.shape[1]
     us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
-    away, ways, places, doubtful = np.empty((room, 2)), np.empty(room), np.empty(room), np.empty(room + 1, np.int32)
+    away, ways, places = np.empty((room, 2)), np.empty(room), np.empty(room)
+    doubtful = np.empty(room + 1, np.int32)
     most, free = np.float32(most), np.float32(free)
     passed = 0
     while row < end:

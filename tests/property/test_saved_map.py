@@ -37,7 +37,9 @@ def test_loading_undoes_saving(
 
 
 def _write(pyramid: Pyramid, rng: np.random.Generator, config: MapConfig) -> None:
-    """One scan of noise, somewhere."""
+    """One scan of noise and of a wall, somewhere."""
     points, cleared = (rng.uniform(-6, 6, (n, 2)).astype(np.float32) for n in (40, 5))
+    wall = np.linspace(rng.uniform(-6, 6, 2), rng.uniform(-6, 6, 2), 60, dtype=np.float32)
+    points = np.concatenate([points, wall])
     pose = rng.uniform([-15, -15, -3], [15, 15, 3])
     pyramid.update(points, cleared, rng.uniform(-0.2, 0.2, 2), pose, config)

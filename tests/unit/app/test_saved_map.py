@@ -12,7 +12,12 @@ from slam_core.given import MapError, SavedLevel
 
 CONFIG = MapConfig(levels=2)
 LEVELS = tuple(
-    SavedLevel(0.05 * 2**i, np.array([-40, 20]) >> i, np.full((8 >> i, 12 >> i), 1.5, np.float32))
+    SavedLevel(
+        0.05 * 2**i,
+        np.array([-40, 20]) >> i,
+        np.full((8 >> i, 12 >> i), 1.5, np.float32),
+        None if i else np.arange(96, dtype=np.uint32).reshape(8, 12),
+    )
     for i in range(2)
 )
 
@@ -112,6 +117,8 @@ def test_no_changed_byte_makes_another_map(saved: Path):
         {"log_odds0": np.ones((3, 3))},
         {"log_odds1": np.full((4, 6), np.nan, np.float32)},
         {"log_odds1": np.ones((0, 6), np.float32)},
+        {"surfels0": np.ones((8, 11), np.uint32)},
+        {"surfels0": np.ones((8, 12), np.int64)},
     ],
 )
 def test_arrays_that_are_no_map_are_refused(saved: Path, changed: dict[str, object]):
@@ -122,6 +129,15 @@ def test_arrays_that_are_no_map_are_refused(saved: Path, changed: dict[str, obje
         packed(**{name: value for name, value in entries.items() if value is not None})
     )
     assert "is damaged or no map" in refused(saved)
+
+
+def test_a_map_from_before_there_were_surfels_is_taken(saved: Path):
+    """Its cells are the same; where in them a surface lies is not known."""
+    with np.load(saved / "map.npz") as arrays:
+        (saved / "map.npz").write_bytes(packed(**{k: v for k, v in arrays.items() if k != "surfels0"}))
+    finest = load_map(saved, CONFIG).levels[0]
+    assert finest.surfels is None
+    assert (finest.log_odds == LEVELS[0].log_odds).all()
 
 
 def test_another_version_is_named(saved: Path):
