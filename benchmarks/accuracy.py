@@ -18,6 +18,7 @@ from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
 from slam_core.config import SlamConfig, with_value
 from slam_core.evaluation import Trajectory, interpolate, rms
+from slam_core.given import GivenMap
 from slam_core.measurements import Float64s, Imu, Measurement
 from slam_core.results import StepResult
 
@@ -70,9 +71,9 @@ class Replay:
     returned: float | None = None
 
 
-def process(items: Iterable[Item], config: SlamConfig) -> Pipeline:
-    """Every item through the pipeline."""
-    pipeline = Pipeline(Settings(config))
+def process(items: Iterable[Item], config: SlamConfig, given: GivenMap | None = None) -> Pipeline:
+    """Every item through the pipeline, which may begin with a map."""
+    pipeline = Pipeline(Settings(config), given=given)
     for _ in steps(pipeline, items):
         pass
     return pipeline

@@ -27,6 +27,7 @@ class Accuracy:
 
     drives: dict[Drive, list[Outcomes]]
     square: dict[Drive, list[tuple[Outcome, Outcome]]]
+    localised: dict[str, list[tuple[Outcome, Outcome]]]
     corridor: list[dict[str, CorridorOutcome]]
     halls: list[dict[str, HallOutcome]]
     empty: list[dict[str, Outcome]]
@@ -173,6 +174,13 @@ which a map of cells is worst ([why](accuracy.md#walls-along-the-edges-of-cells)
 method with `matcher.surfel_weight` 0, and by the full method.
 
 {tables.squares(accuracy.square)}
+## In a saved map
+
+Another drive with an IMU, with noise of its own, localises in the map that the first one saved, and changes
+nothing in it. Centimetres, median / worst over {len(SEEDS)} seeds: by the cells of that map alone, which is all an
+image holds, and with its surfels. What the first drive drew wrong is in both.
+
+{tables.localised(accuracy.localised)}
 ## A bare corridor
 
 120 m long and 2.4 m wide, walls only, with an IMU, 90 s at 1 m/s; median / worst over {len(SEEDS)} seeds. The

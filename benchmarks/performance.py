@@ -38,6 +38,7 @@ from benchmarks.cases import (
 from benchmarks.document import Accuracy, document, judged_anew, judgement
 from benchmarks.ghosts import crowd, nobody
 from benchmarks.inertial import ride
+from benchmarks.localising import SCENES, localised
 from benchmarks.outage import OUTAGE_SEEDS, OUTAGES
 from benchmarks.strays import glass, struck
 from tests.conftest import ROOT
@@ -68,6 +69,7 @@ def measure_accuracy() -> Accuracy:
         beside = {recording: pool.submit(others.compare, recording) for recording in compared}
         drives = {case: [pool.submit(drive, case.options, seed) for seed in DRIVE_SEEDS] for case in DRIVES}
         squares = {case: [pool.submit(square, case.options, seed) for seed in DRIVE_SEEDS] for case in DRIVES}
+        again = {name: [pool.submit(localised, name, seed) for seed in SEEDS] for name in SCENES}
         bare = [pool.submit(corridor, CORRIDOR, seed) for seed in SEEDS]
         crowded = [pool.submit(crowd, HALLS, seed) for seed in SEEDS]
         empty = [pool.submit(nobody, HALLS, seed) for seed in HALL_SEEDS]
@@ -77,6 +79,7 @@ def measure_accuracy() -> Accuracy:
         replays = {recording: pool.submit(replay, recording) for recording in present((*DEMOS, *REAL))}
         begun: dict[Future[Any], str] = {future: case.name for case in drives for future in drives[case]}
         names = begun | {future: f"{case.name}, square" for case in squares for future in squares[case]}
+        names |= {future: f"{name}, in a saved map" for name in again for future in again[name]}
         names |= {future: name for name, futures in lost.items() for future in futures}
         names |= dict.fromkeys(bare, "corridor") | dict.fromkeys([*crowded, *empty], "people")
         names |= dict.fromkeys(panes, "glass") | dict.fromkeys(strays, "stray beams")
@@ -87,6 +90,7 @@ def measure_accuracy() -> Accuracy:
         return Accuracy(
             {case: [future.result() for future in futures] for case, futures in drives.items()},
             {case: [future.result() for future in futures] for case, futures in squares.items()},
+            {name: [future.result() for future in futures] for name, futures in again.items()},
             [future.result() for future in bare],
             [future.result() for future in crowded],
             [future.result() for future in empty],

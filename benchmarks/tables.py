@@ -73,13 +73,22 @@ def squares(results: Mapping[Drive, Sequence[tuple[Outcome, Outcome]]]) -> str:
 
 def _square_row(drive: Drive, seeds: Sequence[tuple[Outcome, Outcome]]) -> Iterator[str]:
     yield drive.name
-    methods = list(zip(*seeds, strict=True))
-    for runs in methods:
+    yield from _compared(seeds)
+    yield f"{100 * drive.goal_m:.1f}"
+    for runs in zip(*seeds, strict=True):
+        yield _held([run.raw <= drive.goal_m for run in runs])
+
+
+def localised(results: Mapping[str, Sequence[tuple[Outcome, Outcome]]]) -> str:
+    """Errors in centimetres of drives in a map that another one left."""
+    head = ("drive", *(f"{method}, {error}" for method in ("cells alone", "full") for error in ("raw", "aligned")))
+    return table(head, ((name, *_compared(runs)) for name, runs in results.items()))
+
+
+def _compared(seeds: Sequence[tuple[Outcome, Outcome]]) -> Iterator[str]:
+    for runs in zip(*seeds, strict=True):
         yield spread([100 * run.raw for run in runs], ".2f") + _lost(runs)
         yield spread([100 * run.aligned for run in runs], ".2f")
-    yield f"{100 * drive.goal_m:.1f}"
-    for runs in methods:
-        yield _held([run.raw <= drive.goal_m for run in runs])
 
 
 def corridor(seeds: Sequence[Mapping[str, CorridorOutcome]]) -> str:
