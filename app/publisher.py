@@ -158,11 +158,12 @@ def map_images(pipeline: Pipeline, revision: int = 0) -> tuple[MapImage, ...]:
     """The known part of every level, finest first; none before the first map update."""
     images = []
     for number, level in enumerate(pipeline.slam.pyramid.levels):
-        row, _, column, _ = level.known
+        row, end, column, last = level.known
         x, y = level.resolution * (level.corner + np.array([column, row]))
         cells = level.classes()
         if cells.size:
-            images.append(MapImage(number, level.resolution, float(x), float(y), cells, revision))
+            surfels = level.surfels[row:end, column:last].copy()
+            images.append(MapImage(number, level.resolution, float(x), float(y), cells, revision, surfels))
     return tuple(images)
 
 

@@ -13,6 +13,7 @@ from slam_core.kernels.surfels import normal_equations, settle
 from slam_core.matcher import coarse_to_fine
 from slam_core.pyramid import Pyramid
 from slam_core.results import PlanarGaussian
+from slam_core.surfels import pieces
 
 CONFIG = MapConfig(size=512)
 CELL = CONFIG.resolution
@@ -158,6 +159,31 @@ def test_a_surfel_is_the_mean_line_of_its_beams():
     assert n >= 8
     assert (nx, ny) == pytest.approx((-1.0, 0.0), abs=0.02)
     assert offset == pytest.approx(0.0, abs=0.01)
+
+
+@given(st.floats(-math.pi, math.pi), st.floats(1.0, 3.0))
+def test_the_pieces_that_are_shown_lie_on_the_wall(heading, distance):
+    """To millimetres, from left to right as the laser sees it, and those of many beams count most."""
+    once, often = (seen(wall(distance, heading=heading), times) for times in (1, 30))
+    away = np.array([math.cos(heading), math.sin(heading)])
+    for pyramid, least, most in ((once, 0.05, 0.8), (often, 0.6, 1.0)):
+        finest = pyramid.levels[0]
+        ends, counts = pieces(finest.surfels, finest.resolution, *finest.origin)
+        off = ends @ away - distance
+        assert len(ends) > 20
+        assert np.median(np.abs(off)) < 0.002
+        assert np.abs(off.mean(axis=1)).max() < 0.005
+        to_the_right = (ends[:, 1] - ends[:, 0]) @ np.array([away[1], -away[0]])
+        assert (to_the_right > 0.04).all()
+        assert least < np.median(counts) < most
+
+
+def test_a_level_without_surfels_has_no_pieces():
+    """Neither a coarser level nor a map of which nothing is known."""
+    for level in Pyramid(MapConfig()).levels:
+        ends, counts = pieces(level.surfels, level.resolution, 0.0, 0.0)
+        assert ends.shape == (0, 2, 2)
+        assert counts.shape == (0,)
 
 
 def test_only_the_finest_level_keeps_surfels():

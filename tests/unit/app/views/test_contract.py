@@ -26,10 +26,18 @@ def messages(stage: Stage) -> int:
     return int(stage.server._websock_server._broadcast_buffer.message_counter)
 
 
+def whole(view: type[View], stage: Stage) -> View:
+    """The view with all of its layers switched on."""
+    made = view(stage)
+    for layer in stage.layers:
+        stage.show_layer(layer.key, True)
+    return made
+
+
 @VIEWS
 def test_it_draws_whatever_a_run_shows(view: type[View], stage: Stage) -> None:
     """Nothing yet, a first scan, a full picture, a run begun again, and the picture once more: no error."""
-    made = view(stage)
+    made = whole(view, stage)
     full = room_snapshot()
     for snapshot in (Snapshot(), without_filter(full), full, restarted(full), full):
         made.draw(snapshot)
@@ -38,7 +46,7 @@ def test_it_draws_whatever_a_run_shows(view: type[View], stage: Stage) -> None:
 @VIEWS
 def test_it_follows_every_setting(view: type[View], stage: Stage) -> None:
     """Every layout, theme and colouring can be chosen while nothing moves."""
-    made, snapshot = view(stage), room_snapshot()
+    made, snapshot = whole(view, stage), room_snapshot()
     made.draw(snapshot)
     for change in SETTINGS:
         stage.show(**change)
@@ -48,7 +56,7 @@ def test_it_follows_every_setting(view: type[View], stage: Stage) -> None:
 @VIEWS
 def test_it_sends_nothing_when_nothing_changed(view: type[View], stage: Stage) -> None:
     """Drawing the same snapshot again costs no bytes."""
-    made, snapshot = view(stage), room_snapshot()
+    made, snapshot = whole(view, stage), room_snapshot()
     made.draw(snapshot)
     before = messages(stage)
     made.draw(snapshot)
