@@ -6,6 +6,7 @@ import numpy as np
 
 from app.sources import Item
 from app.warmup import warm_up
+from slam_core.aiding.corrections import PLAUSIBLE
 from slam_core.config import SlamConfig
 from slam_core.devices import Agreement, Gravity, compare_tilts, compare_turns, gravity, yaw_rates
 from slam_core.measurements import Float64s, Imu, LaserScan, Odometry
@@ -40,7 +41,7 @@ class Evidence:
     def __init__(self) -> None:
         self._begin_ns: int | None = None
         self._imu: list[tuple[float, ...]] = []
-        self._wheels: list[tuple[float, float]] = []
+        self._wheels: list[tuple[float, ...]] = []
         self._scans: list[LaserScan] = []
         self._slam: HectorSlam | None = None
         self._headings: list[tuple[float, float]] = []
@@ -53,9 +54,9 @@ class Evidence:
         if time > LONGEST_S:
             return time
         if isinstance(item, Imu):
-            self._imu.append((time, *item.angular_velocity, *item.linear_acceleration))
+            _keep(self._imu, time, *item.angular_velocity, *item.linear_acceleration)
         elif isinstance(item, Odometry):
-            self._wheels.append((time, item.yaw_rate))
+            _keep(self._wheels, time, item.yaw_rate)
         elif isinstance(item, LaserScan):
             self._add_scan(item)
         return time
@@ -107,6 +108,12 @@ class Evidence:
 
     def _seconds(self, stamp_ns: int) -> float:
         return (stamp_ns - (self._begin_ns or 0)) * 1e-9
+
+
+def _keep(samples: list[tuple[float, ...]], time: float, *values: float) -> None:
+    """Of what a damaged message holds nothing: one such value would be all that is left of a mean."""
+    if all(abs(value) < PLAUSIBLE for value in values):
+        samples.append((time, *values))
 
 
 def _turns(headings: Float64s, rates: Float64s) -> Agreement | None:

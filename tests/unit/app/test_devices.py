@@ -246,3 +246,21 @@ def test_a_stream_whose_imu_hangs_upside_down_is_warned_of_at_rest_and_ended_by_
     with pytest.raises(DeviceError, match="upside down"):
         list(watched.items())
     watched.close()
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e200])
+def test_damaged_samples_say_nothing_of_the_device(value: float) -> None:
+    """One in fifty holds no plausible number, in a rate or a force: gravity and turns are what they were."""
+    samples, damaged = 0, []
+    for item in honest():
+        samples += isinstance(item, Imu)
+        rate, force = (value if samples % 100 == each else 1.0 for each in (0, 50))
+        damaged.append(inertial([rate] * 3, [force] * 3)(item))
+    found, whole = measures(damaged), measures(honest())
+    assert samples > 1000
+    assert found.gravity is not None
+    assert whole.gravity is not None
+    assert found.gravity.norm == pytest.approx(whole.gravity.norm, rel=0.01)
+    assert found.gravity.steadiness == pytest.approx(whole.gravity.steadiness, rel=0.01)
+    assert found.turn is not None
+    assert found.turn.correlation > 0.99
