@@ -100,11 +100,11 @@ def _join(xs, ys, joined, way):
     n = len(xs)
     steps, straight = np.zeros(n), np.zeros(n + 1, np.uint8)
     for i in range(1, n):
-        dx, dy = float(get(xs, i) - get(xs, i - 1)), float(get(ys, i) - get(ys, i - 1))
+        dx, dy = get(xs, i) - get(xs, i - 1), get(ys, i) - get(ys, i - 1)
         put(steps, i, math.sqrt(dx * dx + dy * dy))
     for i in range(2, n):
-        dx, dy = float(get(xs, i) - get(xs, i - 1)), float(get(ys, i) - get(ys, i - 1))
-        ux, uy = float(get(xs, i - 1) - get(xs, i - 2)), float(get(ys, i - 1) - get(ys, i - 2))
+        dx, dy = get(xs, i) - get(xs, i - 1), get(ys, i) - get(ys, i - 1)
+        ux, uy = get(xs, i - 1) - get(xs, i - 2), get(ys, i - 1) - get(ys, i - 2)
         step, before = math.sqrt(dx * dx + dy * dy), math.sqrt(ux * ux + uy * uy)
         even = (max(step, before) <= GROWTH * min(step, before)) & (dx * ux + dy * uy >= STRAIGHT * step * before)
         put(straight, i, np.uint8(even))

@@ -21,8 +21,8 @@ def test_neighbours_are_those_of_one_surface_within_reach(way: Steps, bends: flo
     n = len(points)
     first, end = np.full(n, -1, np.int32), np.full(n, -1, np.int32)
     _neighbours(points[:, 0].copy(), points[:, 1].copy(), first, end)
-    moves = np.diff(points, axis=0).astype(np.float64)
-    lengths = np.sqrt(moves[:, 0] ** 2 + moves[:, 1] ** 2)
+    moves = np.diff(points, axis=0)  # single precision, as in the kernel
+    lengths = np.sqrt(moves[:, 0] * moves[:, 0] + moves[:, 1] * moves[:, 1]).astype(np.float64)
     along = np.concatenate([[0.0], np.cumsum(lengths)])
     joined = _joined(moves, lengths)
 
