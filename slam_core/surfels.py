@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.kernels.surfels import COMPONENT, COUNT, FEW, OF_COMPONENT, OF_OFFSET, OFFSET, TO_X, TO_Y
+from slam_core.kernels.surfels import COMPONENT, COUNT, FEW, unpacked
 from slam_core.measurements import Float32s
 
 
@@ -15,11 +15,9 @@ def pieces(words: NDArray[np.uint32], resolution: float, x: float, y: float) -> 
     counts up to 1, in the match, for an end that lies on it.
     """
     rows, columns = np.nonzero(words & np.uint32(COUNT))
-    word = words[rows, columns].view(np.int32)
-    normals = np.column_stack([word << TO_X >> OF_COMPONENT, word << TO_Y >> OF_COMPONENT]) * COMPONENT
-    middles = np.column_stack([columns, rows]) + 0.5 + normals * (word >> OF_OFFSET)[:, None] * OFFSET
-    along = np.column_stack([-normals[:, 1], normals[:, 0]])
+    beams, nx, ny, offset = unpacked.py_func(words[rows, columns].view(np.int32))  # numpy is fast enough here
+    middles = np.column_stack([columns + 0.5 + nx * offset, rows + 0.5 + ny * offset])
+    along = np.column_stack([-ny, nx])
     half = 0.5 * along / np.maximum(np.abs(along).max(axis=1, keepdims=True), COMPONENT)
     ends = np.stack([middles - half, middles + half], axis=1)
-    beams = (word & COUNT).astype(np.float32)
     return (ends * resolution + (x, y)).astype(np.float32), beams / (beams + FEW)

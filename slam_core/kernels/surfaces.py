@@ -102,7 +102,7 @@ def _join(xs, ys, joined, way):
     for i in range(1, n):
         dx, dy = get(xs, i) - get(xs, i - 1), get(ys, i) - get(ys, i - 1)
         put(steps, i, math.sqrt(dx * dx + dy * dy))
-    for i in range(2, n):
+    for i in range(2, n):  # from the endpoints again: what a lane has stored the other one may not load
         dx, dy = get(xs, i) - get(xs, i - 1), get(ys, i) - get(ys, i - 1)
         ux, uy = get(xs, i - 1) - get(xs, i - 2), get(ys, i - 1) - get(ys, i - 2)
         step, before = math.sqrt(dx * dx + dy * dy), math.sqrt(ux * ux + uy * uy)

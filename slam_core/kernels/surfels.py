@@ -7,6 +7,7 @@ lattice.)
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -86,7 +87,7 @@ def _lines(along_x, along_y, ends, laser, psi, rows, columns, corner, resolution
 @njit(cache=True, error_model="numpy")
 def _joined(word, beams, nx, ny, offset):
     """A surfel with more beams in it, whose mean normal and offset are given."""
-    n, old_x, old_y, old = _unpacked(np.int32(word))
+    n, old_x, old_y, old = unpacked(np.int32(word))
     if n == ZERO or old_x * nx + old_y * ny < AGREE:
         if n > beams:
             return word - np.uint32(beams)
@@ -99,8 +100,8 @@ def _joined(word, beams, nx, ny, offset):
 
 
 @njit(inline="always")
-def _unpacked(word):
-    """Beams, normal, and offset in cells, of the word as an int32."""
+def unpacked(word: Any) -> tuple[Any, Any, Any, Any]:
+    """Beams, normal, and offset in cells, of the word as an int32, or of an array of them in numpy."""
     return (
         np.float32(np.int32(word & COUNT)),
         np.float32(np.int32(np.int32(word << TO_X) >> OF_COMPONENT)) * COMPONENT,
@@ -219,6 +220,6 @@ def _add_up(first, right, above, across, arm_u, arm_v, n, shift, box):
 @njit(inline="always")
 def _seen(word, fu, fv, pu, pv):
     """Beams of a surfel, and its normal and the distance to it times that; zeros where it looks away."""
-    n, nx, ny, offset = _unpacked(word)
+    n, nx, ny, offset = unpacked(word)
     n = n if nx * pu + ny * pv < ZERO else ZERO
     return n, n * nx, n * ny, n * (offset - nx * fu - ny * fv)

@@ -95,7 +95,7 @@ def test_a_saved_map_tells_where_in_its_cells_the_walls_are():
     cells = replace(given, levels=tuple(replace(level, surfels=None) for level in given.levels))
     errors = [truth_errors(run(drive(2), each)) for each in (given, cells)]
     with_surfels, without = (each["raw_rmse_m"] for each in errors if each)
-    assert with_surfels < 0.9 * without
+    assert with_surfels < 0.75 * without
 
 
 def test_a_robot_that_leaves_the_map_is_lost_and_writes_nothing():
