@@ -6,7 +6,8 @@ import viser
 from app.snapshot import MapImage, Snapshot
 from app.views._levels import placements
 from app.web.stage import Stage
-from slam_core.measurements import Float32s, Float64s
+from app.web.theme import for_lines
+from slam_core.measurements import Float32s
 from slam_core.surfels import pieces
 
 LIFT = 0.02  # metres over the floor
@@ -47,7 +48,7 @@ class SurfelsView:
         segments = np.concatenate([ends, np.full((len(ends), 2, 1), LIFT, np.float32)], axis=2)
         theme = self._stage.theme
         none, whole = np.array(theme.free), np.array(theme.accent)
-        colours = linear(none + counts[:, None] * (whole - none))
+        colours = for_lines(none + counts[:, None] * (whole - none))
         return segments, np.repeat(colours[:, None], 2, axis=1)
 
     def _show(self, segments: Float32s, colours: np.ndarray) -> None:
@@ -61,13 +62,6 @@ class SurfelsView:
             )
         else:
             self._lines.points, self._lines.colors = segments, colours
-
-
-def linear(srgb: Float64s) -> np.ndarray:
-    """Colours (n, 3), 0 to 255, as the scene takes those of lines: in proportion to the light (IEC 61966-2-1)."""
-    share = srgb / 255.0
-    light = np.where(share > 0.04045, ((share + 0.055) / 1.055) ** 2.4, share / 12.92)
-    return np.rint(255.0 * light).astype(np.uint8)
 
 
 VIEW = SurfelsView

@@ -9,7 +9,7 @@ readers, by lightness for the rest. Walls carry the strongest contrast of all so
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Rgb = tuple[int, int, int]
 
@@ -56,6 +56,31 @@ def css(colour: Rgb, alpha: float = 1.0) -> str:
     """`colour` as CSS."""
     red, green, blue = colour
     return f"rgb({red} {green} {blue} / {alpha:g})" if alpha < 1.0 else f"#{red:02x}{green:02x}{blue:02x}"
+
+
+# The film curve (ACES as fitted by Hill) through which the page sends lines, but not maps and points: a mixture of
+# the channels, a fraction of two polynomials in each, and another mixture.
+BEFORE_CURVE = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+AFTER_CURVE = np.array(
+    [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
+)
+OVER, UNDER = (1.0, 0.0245786, -0.000090537), (0.983729, 0.4329510, 0.238081)
+EXPOSURE = 1.0 / 0.6
+BRIGHTEST = 0.77  # that the curve makes of any colour
+
+
+def for_lines(colours: ArrayLike) -> NDArray[np.uint8]:
+    """What to send for lines that shall show colours (..., 3), 0-255: as near as the film curve lets them."""
+    share = np.asarray(colours, np.float64) / 255.0
+    light = np.where(share > 0.04045, ((share + 0.055) / 1.055) ** 2.4, share / 12.92)  # IEC 61966-2-1
+    value = np.clip(light @ np.linalg.inv(AFTER_CURVE).T, 0.0, BRIGHTEST)
+    a, b, c = (over - value * under for over, under in zip(OVER, UNDER, strict=True))
+    wanted = (np.sqrt(b * b - 4.0 * a * c) - b) / (2.0 * a) @ np.linalg.inv(BEFORE_CURVE).T / EXPOSURE
+    light = np.clip(wanted, 0.0, 1.0)
+    encoded: NDArray[np.uint8] = np.rint(
+        255.0 * np.where(light > 0.0031308, 1.055 * light ** (1.0 / 2.4) - 0.055, 12.92 * light)
+    ).astype(np.uint8)
+    return encoded
 
 
 DARK = Theme(

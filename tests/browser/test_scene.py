@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from playwright.sync_api import Page
 
 from app.web.stage import Layout
-from app.web.theme import DARK, LIGHT, Rgb
+from app.web.theme import DARK, LIGHT, Rgb, for_lines
 from tests.browser.conftest import Open, Show
 from tests.page import LEVELS, room_snapshot
 from tests.scene import PROJECT, is_near, look, names, node, pixel
@@ -23,7 +24,7 @@ NEAREST = 1003
 FREE, WALL, UNKNOWN = (4.0, -4.0), (0.0, -5.5), (5.5, 4.5)  # x, y in the room
 
 
-def expect(page: Page, place: tuple[float, float], colour: Rgb) -> None:
+def expect(page: Page, place: tuple[float, ...], colour: Rgb) -> None:
     """Wait for a colour: pictures are decoded and drawn after they arrive."""
     for _ in range(20):
         seen = pixel(page, *place)
@@ -110,6 +111,20 @@ def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
     page.wait_for_timeout(1500)
     assert not is_near(pixel(page, *WALL), DARK.occupied)
     assert node(page, "/floor/scan") == {"position": [0.0, 0.0, pytest.approx(0.03)], "visible": True}
+
+
+@pytest.mark.parametrize("colour", [LIGHT.trajectory, DARK.truth, LIGHT.fused])
+def test_lines_have_the_colours_of_the_legend(show: Show, open_page: Open, colour: Rgb) -> None:
+    """The page sends lines through a film curve; what was made for that comes out as the theme says."""
+    show.server.stage.show_layer("map", False)
+    page = open_page(show.url)
+    ends = np.array([[[-6.0, 3.0, 0.3], [6.0, 3.0, 0.3]]], np.float32)
+    show.server.stage.server.scene.add_line_segments(
+        "/line", ends, for_lines(colour), thickness=30.0, thickness_units="screen"
+    )
+    page.wait_for_function("'/line' in window.__viserMutable.nodeRefFromName")
+    look(page, "top")
+    expect(page, (4.0, 3.0, 0.3), colour)
 
 
 def test_everybody_sees_the_same(show: Show, open_page: Open) -> None:

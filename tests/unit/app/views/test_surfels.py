@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.snapshot import Snapshot
-from app.views.surfels import SurfelsView, linear
+from app.views.surfels import SurfelsView
 from app.web.stage import Stage
 from tests.page import restarted, room_snapshot
 
@@ -62,8 +62,3 @@ def test_they_lie_where_their_cells_are(stage: Stage) -> None:
     assert np.allclose(points[:, :, 1], finest.y + 2.5 * finest.resolution, atol=1e-5)
     x = np.sort(points[:, :, 0], axis=1)
     assert np.allclose(x, finest.x + finest.resolution * np.array([[0, 1], [1, 2], [2, 3]]), atol=1e-5)
-
-
-def test_colours_are_in_proportion_to_the_light() -> None:
-    """Black and white stay, a medium grey is a fifth of the light."""
-    assert linear(np.array([[0.0, 118.0, 255.0]])).tolist() == [[0, 46, 255]]

@@ -5,7 +5,19 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from app.web.theme import DARK, LIGHT, Rgb, Theme, css
+from app.web.theme import (
+    AFTER_CURVE,
+    BEFORE_CURVE,
+    DARK,
+    EXPOSURE,
+    LIGHT,
+    OVER,
+    UNDER,
+    Rgb,
+    Theme,
+    css,
+    for_lines,
+)
 
 THEMES = pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
 LINES = ("match", "prior", "fused", "position")
@@ -29,6 +41,14 @@ TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 
 def linear(colour: Rgb) -> np.ndarray:
     c = np.array(colour) / 255.0
     return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def filmed(colour: Rgb) -> np.ndarray:
+    """What the page shows of a line of that colour: three.js's ACES film curve."""
+    light = BEFORE_CURVE @ (EXPOSURE * linear(colour))
+    over, under = (np.polyval(series, light) for series in (OVER, UNDER))
+    light = np.clip(AFTER_CURVE @ (over / under), 0.0, 1.0)
+    return 255.0 * np.where(light > 0.0031308, 1.055 * light ** (1 / 2.4) - 0.055, 12.92 * light)
 
 
 def contrast(a: Rgb, b: Rgb) -> float:
@@ -92,3 +112,16 @@ def test_css() -> None:
     """Colours as style sheets write them."""
     assert css((1, 2, 255)) == "#0102ff"
     assert css((1, 2, 255), 0.5) == "rgb(1 2 255 / 0.5)"
+
+
+@THEMES
+@pytest.mark.parametrize("name", [*LINES, "trajectory", "truth", "robot"])
+def test_lines_come_out_of_the_film_curve_as_they_should(theme: Theme, name: str) -> None:
+    """Exactly where a colour allows it; else nearer to the theme than if it were sent as it is."""
+    colour = getattr(theme, name)
+    sent = for_lines(colour)
+    seen = filmed(tuple(sent.tolist()))
+    assert np.abs(seen - colour).max() <= np.abs(filmed(colour) - colour).max()
+    if not theme.dark:
+        assert np.abs(seen - colour).max() <= 20
+    assert (for_lines([colour, colour]) == sent).all()
