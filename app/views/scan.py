@@ -5,7 +5,7 @@ import numpy as np
 from app.snapshot import Snapshot
 from app.web.stage import Display, Stage
 from slam_core.config import ScanConfig
-from slam_core.geometry import yaw_quaternion
+from slam_core.geometry import transform_points
 from slam_core.results import StepResult
 
 LIFT = 0.03  # metres over the floor
@@ -14,7 +14,11 @@ UNKNOWN = 0.5  # residual of a first scan, which was matched to nothing
 
 
 class ScanView:
-    """A point cloud in the stabilised frame: its node takes the pose, so the points need half precision only."""
+    """A point cloud turned into the map: its node takes the place, so the points need half precision only.
+
+    A busy browser moves a node at once and draws its points later. Were it to turn the node, far ends would lie
+    beside their walls meanwhile, whenever the robot turns.
+    """
 
     title = "Scan"
 
@@ -44,15 +48,13 @@ class ScanView:
             self._cloud.visible = False
             return
         points = np.zeros((len(result.points), 3), np.float16)
-        points[:, :2] = result.points
+        points[:, :2] = transform_points(np.array([0.0, 0.0, result.planar[2]]), result.points)
         colours = point_colours(result, display, snapshot.config.scan)
-        x, y, psi = result.planar
         with self._stage.server.atomic():
             self._cloud.visible = True
             self._cloud.points = points
             self._cloud.colors = colours
-            self._frame.position = (x, y, LIFT)
-            self._frame.wxyz = yaw_quaternion(psi)
+            self._frame.position = (*result.planar[:2], LIFT)
 
 
 def point_colours(result: StepResult, display: Display, config: ScanConfig) -> np.ndarray:
