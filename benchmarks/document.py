@@ -75,6 +75,12 @@ def judged_anew(text: str, accuracy: Accuracy) -> str:
     return text.split(ACCURACY, maxsplit=1)[0] + judgement(accuracy)
 
 
+def timed_anew(text: str, measured: str) -> str:
+    """docs/performance.md with the same judgement and another `document`."""
+    _, found, judged = text.partition(ACCURACY)
+    return measured + found + judged
+
+
 def side_by_side(results: dict[Recording, dict[str, Judged]]) -> str:
     """What the others did on the same recordings, or how to find out."""
     if not results:

@@ -9,7 +9,7 @@ from app.metrics import PARTS
 from app.simulation import SceneOptions
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
-from benchmarks.document import Accuracy, document, judged_anew, judgement, processor, side_by_side
+from benchmarks.document import Accuracy, document, judged_anew, judgement, processor, side_by_side, timed_anew
 from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.others import INSTALLED, OURS, Judged
@@ -87,10 +87,11 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
 
 
 def test_what_was_measured_of_speed_outlives_another_judgement() -> None:
-    """Speed belongs to a machine: whoever judges again elsewhere replaces the second part alone, every time."""
+    """Speed belongs to a machine: whoever judges again elsewhere replaces the second part alone, or the first."""
     speed = document(SPEED, *["| a row |\n"] * 5, [])
     once = judged_anew(speed + judgement(accuracy()).replace("jackal", "nobody"), accuracy())
     assert once == judged_anew(once, accuracy()) == speed + judgement(accuracy())
+    assert timed_anew(once.replace("a row", "a slow row"), speed) == once
 
 
 def test_without_the_others_the_document_says_how_to_get_them() -> None:
