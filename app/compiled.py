@@ -10,8 +10,8 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-# What numba compiles, and the geometry that kernels compile into themselves.
-COMPILED = re.compile(rb"njit|intrinsic|^def cosines", re.MULTILINE)
+# What numba compiles and how, and the geometry that kernels compile into themselves.
+COMPILED = re.compile(rb"njit|intrinsic|_unboxers|^def cosines", re.MULTILINE)
 
 
 def keep_compiled(caches: Path) -> None:
