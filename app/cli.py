@@ -4,6 +4,7 @@ import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -166,9 +167,12 @@ def _simulate_command(wanted: bool) -> Callable[..., None]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code. Mistakes are one line on stderr and 2, an interruption is 130."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if list(arguments) == ["--version"]:
+        print(f"hectorscope {version('hectorscope')}")
+        return 0
     keep_compiled(user_cache())
     gc.disable()  # while the libraries come: it would go through all of them again and again
-    arguments = sys.argv[1:] if arguments is None else arguments
     commands: dict[str, Callable[..., Any]] = {
         "demo": demo,
         "view": view,
@@ -182,7 +186,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tyro.extras.subcommand_cli_from_dict(
                 commands,
                 prog="hectorscope",
-                description="Watch a SLAM system think: Hector SLAM on a bag or a live stream.",
+                description="Watch a SLAM system think: Hector SLAM on a bag or a live stream (--version).",
                 args=arguments,
                 config=(tyro.conf.DisallowNone,),
             )

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 import urllib.request
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,12 @@ def test_help_names_every_command():
     assert done.returncode == 0
     for command in ("demo", "view", "live", "run", "inspect", "simulate"):
         assert command in done.stdout
+
+
+def test_the_version_is_told():
+    """The one that a report of an error has to name."""
+    done = hectorscope("--version")
+    assert (done.returncode, done.stdout) == (0, f"hectorscope {version('hectorscope')}\n")
 
 
 def test_help_explains_every_setting_with_its_range():
