@@ -5,7 +5,7 @@ array is passed on its count goes up and down, locked. A step hands over some hu
 anyway, so there is nothing to count; for targets without counts numba takes arrays in the same way.
 
 What a kernel returns must be an array of its own, or one that it was given as a whole: a part of one that it was
-given would outlive what it is a part of.
+given would outlive what it is a part of. This holds for all that numba compiles in the process.
 """
 
 from typing import Any
