@@ -132,6 +132,7 @@ def test_hotkeys(run: Run, open_page: Open) -> None:
 def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
     """A click in the middle of the timeline goes there, and the slider stays there."""
     page = open_page(run.url)
+    expect(page.locator(".hs-clock b")).to_have_text("00:02.0")  # the bar knows the recording by now
     track = page.locator("div:has(> div > .hs-bar-transport) .mantine-Slider-root")
     box = track.bounding_box()
     assert box is not None
