@@ -186,7 +186,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tyro.extras.subcommand_cli_from_dict(
                 commands,
                 prog="hectorscope",
-                description="Watch a SLAM system think: Hector SLAM on a bag or a live stream (--version).",
+                description="Watch a SLAM system think: Hector SLAM on a bag or a live stream."
+                " Alone, --version says which this is.",
                 args=arguments,
                 config=(tyro.conf.DisallowNone,),
             )

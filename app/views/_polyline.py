@@ -3,7 +3,7 @@
 import numpy as np
 import viser
 
-from app.web.theme import Rgb, for_lines
+from app.web.theme import Rgb, for_line
 from slam_core.measurements import Float32s, Float64s
 
 CHUNK = 256  # segments a node
@@ -68,7 +68,7 @@ class Polyline:
     def _node(self, segments: Float32s) -> viser.LineSegmentsHandle:
         name = f"{self._root}/chunk{len(self._nodes)}"
         return self._scene.add_line_segments(
-            name, segments, for_lines(self._colour or (0, 0, 0)), thickness=self._pixels, thickness_units="screen"
+            name, segments, for_line(self._colour or (0, 0, 0)), thickness=self._pixels, thickness_units="screen"
         )
 
     def _recolour(self, colour: Rgb) -> None:
@@ -76,4 +76,4 @@ class Polyline:
             return
         self._colour = colour
         for node in self._nodes:
-            node.colors = for_lines(colour)
+            node.colors = for_line(colour)

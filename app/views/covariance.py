@@ -3,7 +3,7 @@
 from app.snapshot import Snapshot
 from app.views._shapes import disc, ellipse, ellipsoid, ring
 from app.web.stage import Stage
-from app.web.theme import Rgb, Theme, for_lines
+from app.web.theme import Rgb, Theme, for_line
 from slam_core.results import PlanarGaussian, StepResult
 
 TITLES = {"prior": "Filter before", "match": "Match", "fused": "Fused"}  # drawn in this order, upwards
@@ -89,7 +89,7 @@ class _Ellipse:
         self._frame.position = (*gaussian.mean[:2], self._height)
         self._rim.scale = self._disc.scale = scale
         colour: Rgb = getattr(theme, self.key)
-        self._rim.colors, self._disc.color = for_lines(colour), colour
+        self._rim.colors, self._disc.color = for_line(colour), colour
 
 
 VIEW = CovarianceView

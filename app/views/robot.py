@@ -5,7 +5,7 @@ import numpy as np
 from app.snapshot import Snapshot
 from app.views._shapes import prism, ring
 from app.web.stage import Stage
-from app.web.theme import for_lines
+from app.web.theme import for_line
 from slam_core.geometry import heading, yaw_quaternion
 
 HULL = np.array([[-0.3, -0.2], [0.1, -0.2], [0.36, 0.0], [0.1, 0.2], [-0.3, 0.2]])  # metres, nose at +x
@@ -46,7 +46,7 @@ class RobotView:
             self._hull.visible = result is not None
             self._ring.visible = result is not None and self._body.visible
             self._hull.color = theme.robot
-            self._ring.colors = for_lines(theme.robot)
+            self._ring.colors = for_line(theme.robot)
             if result is not None:
                 T = result.T_map_base
                 self._body.position, self._body.wxyz = T.translation, T.rotation

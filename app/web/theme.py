@@ -7,6 +7,7 @@ readers, by lightness for the rest. Walls carry the strongest contrast of all so
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -81,6 +82,14 @@ def for_lines(colours: ArrayLike) -> NDArray[np.uint8]:
         255.0 * np.where(light > 0.0031308, 1.055 * light ** (1.0 / 2.4) - 0.055, 12.92 * light)
     ).astype(np.uint8)
     return encoded
+
+
+@lru_cache(maxsize=64)
+def for_line(colour: Rgb) -> NDArray[np.uint8]:
+    """The same for one colour, (3,), which views ask for whenever they draw."""
+    made = for_lines(colour)
+    made.flags.writeable = False
+    return made
 
 
 DARK = Theme(

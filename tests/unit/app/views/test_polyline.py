@@ -4,7 +4,7 @@ import numpy as np
 
 from app.views._polyline import CHUNK, Polyline
 from app.web.stage import Stage
-from app.web.theme import for_lines
+from app.web.theme import for_line
 
 COLOUR = (1, 2, 3)
 
@@ -66,4 +66,4 @@ def test_colours_follow_the_theme(stage: Stage) -> None:
     line = Polyline(stage.server.scene, "/line", spacing=0.05, pixels=1.0)
     line.draw(straight(CHUNK + 50), 0, COLOUR)
     line.draw(straight(CHUNK + 50), 0, (9, 9, 9))
-    assert all((node.colors == for_lines((9, 9, 9))).all() for node in line._nodes)
+    assert all((node.colors == for_line((9, 9, 9))).all() for node in line._nodes)

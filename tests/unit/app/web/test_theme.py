@@ -117,11 +117,11 @@ def test_css() -> None:
 @THEMES
 @pytest.mark.parametrize("name", [*LINES, "trajectory", "truth", "robot"])
 def test_lines_come_out_of_the_film_curve_as_they_should(theme: Theme, name: str) -> None:
-    """Exactly where a colour allows it; else nearer to the theme than if it were sent as it is."""
+    """Nearer to the theme than if sent as they are; the light one, whose colours are darker, is nearly met."""
     colour = getattr(theme, name)
     sent = for_lines(colour)
     seen = filmed(tuple(sent.tolist()))
     assert np.abs(seen - colour).max() <= np.abs(filmed(colour) - colour).max()
     if not theme.dark:
-        assert np.abs(seen - colour).max() <= 20
+        assert np.abs(seen - colour).max() <= 16.5
     assert (for_lines([colour, colour]) == sent).all()
