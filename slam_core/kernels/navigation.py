@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.linear import fill_belief, gain, multiply, symmetric
+from slam_core.kernels.memory import lane
 from slam_core.kernels.rotations import cosines, exponential, product
 from slam_core.measurements import Float64s
 
@@ -23,30 +24,37 @@ NEAR_GRAVITY = 0.1
 CONSTRAINED = 1e-12  # variance of what the platform cannot do
 SLIP_SIGMA = 0.005  # m/s, of wheels that do not slip sideways
 
-Workspace = tuple[Float64s, Float64s]
+get, _ = lane(0)
+_, put = lane(1)
 
 
-@njit(inline="always")
-def workspace() -> Workspace:
-    """For what `advance` works out on the way: the identity, and (15, 15) of anything."""
-    return np.eye(ERRORS), np.empty((ERRORS, ERRORS))
+@njit(cache=True, error_model="numpy")
+def workspace() -> Float64s:
+    """For what `advance` works out on the way: (3, 15, 15), the identity and twice anything."""
+    work = np.zeros((3, ERRORS, ERRORS))
+    for i in range(ERRORS):
+        work[0, i, i] = 1.0
+    return work
 
 
 @njit(cache=True, error_model="numpy")
 def advance(
-    x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s, work: Workspace
+    x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s, work: Float64s
 ) -> None:
     """The belief `dt` seconds later, in place: eqs. (1)-(3), Phi P Phi^T + Q, and what bounds P.
 
     bounds: (15, 2), see `bound`. work: kept from one call to the next, as arrays of this size are slow to get.
     """
-    Phi, half = work
+    Phi, half, turned = work[0], work[1], work[2]
     moved = move(x, u, dt, model[0], model[1])
     transition(x, moved, u, dt, Phi)
     _moved_errors(Phi, P, half)
-    _moved_errors(Phi, half, P)
-    _add_noise(symmetric(P), dt, model[2:])
-    moved, spread = bound(moved, P, model[0], bounds)
+    for i in range(ERRORS):
+        for j in range(ERRORS):
+            turned[j, i] = half[i, j]
+    _moved_errors(Phi, turned, half)  # the product's transpose, which differs by rounding alone
+    _add_noise(symmetric(half), dt, model[2:])
+    moved, spread = bound(moved, half, model[0], bounds)
     if model[6] > 0.0:
         flatten(moved, spread)
     if model[7] > 0.0:
@@ -118,19 +126,30 @@ def _times(A, v):
 
 @njit(cache=True, error_model="numpy")
 def _moved_errors(Phi: Float64s, P: Float64s, out: Float64s) -> None:
-    """(Phi P)^T, by those elements of Phi (see `transition`) alone that are neither 0 nor on the diagonal."""
-    dt = Phi[3, 6]
-    for j in range(ERRORS):
-        for i in range(3):
-            a, b = (1 if i == 0 else 0), (1 if i == 2 else 2)
-            out[j, i] = P[i, j] + Phi[i, 9] * P[9, j] + Phi[i, 10] * P[10, j] + Phi[i, 11] * P[11, j]
-            place = Phi[3 + i, a] * P[a, j] + Phi[3 + i, b] * P[b, j] + P[3 + i, j] + dt * P[6 + i, j]
-            speed = Phi[6 + i, a] * P[a, j] + Phi[6 + i, b] * P[b, j] + P[6 + i, j]
+    """Phi P, by those elements of Phi (see `transition`) alone that are neither 0 nor on the diagonal.
+
+    Along the rows, which LLVM makes vectors of.
+    """
+    by, old, new, dt = Phi.reshape(-1), P.reshape(-1), out.reshape(-1), Phi[3, 6]
+    for i in range(3):
+        a, b = (1 if i == 0 else 0), (1 if i == 2 else 2)
+        turns, places, speeds = ERRORS * i, ERRORS * (3 + i), ERRORS * (6 + i)
+        for j in range(ERRORS):
+            first, second = get(old, ERRORS * a + j), get(old, ERRORS * b + j)
+            turn, speed = get(old, turns + j), get(old, speeds + j)
+            place = get(by, places + a) * first + get(by, places + b) * second + get(old, places + j) + dt * speed
+            speed = get(by, speeds + a) * first + get(by, speeds + b) * second + speed
             for k in range(9, ERRORS):
-                place += Phi[3 + i, k] * P[k, j]
-                speed += Phi[6 + i, k] * P[k, j]
-            out[j, 3 + i], out[j, 6 + i] = place, speed
-            out[j, 9 + i], out[j, 12 + i] = P[9 + i, j], P[12 + i, j]
+                error = get(old, ERRORS * k + j)
+                if k < 12:
+                    turn += get(by, turns + k) * error
+                place += get(by, places + k) * error
+                speed += get(by, speeds + k) * error
+            put(new, turns + j, turn)
+            put(new, places + j, place)
+            put(new, speeds + j, speed)
+    for k in range(9 * ERRORS, ERRORS * ERRORS):
+        put(new, k, get(old, k))
 
 
 @njit(cache=True, error_model="numpy")

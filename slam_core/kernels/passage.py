@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.linear import fill_belief
-from slam_core.kernels.navigation import STATES, Workspace, advance, move, workspace
+from slam_core.kernels.navigation import STATES, advance, move, workspace
 from slam_core.kernels.rotations import cosines
 from slam_core.measurements import Float64s, Int64s
 
@@ -39,7 +39,7 @@ def predict(
 
 @njit(cache=True, error_model="numpy")
 def _go_on(
-    x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System, work: Workspace
+    x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System, work: Float64s
 ) -> None:
     """`predict` in place."""
     if from_ns >= to_ns:
@@ -106,7 +106,7 @@ def believe(
 
 
 @njit(cache=True, error_model="numpy")
-def _extend(rows: Rows, count: int, to_ns: int, recorded: Recorded, system: System, work: Workspace) -> int:
+def _extend(rows: Rows, count: int, to_ns: int, recorded: Recorded, system: System, work: Float64s) -> int:
     """`predict` from sample to sample up to an instant, while there are rows; how many are known then."""
     (xs, Ps, known), n = rows, count
     if known[n - 1] < to_ns:
@@ -174,7 +174,7 @@ def coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s
 
 
 @njit(cache=True, error_model="numpy")
-def _coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s, work: Workspace) -> None:
+def _coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s, work: Float64s) -> None:
     """`coast` in place."""
     dt = min(dt, BLIND_SPAN)
     steps = max(1, math.ceil(dt / BLIND_STEP))

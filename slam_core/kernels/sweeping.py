@@ -41,27 +41,25 @@ def place_beams(
     n = len(ranges)
     way = _knots(poses, mount, level)
     knot_step = max(n - 1, 1) / (len(way) - 1)
-    reaches, ends = np.empty(n), np.empty((3, n))
+    xs, ys, zs, flat = np.empty(n), np.empty(n), np.empty(n), points.reshape(-1)
     laser[0], laser[1] = 0.5 * (way[0, 0, 3] + way[-1, 0, 3]), 0.5 * (way[0, 1, 3] + way[-1, 1, 3])
     z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
     z_low, z_high, over = z_laser + z_min, z_laser + z_max, np.float32(z_laser)
     kept = cleared = end = 0
     for knot in range(len(way) - 1):  # piece by piece, which stays in the nearest cache
         begin, end = end, n if knot == len(way) - 2 else min(n, math.ceil((knot + 1) * knot_step))
+        _place(ranges, cosines, sines, low, high, clear_range, begin, end, way, knot, knot_step, xs, ys, zs)
         for i in range(end - begin):
-            r = ranges[begin + i]
-            reaches[i] = r if (low <= r) & (r < high) else clear_range
-        for j in range(3):
-            _place(reaches, cosines, sines, begin, end, way[:, j], knot, knot_step, ends[j])
-        for i in range(end - begin):
-            r, z = ranges[begin + i], ends[2, i]
+            r, z = get(ranges, begin + i), zs[i]
             if z < z_low or z > z_high:
                 continue
             if low <= r < high:
-                points[kept, 0], points[kept, 1], heights[kept] = ends[0, i], ends[1, i], np.float32(z) - over
+                put(flat, 2 * kept, np.float32(xs[i]))
+                put(flat, 2 * kept + 1, np.float32(ys[i]))
+                put(heights, kept, np.float32(z) - over)
                 kept += 1
             elif clear_range > 0.0 and r >= no_return:
-                free[cleared, 0], free[cleared, 1] = ends[0, i], ends[1, i]
+                free[cleared, 0], free[cleared, 1] = xs[i], ys[i]
                 cleared += 1
     return kept, cleared
 
@@ -89,13 +87,18 @@ def _knots(poses, mount, level):
 
 
 @njit(cache=True, error_model="numpy")
-def _place(reaches, cosines, sines, begin, end, knots, k, knot_step, out):
-    """One coordinate of the ends of the beams of one piece, by the rows (k, 4) of the knots' transforms."""
-    ax, ay, at = knots[k, 0], knots[k, 1], knots[k, 3]
-    bx, by, bt = knots[k + 1, 0], knots[k + 1, 1], knots[k + 1, 3]
+def _place(ranges, cosines, sines, low, high, clear_range, begin, end, knots, k, knot_step, xs, ys, zs):
+    """The ends of the beams of one piece, or how far they clear, by the transforms (k, 3, 4) of the knots."""
+    a, b = knots[k], knots[k + 1]
     for i in range(end - begin):
-        reach = get(reaches, i)
-        lx, ly = reach * get(cosines, begin + i), reach * get(sines, begin + i)
-        p = ax * lx + ay * ly + at
-        q = bx * lx + by * ly + bt
-        put(out, i, p + ((begin + i) / knot_step - k) * (q - p))
+        r, share = get(ranges, begin + i), (begin + i) / knot_step - k
+        reach = r if (low <= r) & (r < high) else clear_range
+        x, y = reach * get(cosines, begin + i), reach * get(sines, begin + i)
+        put(xs, i, _between(a[0, 0] * x + a[0, 1] * y + a[0, 3], b[0, 0] * x + b[0, 1] * y + b[0, 3], share))
+        put(ys, i, _between(a[1, 0] * x + a[1, 1] * y + a[1, 3], b[1, 0] * x + b[1, 1] * y + b[1, 3], share))
+        put(zs, i, _between(a[2, 0] * x + a[2, 1] * y + a[2, 3], b[2, 0] * x + b[2, 1] * y + b[2, 3], share))
+
+
+@njit(inline="always")
+def _between(a, b, share):
+    return a + share * (b - a)

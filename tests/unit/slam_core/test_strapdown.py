@@ -3,7 +3,7 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import NavigationConfig, PlatformConfig
-from slam_core.kernels.navigation import ERRORS, STATES, advance, bound, inject, level, move, transition
+from slam_core.kernels.navigation import ERRORS, STATES, advance, bound, inject, level, move, transition, workspace
 from slam_core.samples import Samples
 from slam_core.stages import Stages
 from slam_core.strapdown import Strapdown
@@ -117,8 +117,8 @@ def test_the_covariance_is_carried_on_by_the_whole_transition(seed: int) -> None
     """Phi P Phi^T where there is no noise and no bound: no element that is not empty is left out."""
     root = np.random.default_rng(seed).normal(size=(ERRORS, ERRORS))
     x, u, dt, P = start(seed), inputs(0.3 + seed), 0.01, root @ root.T
-    ahead, later, Phi, half = x.copy(), P.copy(), np.eye(ERRORS), np.empty_like(P)
-    advance(ahead, later, u, dt, np.array([G, 0.5, *np.zeros(6)]), np.full((ERRORS, 2), np.inf), (Phi, half))
+    ahead, later = x.copy(), P.copy()
+    advance(ahead, later, u, dt, np.array([G, 0.5, *np.zeros(6)]), NO_BOUNDS, workspace())
     Phi = np.eye(ERRORS)
     transition(x, ahead, u, dt, Phi)
     np.testing.assert_allclose(later, Phi @ P @ Phi.T, rtol=0, atol=1e-12 * np.abs(P).max())
