@@ -9,24 +9,33 @@ from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.memory import lane
 
 get, _ = lane(0)
+_, put = lane(1)
 
 
 @njit(cache=True, error_model="numpy")
 def count_hits(cells, corner, inverse, points, pose):
-    """How many endpoints lie on known cells, and how many of those on occupied ones; without a branch."""
-    rows, columns = cells.shape
-    flat, ends = cells.reshape(-1), points.reshape(-1)
+    """How many endpoints lie on known cells, and how many of those on occupied ones."""
+    (rows, columns), flat, where = cells.shape, cells.reshape(-1), np.empty(len(points), np.int32)
+    _cells_of(rows, columns, corner, inverse, points.reshape(-1), pose, where)
+    known = hits = np.int32(0)
+    for i in range(len(where)):
+        if where[i] >= 0:
+            value = flat[where[i]]
+            known += np.int32(value != UNKNOWN)
+            hits += np.int32(value > UNKNOWN)
+    return known, hits
+
+
+@njit(cache=True, error_model="numpy")
+def _cells_of(rows, columns, corner, inverse, ends, pose, where):
+    """Into `where` (n,) the cells of endpoints (2n,) at a pose, -1 off the map; without a branch."""
     c, s = math.cos(pose[2]) * inverse, math.sin(pose[2]) * inverse
     shift_u, shift_v = pose[0] * inverse - corner[0], pose[1] * inverse - corner[1]
-    known = hits = np.int32(0)
-    for i in range(len(points)):
+    for i in range(len(where)):
         x, y = np.float64(get(ends, 2 * i)), np.float64(get(ends, 2 * i + 1))
         u, v = c * x - s * y + shift_u, s * x + c * y + shift_v
         inside = (u >= 0.0) & (u < columns) & (v >= 0.0) & (v < rows)
-        value = get(flat, np.int32(v) * np.int32(columns) + np.int32(u) if inside else np.int32(0))
-        known += np.int32(inside & (value != UNKNOWN))
-        hits += np.int32(inside & (value > UNKNOWN))
-    return known, hits
+        put(where, i, np.int32(v) * np.int32(columns) + np.int32(u) if inside else np.int32(-1))
 
 
 @njit(cache=True, error_model="numpy")

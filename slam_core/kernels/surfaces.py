@@ -11,8 +11,9 @@ get, _ = lane(0)
 _, put = lane(1)
 
 # Surface on either side of an endpoint that gives its direction: enough of it that the noise of the ranges does
-# not turn it. In metres, or this many neighbours: where beams graze a wall these lie metres apart.
-REACH = 0.5
+# not turn it. In picometres, as whole numbers are compared sooner than others; or this many neighbours: where
+# beams graze a wall these lie metres apart.
+REACH = 500_000_000_000
 NEIGHBOURS = 3
 FEWEST = 4  # endpoints that make a surface
 # Neighbours this near (metres) lie on one surface; and further ones, where two steps from one to the next differ
@@ -74,10 +75,9 @@ def _neighbours(xs, ys, first, end):
     Where a surface ends nobody foresees, so no branch hangs on that.
     """
     n = len(xs)
-    joined, way = np.empty(n, np.uint8), np.zeros(n + 1)
+    joined, way = np.empty(n, np.uint8), np.zeros(n + 1, np.int64)
     _join(xs, ys, joined, way)
-    i = low = 0
-    here = behind = 0.0
+    i = low = here = behind = 0
     while i < n:  # either is one further after each round
         far, next_here, next_behind = here - behind > REACH, way[i + 1], way[low + 1]
         first[i], end[low] = low, i
@@ -96,7 +96,7 @@ def _neighbours(xs, ys, first, end):
 
 @njit(cache=True, error_model="numpy")
 def _join(xs, ys, joined, way):
-    """Which of n endpoints lie on one surface with the one before, and the way (n + 1,) along them, metres."""
+    """Which of n endpoints lie on one surface with the one before, and the way (n + 1,) along them, picometres."""
     n = len(xs)
     steps, straight = np.zeros(n), np.zeros(n + 1, np.uint8)
     for i in range(1, n):
@@ -111,7 +111,7 @@ def _join(xs, ys, joined, way):
     for i in range(n):
         joined[i] = (steps[i] <= GAP) | straight[i] | straight[i + 1]
     for i in range(1, n):
-        way[i] = way[i - 1] + steps[i]
+        way[i] = way[i - 1] + np.int64(steps[i] * 1e12)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")

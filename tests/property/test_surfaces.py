@@ -23,7 +23,7 @@ def test_neighbours_are_those_of_one_surface_within_reach(way: Steps, bends: flo
     _neighbours(points[:, 0].copy(), points[:, 1].copy(), first, end)
     moves = np.diff(points, axis=0)  # single precision, as in the kernel
     lengths = np.sqrt(moves[:, 0] * moves[:, 0] + moves[:, 1] * moves[:, 1]).astype(np.float64)
-    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    along = np.concatenate([[0], np.cumsum((lengths * 1e12).astype(np.int64))])  # picometres
     joined = _joined(moves, lengths)
 
     def together(i: int, j: int) -> bool:
