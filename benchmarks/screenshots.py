@@ -94,7 +94,7 @@ def take(browser: Browser, shot: Shot, folder: Path) -> Path:
     target = folder / f"{shot.scene}.png"
     with standing_still(shot) as server:
         page = browser.new_page(viewport=SIZE, color_scheme="dark" if shot.display["dark"] else "light")
-        page.goto(server.url)
+        page.goto(f"{server.url}?fixedDpr=1")  # else a slow machine draws it coarsely
         page.wait_for_function("window.__viserMutable?.nodeRefFromName?.['/robot']", timeout=PATIENCE_S * 1000)
         page.wait_for_timeout(SETTLE_MS)
         for notice in page.locator(NOTICE).all():  # that drawing is done in software
