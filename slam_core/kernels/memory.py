@@ -2,7 +2,8 @@
 
 Arrays that a kernel reads and writes never overlap, but only its caller knows that. Accesses of different lanes
 say so by LLVM's metadata for aliasing; without it a loop that gathers or that stores into several arrays stays
-scalar, four to six times as slow. Arrays are flat and contiguous, and indices count from 0.
+scalar, four to six times as slow. That holds within a function: what one has put, another may get. Arrays are flat
+and contiguous, and indices count from 0.
 """
 
 from typing import Any
@@ -102,7 +103,7 @@ def _address(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 def _apart(builder: Any, access: Any, own: int) -> Any:
     """The access, marked as one of its lane and of no other."""
     add = builder.module.add_metadata
-    domain = add(["slam_core"])
+    domain = add([builder.function.name])
     scopes = [add([f"lane {k}", domain]) for k in LANES]
     access.set_metadata("alias.scope", add([scopes[own]]))
     access.set_metadata("noalias", add([scope for k, scope in enumerate(scopes) if k != own]))
