@@ -8,6 +8,7 @@ from numba import njit
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.mapping import cells_of
 from slam_core.kernels.memory import above, lane, lowest, prefetch
+from slam_core.kernels.search import cells_at
 
 get, _ = lane(0)
 _, put = lane(1)
@@ -177,7 +178,7 @@ def ends_in_free_space(cells, corner, resolution, points, pose, around, found):
     found: (n,) takes the answers.
     """
     (rows, columns), flat, where = cells.shape, cells.reshape(-1), np.empty(len(points), np.int32)
-    _cells_within(rows, columns, corner, resolution, points.reshape(-1), pose, around, where)
+    cells_at(rows, columns, corner, 1.0 / resolution, points.reshape(-1), pose, around, where)
     for k in range(len(points)):
         free = where[k] >= 0 and flat[where[k]] < UNKNOWN
         found[k] = free and not _near_occupied(flat, columns, where[k], around)
@@ -191,20 +192,6 @@ def _near_occupied(cells, columns, i, around):
             if cells[j] > UNKNOWN:
                 return True
     return False
-
-
-@njit(cache=True, error_model="numpy")
-def _cells_within(rows, columns, corner, resolution, points, pose, around, where):
-    """(n,) the cells of those points that do not lie so near the edge, and -1; without a branch."""
-    c, s = math.cos(pose[2]) / resolution, math.sin(pose[2]) / resolution
-    shift_u, shift_v = pose[0] / resolution - corner[0], pose[1] / resolution - corner[1]
-    width, edge = np.int32(columns), np.int32(around)
-    last_u, last_v = np.int32(columns - edge), np.int32(rows - edge)
-    for k in range(len(where)):
-        x, y = np.float64(get(points, 2 * k)), np.float64(get(points, 2 * k + 1))
-        u, v = np.int32(c * x - s * y + shift_u), np.int32(s * x + c * y + shift_v)
-        inside = (u >= edge) & (u < last_u) & (v >= edge) & (v < last_v)
-        put(where, k, np.int32(v * width + u) if inside else np.int32(-1))
 
 
 @njit(inline="always")

@@ -16,7 +16,7 @@ _, put = lane(1)
 def count_hits(cells, corner, inverse, points, pose):
     """How many endpoints lie on known cells, and how many of those on occupied ones."""
     (rows, columns), flat, where = cells.shape, cells.reshape(-1), np.empty(len(points), np.int32)
-    _cells_of(rows, columns, corner, inverse, points.reshape(-1), pose, where)
+    cells_at(rows, columns, corner, inverse, points.reshape(-1), pose, 0, where)
     known = hits = np.int32(0)
     for i in range(len(where)):
         if where[i] >= 0:
@@ -27,14 +27,18 @@ def count_hits(cells, corner, inverse, points, pose):
 
 
 @njit(cache=True, error_model="numpy")
-def _cells_of(rows, columns, corner, inverse, ends, pose, where):
-    """Into `where` (n,) the cells of endpoints (2n,) at a pose, -1 off the map; without a branch."""
+def cells_at(rows, columns, corner, inverse, ends, pose, edge, where):
+    """The cells of endpoints (2n,) at a pose into `where` (n,), -1 within `edge` cells of the edge and beyond it.
+
+    Without a branch.
+    """
     c, s = math.cos(pose[2]) * inverse, math.sin(pose[2]) * inverse
     shift_u, shift_v = pose[0] * inverse - corner[0], pose[1] * inverse - corner[1]
+    first, last_u, last_v = np.float64(edge), np.float64(columns - edge), np.float64(rows - edge)
     for i in range(len(where)):
         x, y = np.float64(get(ends, 2 * i)), np.float64(get(ends, 2 * i + 1))
         u, v = c * x - s * y + shift_u, s * x + c * y + shift_v
-        inside = (u >= 0.0) & (u < columns) & (v >= 0.0) & (v < rows)
+        inside = (u >= first) & (u < last_u) & (v >= first) & (v < last_v)
         put(where, i, np.int32(v) * np.int32(columns) + np.int32(u) if inside else np.int32(-1))
 
 
