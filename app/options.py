@@ -12,7 +12,7 @@ from app.settings import Settings
 from app.snapshot import Mode
 from app.sources import SourceOptions
 from app.toml import read_toml
-from slam_core.config import Leaf, SlamConfig, leaves, with_value
+from slam_core.config import Leaf, SlamConfig, leaves, with_values
 from slam_core.errors import SlamError
 from slam_core.measurements import Float64s
 
@@ -84,12 +84,14 @@ class SettingFlags:
     def settings(self) -> Settings:
         """The file's settings with the flags on top; SlamError for a bad file or value."""
         settings = read_toml(self.config) if self.config else Settings()
-        start = settings.start
-        for group, given in asdict(self).items():
-            for key, value in given.items() if isinstance(given, dict) else ():
-                if value is not None:
-                    start = with_value(start, f"{group}.{key}", _SWITCH.get(value, value))
-        return Settings(start, settings.changes)
+        given = {
+            f"{group}.{key}": _SWITCH.get(value, value)
+            for group, flags in asdict(self).items()
+            if isinstance(flags, dict)
+            for key, value in flags.items()
+            if value is not None
+        }
+        return Settings(with_values(settings.start, given), settings.changes)
 
 
 def _setting_flags() -> type[SettingFlags]:

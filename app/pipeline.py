@@ -45,7 +45,6 @@ class Pipeline:
         self._arrivals = Arrivals()
         self._sequencer = Sequencer()
         self._passed_over: Counter[str] = Counter()
-        self._changes = 0
         self._unkept: list[tuple[StepResult, int]] = []
         self._trajectory = GrowingRows(8)
         self._truth = GrowingRows(8)
@@ -100,10 +99,9 @@ class Pipeline:
         return wrong
 
     def _apply_changes(self, stamp_ns: int) -> None:
-        due = sum(change.time_ns <= stamp_ns for change in self.settings.changes)
-        if due > self._changes:
-            self.slam.configure(self.settings.at(stamp_ns))
-            self._changes = due
+        config = self.settings.at(stamp_ns)
+        if config is not self.slam.config:
+            self.slam.configure(config)
 
     def _keep(self, result: StepResult) -> None:
         self.states[result.tracking] += 1

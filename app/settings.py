@@ -1,8 +1,10 @@
 """A configuration and its changes over the recording's time: what a run is a function of."""
 
+from bisect import bisect_right
 from dataclasses import dataclass, field
+from operator import attrgetter
 
-from slam_core.config import ConfigError, SlamConfig, leaves, needs_restart, with_value
+from slam_core.config import ConfigError, Leaves, SlamConfig, with_value, with_values
 
 Setting = float | int | bool | str
 
@@ -22,27 +24,29 @@ class Settings:
 
     start: SlamConfig = field(default_factory=SlamConfig)
     changes: tuple[Change, ...] = ()
+    _made: dict[int, SlamConfig] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """ConfigError for a change that a running map cannot follow, or a bad one."""
-        config = self.start
+        known = Leaves(self.start)
         for change in self.changes:
-            changed = with_value(config, change.name, change.value)
-            if needs_restart(config, changed):
+            if known[change.name].rebuilds(change.value):
                 raise ConfigError(f"{change.name} cannot change at {change.time_ns} ns: set it from the start")
-            config = changed
 
     def at(self, time_ns: int) -> SlamConfig:
-        """The configuration that a scan of this time is processed with."""
-        return apply(self.start, [change for change in self.changes if change.time_ns <= time_ns])
+        """The configuration that a scan of this time is processed with: one object, as long as it is the same."""
+        due = bisect_right(self.changes, time_ns, key=attrgetter("time_ns"))
+        if due not in self._made:  # of a name, the last change counts
+            values = {change.name: change.value for change in self.changes[:due]}
+            self._made[due] = with_values(self.start, values)
+        return self._made[due]
 
     def changed(self, time_ns: int, name: str, value: Setting) -> "Settings":
         """A setting takes a value from `time_ns` on, whatever was planned for it later.
 
         A setting that needs a new map changes from the start. ConfigError for an unknown name or a bad value.
         """
-        now = self.at(time_ns)
-        if needs_restart(now, with_value(now, name, value)):
+        if Leaves(self.start)[name].rebuilds(value):
             return Settings(with_value(self.start, name, value), self.changes)
         kept = [c for c in self.changes if c.name != name or c.time_ns < time_ns]
         return Settings(self.start, _in_order([*kept, Change(time_ns, name, value)]))
@@ -52,19 +56,10 @@ class Settings:
         return Settings(self.at(time_ns), tuple(c for c in self.changes if c.time_ns > time_ns))
 
 
-def apply(config: SlamConfig, changes: list[Change]) -> SlamConfig:
-    """`config` after the changes."""
-    for change in changes:
-        config = with_value(config, change.name, change.value)
-    return config
-
-
 def value_of(config: SlamConfig, name: str) -> Setting:
     """The value of a setting by its dotted name; ConfigError for an unknown one."""
-    values: dict[str, Setting] = {leaf.name: leaf.value for leaf in leaves(config)}
-    if name not in values:
-        raise ConfigError(f"{name!r} is no setting: choose one of {', '.join(values)}")
-    return values[name]
+    value: Setting = Leaves(config)[name].value
+    return value
 
 
 def _in_order(changes: list[Change]) -> tuple[Change, ...]:

@@ -4,11 +4,12 @@ import difflib
 import json
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from app.settings import Change, Setting, Settings
-from slam_core.config import ConfigError, Leaf, SlamConfig, leaves, with_value
+from slam_core.config import ConfigError, Leaf, SlamConfig, leaves, with_values
 
 _CHANGES = "changes"
 _CHANGE_KEYS = {"time_ns": int, "name": str, "value": bool | int | float | str}
@@ -65,10 +66,10 @@ def _settings(tree: dict[str, Any]) -> Settings:
     changes = tree.pop(_CHANGES, [])
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")
-    config = SlamConfig()
-    for name, value in _entries(tree):
+    values = dict(_entries(tree))
+    for name in values:
         _check_name(name)
-        config = with_value(config, name, value)
+    config = with_values(SlamConfig(), values)
     return Settings(config, tuple(sorted(map(_change, changes), key=lambda change: change.time_ns)))
 
 
@@ -80,8 +81,13 @@ def _entries(tree: dict[str, Any]) -> Iterator[tuple[str, Any]]:
             yield f"{group}.{key}", value
 
 
+@cache
+def _names() -> tuple[str, ...]:
+    return tuple(leaf.name for leaf in leaves(SlamConfig()))
+
+
 def _check_name(name: str) -> None:
-    names = [leaf.name for leaf in leaves(SlamConfig())]
+    names = _names()
     if name not in names:
         near = difflib.get_close_matches(name, names, n=1, cutoff=0.75)
         remedy = f"did you mean {near[0]}?" if near else "see `hectorscope run --help` for the names"

@@ -16,7 +16,7 @@ from benchmarks import returning
 from benchmarks.cases import CELLS_ALONE, LOST_M, METHODS, Recording
 from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
-from slam_core.config import SlamConfig, with_value
+from slam_core.config import SlamConfig, with_values
 from slam_core.evaluation import Trajectory, interpolate, rms
 from slam_core.given import GivenMap
 from slam_core.measurements import Float64s, Imu, Measurement
@@ -155,9 +155,7 @@ def along_and_across(pipeline: Pipeline) -> CorridorOutcome:
 
 def _replay(recording: Recording, config: SlamConfig) -> Replay:
     source = open_source(str(recording.path), recording.options)
-    for name, value in recording.settings:
-        config = with_value(config, name, value)
-    pipeline, returned = returning.process(source.items(), config)
+    pipeline, returned = returning.process(source.items(), with_values(config, dict(recording.settings)))
     first, last = pipeline.trajectory[[0, -1], 1:3]
     return Replay(
         scans=pipeline.scans,

@@ -7,7 +7,7 @@ from typing import get_args
 from app.cli import Scene, demo_bag
 from app.simulation import SceneOptions
 from app.sources import SourceOptions
-from slam_core.config import SlamConfig, with_value
+from slam_core.config import SlamConfig, with_value, with_values
 from tests.conftest import ROOT
 
 BESIDE = ROOT.parent / "shared" / "data"
@@ -43,10 +43,7 @@ PLAIN_SETTINGS: dict[str, float | bool | str] = {
 
 def plain() -> SlamConfig:
     """The paper's own method: every step of the defaults beyond it switched off."""
-    config = SlamConfig()
-    for name, value in PLAIN_SETTINGS.items():
-        config = with_value(config, name, value)
-    return config
+    return with_values(SlamConfig(), PLAIN_SETTINGS)
 
 
 METHODS = {"plain": plain(), "full": SlamConfig()}

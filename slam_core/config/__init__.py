@@ -1,7 +1,7 @@
 """All settings of the pipeline: the tree, what is known of each leaf, and changes of it."""
 
-from slam_core.config.changes import needs_restart, with_value
-from slam_core.config.leaves import ConfigError, Leaf, Param, leaves
+from slam_core.config.changes import needs_restart, with_value, with_values
+from slam_core.config.leaves import ConfigError, Leaf, Leaves, Param, leaves
 from slam_core.config.tree import (
     AidingConfig,
     CovarianceMethod,
@@ -25,6 +25,7 @@ __all__ = [
     "FusionConfig",
     "FusionMethod",
     "Leaf",
+    "Leaves",
     "MapConfig",
     "MatcherConfig",
     "MotionConfig",
@@ -38,4 +39,5 @@ __all__ = [
     "leaves",
     "needs_restart",
     "with_value",
+    "with_values",
 ]

@@ -7,6 +7,7 @@ rebuilding the map from the start (`restart`) or simply acting from the next sca
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from slam_core.errors import SlamError
@@ -54,6 +55,10 @@ class Leaf:
             return value
         return self._check_number(value)
 
+    def rebuilds(self, value: Any) -> bool:
+        """Whether this value in the place of its own needs another map; ConfigError if it does not fit."""
+        return bool(self.check(value) != self.value and self.param.restart)
+
     def _check_number(self, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise ConfigError(f"{self.name} is {value!r}: give a finite number")
@@ -71,7 +76,8 @@ def _space(unit: str) -> str:
 
 def leaves(config: Any, prefix: str = "") -> Iterator[Leaf]:
     """Every setting below `config`, in the order of the tree."""
-    hints = get_type_hints(type(config), include_extras=True)
+    group: Any = type(config)
+    hints = _hints(group)
     for f in fields(config):
         value = getattr(config, f.name)
         if is_dataclass(value):
@@ -79,3 +85,19 @@ def leaves(config: Any, prefix: str = "") -> Iterator[Leaf]:
         else:
             kind, param = get_args(hints[f.name])
             yield Leaf(f"{prefix}{f.name}", kind, value, param)
+
+
+class Leaves(dict[str, Leaf]):
+    """The settings of a configuration by name; ConfigError for one that there is not."""
+
+    def __init__(self, config: Any) -> None:
+        super().__init__((leaf.name, leaf) for leaf in leaves(config))
+
+    def __missing__(self, name: str) -> Leaf:
+        raise ConfigError(f"{name!r} is no setting: choose one of {', '.join(self)}")
+
+
+@cache
+def _hints(group: type) -> dict[str, Any]:
+    """The types in a class with their Params: read once, as that takes longer than all else here."""
+    return get_type_hints(group, include_extras=True)

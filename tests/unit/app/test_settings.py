@@ -27,6 +27,18 @@ def test_a_setting_of_the_map_changes_from_the_start():
     assert settings.changes == ()
 
 
+def test_however_often_a_slider_moved_a_configuration_is_made_once(monkeypatch: pytest.MonkeyPatch):
+    """A class that plays with a slider for an hour: the next move must not go through all of those before."""
+    settings, made = Settings(), []
+    for time_ns in range(100):
+        settings = settings.changed(time_ns, "fusion.omega", 0.1 + 0.001 * time_ns)
+    monkeypatch.setattr(SlamConfig, "__post_init__", lambda config: made.append(config.fusion.omega))
+    later = settings.changed(200, "fusion.omega", 0.5)
+    assert later.at(150).fusion.omega == pytest.approx(0.199)
+    assert later.at(160) is later.at(150)
+    assert made == [pytest.approx(0.199)]
+
+
 def test_flattened_takes_the_present_values_from_the_start_on():
     """What has happened becomes the start; what is planned stays planned."""
     settings = Settings(changes=(Change(50, "fusion.omega", 0.2), Change(90, "fusion.omega", 0.3)))
