@@ -1,5 +1,5 @@
 # The house: one environment in .venv, made from constraints.txt, and a handful of commands on it.
-# Only Python 3.11+ and make are needed beforehand.
+# Only Python 3.11 to 3.14 with venv, and make, are needed beforehand.
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -13,7 +13,7 @@ ARGS ?=
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: $(VENV)/ready-run  ## a robot maps a building in the browser; ARGS=littoral for another one
+demo: $(VENV)/ready-run  ## a robot maps a rescue arena in the browser; ARGS=littoral or handheld for another place
 	$(BIN)/hectorscope demo $(ARGS)
 
 test: $(VENV)/ready-dev chromium  ## every test; ARGS="-k matcher", ARGS="-m 'not browser'" choose

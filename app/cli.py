@@ -29,7 +29,9 @@ from slam_core.errors import SlamError
 
 Scene = Literal["arena", "littoral", "handheld"]
 Bag = Annotated[
-    Path, tyro.conf.Positional, tyro.conf.arg(help="A .bag, .mcap, .db3, a rosbag2 folder or a CARMEN log.")
+    Path,
+    tyro.conf.Positional,
+    tyro.conf.arg(help="A .bag, .mcap, .db3, a rosbag2 folder, or a CARMEN or tinySLAM log."),
 ]
 
 MISTAKE = 2

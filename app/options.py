@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass, field, fields, make_dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import tyro
@@ -19,37 +19,47 @@ from slam_core.measurements import Float64s
 if TYPE_CHECKING:
     from slam_core.given import GivenMap  # takes long: loads the compiler
 
-_TOPICS = {
-    "scan_topic": "Topic of the laser scans.",
-    "imu_topic": "Topic of the inertial data; none leaves it out, as with every topic.",
-    "attitude_topic": "Topic of an attitude that somebody else estimated (tf:PARENT>CHILD for tf).",
-    "odometry_topic": "Topic of the wheel odometry.",
-    "height_topic": "Topic of the height or the air pressure.",
-    "ground_topic": "Topic of the distance to the ground.",
-    "magnetic_topic": "Topic of the magnetic field.",
-    "gps_topic": "Topic of the satellite fixes.",
-    "gps_velocity_topic": "Topic of the velocity by satellites.",
-    "truth_topic": "Topic of the true poses (tf:PARENT>CHILD for tf): shown and scored, never used.",
-    "base_frame": "Frame of the robot's base.",
-    "laser_pose": "The laser in the base, metres and radians; overrides tf.",
-    "imu_accel_unit": "Unit of the accelerations.",
-    "imu_gyro_unit": "Unit of the angular rates.",
-    "imu_inverted": "Which of its vectors the IMU gives with the wrong sign.",
-    "imu_rotation": "How the IMU is turned in the base, radians; on top of tf.",
-    "imu_delay": "How late the stamps of the inertial data are, seconds.",
-    "scan_mirrored": "Whether the beams run the other way round than the scan says.",
-    "scan_delay": "How late the stamps of the scans are, seconds.",
-}
-_METAVARS = {
-    "base_frame": "FRAME",
-    "laser_pose": "X Y Z ROLL PITCH YAW",
-    "imu_accel_unit": "{m/s2,g,mg}",
-    "imu_gyro_unit": "{rad/s,deg/s}",
-    "imu_inverted": "{accel,gyro}",
-    "imu_rotation": "ROLL PITCH YAW",
-    "imu_delay": "SECONDS",
-    "scan_mirrored": "{true,false}",
-    "scan_delay": "SECONDS",
+
+class _Words(NamedTuple):
+    """What --help says of a flag about the source; default: what holds without it."""
+
+    help: str
+    default: str = "found by type"
+    metavar: str = "TOPIC"
+
+
+_BY_NAME = "found by type and name"
+_SOURCE = {
+    "scan_topic": _Words("Topic of the laser scans."),
+    "imu_topic": _Words("Topic of the inertial data; none leaves it out, as with every topic."),
+    "attitude_topic": _Words(
+        "Topic of an attitude that somebody else estimated (tf:PARENT>CHILD for tf).",
+        "none; without inertial data by tf, if the base leans there",
+    ),
+    "odometry_topic": _Words("Topic of the wheel odometry."),
+    "height_topic": _Words("Topic of the height or the air pressure.", "found by type, a point by its name too"),
+    "ground_topic": _Words("Topic of the distance to the ground.", _BY_NAME),
+    "magnetic_topic": _Words("Topic of the magnetic field."),
+    "gps_topic": _Words("Topic of the satellite fixes."),
+    "gps_velocity_topic": _Words("Topic of the velocity by satellites.", _BY_NAME),
+    "truth_topic": _Words(
+        "Topic of the true poses (tf:PARENT>CHILD for tf): shown and scored, never used.", _BY_NAME
+    ),
+    "base_frame": _Words("Frame of the robot's base.", "by tf and the messages", "FRAME"),
+    "laser_pose": _Words(
+        "The laser in the base, metres and radians; overrides tf.",
+        "by tf, else at the base",
+        "X Y Z ROLL PITCH YAW",
+    ),
+    "imu_accel_unit": _Words("Unit of the accelerations.", "m/s2", "{m/s2,g,mg}"),
+    "imu_gyro_unit": _Words("Unit of the angular rates.", "rad/s", "{rad/s,deg/s}"),
+    "imu_inverted": _Words("Which of its vectors the IMU gives with the wrong sign.", "neither", "{accel,gyro}"),
+    "imu_rotation": _Words("How the IMU is turned in the base, radians; on top of tf.", "0 0 0", "ROLL PITCH YAW"),
+    "imu_delay": _Words("How late the stamps of the inertial data are, seconds.", "0", "SECONDS"),
+    "scan_mirrored": _Words(
+        "Whether the beams run the other way round than the scan says.", "false", "{true,false}"
+    ),
+    "scan_delay": _Words("How late the stamps of the scans are, seconds.", "0", "SECONDS"),
 }
 _SWITCH: dict[Any, bool] = {"true": True, "false": False}
 
@@ -79,7 +89,7 @@ def _flag(leaf: Leaf) -> Any:
 class SettingFlags:
     """What was given on the command line; a group for every group of the settings is added below."""
 
-    config: Annotated[Path | None, tyro.conf.arg(help="Settings file (TOML); flags win over it.")] = None
+    config: Annotated[Path | None, _optional("Settings file (TOML); flags win over it.")] = None
 
     def settings(self) -> Settings:
         """The file's settings with the flags on top; SlamError for a bad file or value."""
@@ -107,12 +117,12 @@ def _source_flags() -> type[Any]:
     flags: list[Any] = []
     for option in fields(SourceOptions):
         kind: Any = Literal["true", "false"] | None if option.type == bool | None else option.type
-        metavar = _METAVARS.get(option.name, "TOPIC")
+        words = _SOURCE[option.name]
         hint = tyro.conf.arg(
-            help=_TOPICS[option.name],
-            metavar=metavar,
+            help=words.help,
+            metavar=words.metavar,
             aliases=["--truth"] if option.name == "truth_topic" else [],
-            help_behavior_hint=f"(default: {'found by type' if metavar == 'TOPIC' else 'by tf and the messages'})",
+            help_behavior_hint=f"(default: {words.default})",
         )
         flags.append((option.name, Annotated[kind, hint], None))
     return make_dataclass("SourceFlags", flags)
@@ -142,7 +152,8 @@ class MapFlags:
     """A map that was there before."""
 
     map: Annotated[
-        Path | None, _optional("Saved map to begin with: a folder that --out left, or a map's yaml file.")
+        Path | None,
+        _optional("Saved map to begin with: a folder that --out left, its map.npz, or a map's yaml file."),
     ] = None
     mode: Annotated[
         Mode | None,

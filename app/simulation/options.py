@@ -33,7 +33,7 @@ class SceneOptions:
     """How a scene is driven and measured; None keeps what the scene itself prefers."""
 
     duration: float | None = None
-    """Length of the recording in seconds."""
+    """Length of the recording in seconds; None: the scene's own."""
     scan_rate: float = 40.0
     """Revolutions of the laser per second; a sweep of 270 degrees takes three quarters of one."""
     beams: int = 1081
@@ -43,9 +43,9 @@ class SceneOptions:
     speed: float = 1.0
     """Factor on the scene's own speed."""
     sway: float | None = None
-    """Largest roll and pitch of the swaying motion, degrees."""
+    """Largest roll and pitch of the swaying motion, degrees; None: the scene's own."""
     sway_frequency: float | None = None
-    """Frequency of the swaying motion, Hz."""
+    """Frequency of the swaying motion, Hz; None: the scene's own."""
     noise: float = 1.0
     """Factor on all noise, biases and drop-outs; 0 measures exactly."""
     people: bool = True
@@ -53,9 +53,9 @@ class SceneOptions:
     imu: bool = True
     """Whether there is an inertial unit."""
     extras: tuple[Extra, ...] | None = None
-    """What is carried besides laser, inertial unit and barometer."""
+    """What is carried besides laser, inertial unit and barometer; None: the scene's own."""
     gps_outage: float | None = None
-    """Seconds without satellites in the middle of the drive."""
+    """Seconds without satellites in the middle of the drive; None: the scene's own."""
     seed: int = 1
     """Seed of the noise and of who walks where: the same seed gives the same bytes."""
 

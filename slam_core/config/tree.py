@@ -86,8 +86,8 @@ class MatcherConfig:
     converged_step: Annotated[
         float,
         Param(
-            "The finest level ends when its step is shorter than this, a coarser one too, or when it is shorter"
-            " than a twentieth of its cells (0: never).",
+            "A level ends when its step is shorter than this, a coarser one also when it is shorter than a"
+            " twentieth of its cells (0: never).",
             "m",
             0.0,
             0.05,
@@ -200,14 +200,14 @@ class NavigationConfig:
         float, Param("A velocity less certain than this is pulled to zero.", "m/s", 0.1, 20.0, log=True)
     ] = 2.0
     zero_velocity_sigma: Annotated[
-        float, Param("Noise of that pseudo measurement.", "m/s", 0.05, 20.0, log=True)
+        float, Param("Noise of the pseudo measurement of no velocity.", "m/s", 0.05, 20.0, log=True)
     ] = 1.0
     tilt_threshold: Annotated[
         float,
-        Param("A tilt less certain than this is leveled by the accelerometers.", "rad", 0.001, 1.0, log=True),
+        Param("A tilt less certain than this is levelled by the accelerometers.", "rad", 0.001, 1.0, log=True),
     ] = 0.02
     gravity_sigma: Annotated[
-        float, Param("Noise of that: accelerations that pass for gravity.", "m/s²", 0.01, 10.0, log=True)
+        float, Param("Noise of levelling: accelerations that pass for gravity.", "m/s²", 0.01, 10.0, log=True)
     ] = 1.0
     height_threshold: Annotated[
         float, Param("A height less certain than this is pulled to that of the start.", "m", 0.1, 100.0, log=True)
@@ -247,9 +247,11 @@ class AidingConfig:
         0.0
     )
     ground: Annotated[bool, Param("Hold the height by the distance to the ground.")] = True
-    ground_sigma: Annotated[float, Param("Noise of that distance.", "m", 0.001, 5.0, log=True)] = 0.05
+    ground_sigma: Annotated[float, Param("Noise of the distance to the ground.", "m", 0.001, 5.0, log=True)] = 0.05
     attitude: Annotated[bool, Param("Level the filter by an attitude that somebody else estimated.")] = True
-    attitude_sigma: Annotated[float, Param("Error of that attitude's tilt.", "rad", 0.001, 1.0, log=True)] = 0.03
+    attitude_sigma: Annotated[
+        float, Param("Error of the tilt in such an attitude.", "rad", 0.001, 1.0, log=True)
+    ] = 0.03
     standstill: Annotated[
         bool, Param("A base that stands still has no velocity, and its gyros read their bias.")
     ] = True
@@ -260,9 +262,9 @@ class PlatformConfig:
     """Section III: what the platform cannot do is taken out of the state."""
 
     planar: Annotated[
-        bool, Param("It stays in a plane: no roll, pitch, height or vertical velocity (with an IMU).")
+        bool, Param("The platform stays in a plane: no roll, pitch, height or vertical velocity (with an IMU).")
     ] = False
-    no_slip: Annotated[bool, Param("It never moves sideways, as on wheels that do not slip.")] = False
+    no_slip: Annotated[bool, Param("The platform never moves sideways, as on wheels that do not slip.")] = False
 
 
 @dataclass(frozen=True, slots=True)
