@@ -204,7 +204,7 @@ class Engine:
     def _end(self, feeder: Feeder) -> None:
         feeder.check()
         if not self._pipeline.scans:
-            raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam.searching)
+            raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam)
         self._transport.end()
         self._log(f"The recording ended after {self._pipeline.scans} scans")
 

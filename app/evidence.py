@@ -12,7 +12,7 @@ from slam_core.devices import Agreement, Gravity, compare_tilts, compare_turns, 
 from slam_core.measurements import Float64s, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
 
-LONGEST_S = 120.0  # what comes later is not looked at
+LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
 SCAN_PERIOD_NS = 80_000_000  # more scans a second tell no more about turns
 FEWEST_SAMPLES = 20
 FEWEST_SPANS = 12
@@ -51,7 +51,7 @@ class Evidence:
         if self._begin_ns is None:
             self._begin_ns = item.stamp_ns
         time = self._seconds(item.stamp_ns)
-        if time > LONGEST_S:
+        if abs(time) > LONGEST_S:
             return time
         if isinstance(item, Imu):
             _keep(self._imu, time, *item.angular_velocity, *item.linear_acceleration)

@@ -14,6 +14,7 @@ from app.snapshot import SERIES_FIELDS, Mode
 from app.sources import Item, SourceError
 from slam_core.arrivals import Arrivals
 from slam_core.evaluation import Trajectory, first_on_first, interpolate
+from slam_core.faults import NO_ATTITUDE
 from slam_core.given import GivenMap
 from slam_core.measurements import Imu, LaserScan, Measurement, Transform, TruthPose
 from slam_core.results import StepResult, Tracking
@@ -171,12 +172,21 @@ def _onto(truth: Rows, trajectory: Rows) -> Rows | None:
     return np.array([x, y, here.positions[0, 2] - there.positions[0, 2], yaw])
 
 
-def nothing_used(name: str, skipped: Mapping[str, int], searching: str) -> SourceError:
-    """For a run without a single result: the reasons, the commonest first. searching: why no place was found."""
-    if searching:
+def nothing_used(name: str, skipped: Mapping[str, int], slam: HectorSlam) -> SourceError:
+    """For a run without a single result: the reasons, the commonest first."""
+    if slam.searching:
         return SourceError(
-            f"{name}: the robot was not found in the map ({searching}): give --start X Y YAW, or another --map"
+            f"{name}: the robot was not found in the map ({slam.searching}): give --start X Y YAW or another --map"
         )
-    reasons = sorted(skipped.items(), key=lambda item: -item[1])
-    why = "; ".join(f"{count} x {reason}" for reason, count in reasons) or "it holds none"
-    return SourceError(f"{name}: no scan could be used ({why}): choose other topics or wider limits")
+    if skipped.get(NO_ATTITUDE):
+        return SourceError(
+            f"{name}: no scan could be used, as the inertial data told no attitude ({_counted(slam.unused)}):"
+            " check the IMU, or leave it out by --imu-topic none"
+        )
+    return SourceError(f"{name}: no scan could be used ({_counted(skipped)}): choose other topics or wider limits")
+
+
+def _counted(reasons: Mapping[str, int]) -> str:
+    """The commonest first."""
+    ordered = sorted(reasons.items(), key=lambda item: -item[1])
+    return "; ".join(f"{count} x {reason}" for reason, count in ordered) or "it holds none"

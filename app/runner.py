@@ -51,9 +51,7 @@ def run_headless(
     finally:
         source.close()
     if not pipeline.scans:
-        raise nothing_used(
-            source.name, merged(source.report, pipeline.skipped, 0).skipped, pipeline.slam.searching
-        )
+        raise nothing_used(source.name, merged(source.report, pipeline.skipped, 0).skipped, pipeline.slam)
     recorded = (span[1] - span[0]) / 1e9 if span else float(pipeline.trajectory[-1, 0])
     return pipeline, Effort(recorded, time.perf_counter() - begin)
 

@@ -12,6 +12,7 @@ SILENT_NS = 500_000_000
 CONTRADICTED_NS = 1_000_000_000  # a source that is rejected for longer is named
 TOLD_FOR_NS = 5_000_000_000  # what is over is shown for so long
 NO_BEAM = "scan without a beam in range"
+NO_ATTITUDE = "scan before the attitude was known"
 
 WEIGHTLESS = (
     "the accelerometers show no gravity: of the IMU only the yaw rate is used; its driver must publish the"

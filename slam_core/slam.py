@@ -9,7 +9,7 @@ from slam_core import geometry
 from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.drawn import DrawnMap
 from slam_core.ego_motion import EgoMotion
-from slam_core.faults import NO_BEAM
+from slam_core.faults import NO_ATTITUDE, NO_BEAM
 from slam_core.given import GivenMap
 from slam_core.lookout import Lookout
 from slam_core.matcher import coarse_to_fine
@@ -114,7 +114,7 @@ class HectorSlam:
         self._scan_ns = scan.end_ns
         mid_ns = (scan.stamp_ns + self._scan_ns) // 2
         if self._motion.awaits_filter(self._index > 0):
-            self.skipped["scan before the attitude was known"] += 1
+            self.skipped[NO_ATTITUDE] += 1
             return None
         clock = self._clock
         begun = clock()

@@ -16,6 +16,7 @@ Motion = Callable[[int, Int64s], Float64s]
 # The motion is taken as linear between instants this far apart.
 KNOT_NS = 10_000_000
 STANDING = np.zeros(3, np.int64)
+FARTHEST_LASER = 1e4  # m from the base
 NO_END = np.empty((0, 2), np.float32)
 
 
@@ -34,14 +35,15 @@ class StabilisedScan(NamedTuple):
 def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> StabilisedScan:
     """Endpoints of `scan` in the stabilised frame at scan.mid_ns; the motion is asked for instants of the sweep.
 
-    Beams out of range, without a value (REP-117) or out of the z band are left out. With config.stabilise off the
+    Beams out of range, without a value (REP-117) or out of the z band are left out, and all of a laser that cannot
+    sit where it is said to. With config.stabilise off the
     attitude is ignored, with config.deskew off the motion during the sweep is.
     """
-    n = len(scan.ranges)
+    n = len(scan.ranges) if _is_mounted(scan.T_base_laser) else 0
     points, heights, laser = np.empty((n, 2), np.float32), np.empty(n, np.float32), np.empty(2)
     free = np.empty((n, 2), np.float32) if config.clear_range > 0.0 else NO_END
     kept, cleared = place_beams(
-        np.ascontiguousarray(scan.ranges, np.float32),
+        np.ascontiguousarray(scan.ranges[:n], np.float32),
         *_directions(scan.angle_min, scan.angle_increment, n),
         motion(*_instants(scan, config)),
         _mount(scan.T_base_laser),
@@ -82,6 +84,12 @@ def _instants(scan: LaserScan, config: ScanConfig) -> tuple[int, Int64s]:
 def _steps(sweep_ns: int) -> Int64s:
     steps = 1 + sweep_ns // KNOT_NS
     return np.array([*[sweep_ns * i // steps for i in range(steps + 1)], sweep_ns // 2])
+
+
+@lru_cache(maxsize=8)
+def _is_mounted(T_base_laser: Transform) -> bool:
+    """Whether a laser can sit there: ends too far away have no cell whose number could be told."""
+    return bool(np.abs(T_base_laser.translation).max() <= FARTHEST_LASER)
 
 
 @lru_cache(maxsize=8)

@@ -101,6 +101,8 @@ def find_places(level: GridLevel, points: Float32s, least: float) -> Places:
     count = max(8, math.ceil(2.0 * math.pi * reach / level.resolution))
     headings = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
     cells = walls(level)
+    if not cells.size:  # all that was ever seen lies off a map that does not grow
+        return Places(np.empty(0), np.empty((0, 3)))
     pool = kernels.pooled(cells, BLOCK)
     limits = np.empty(count, np.int64)
     inverse = 1.0 / level.resolution

@@ -1,15 +1,25 @@
 """metrics.json: the figures of a run."""
 
 import json
+import math
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from app.exporters import Exporter, Run
 from app.exporters._files import write_whole
 
 
 def _write(run: Run, folder: Path) -> None:
-    text = json.dumps(run.metrics, indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(_told(run.metrics), indent=2, ensure_ascii=False, allow_nan=False)
     write_whole(folder / "metrics.json", f"{text}\n".encode())
+
+
+def _told(figures: Any) -> Any:
+    """The figures with null for those that are no numbers: JSON has no word for them."""
+    if isinstance(figures, Mapping):
+        return {name: _told(value) for name, value in figures.items()}
+    return None if isinstance(figures, float) and not math.isfinite(figures) else figures
 
 
 EXPORTER = Exporter(("metrics.json",), _write)

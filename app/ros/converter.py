@@ -150,7 +150,7 @@ class Converter:
         beams = len(message.ranges)
         if self._beams.setdefault(pending.topic, beams) != beams:
             self._notes["beams"] = f"{pending.topic}: the number of beams varies"
-        return self._repairs.scan(messages.laser_scan(message, stamp_ns, mount))
+        return self._repairs.scan(messages.laser_scan(message, stamp_ns, messages.near_base(mount)))
 
     def _imu(self, pending: _Pending, waited_ns: float) -> Imu | None:
         mount = self._mount(pending, waited_ns)

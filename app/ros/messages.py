@@ -21,6 +21,10 @@ SHORTEST_RANGE = 1e-3
 LOOKING_DOWN = Transform(rotation=geometry.from_euler(0.0, math.pi / 2, 0.0))
 
 
+# Nothing that a robot carries is further from its base than this, and it is nowhere further out, in metres.
+FARTHEST_LASER, FURTHEST_OUT = 1e3, 1e7
+
+
 class BadMessage(Exception):
     """One message that is left out; the text is the reason."""
 
@@ -126,14 +130,21 @@ def truth_pose(message: Any, time_ns: int) -> TruthPose:
     pose = message.pose
     pose = getattr(pose, "pose", pose)
     position = pose.position
-    translation = finite_vector("pose", position.x, position.y, position.z)
-    return TruthPose(time_ns, Transform(translation, quaternion("pose", pose.orientation)))
+    return TruthPose(time_ns, Transform(_place("pose", position), quaternion("pose", pose.orientation)))
 
 
 def transform(message: Any) -> Transform:
     """geometry_msgs/Transform."""
-    p = message.translation
-    return Transform(finite_vector("transform", p.x, p.y, p.z), quaternion("transform", message.rotation))
+    return Transform(_place("transform", message.translation), quaternion("transform", message.rotation))
+
+
+def near_base(T_base_laser: Transform) -> Transform:
+    """A mount that a robot can have: a frame of the world that was taken for the base may be far away."""
+    if max(map(abs, T_base_laser.translation.tolist())) > FARTHEST_LASER:
+        raise BadMessage(
+            f"laser more than {FARTHEST_LASER:g} m from the base by tf, give another --base-frame or --laser-pose"
+        )
+    return T_base_laser
 
 
 def quaternion(what: str, q: Any) -> Float64s:
@@ -150,6 +161,14 @@ def finite_vector(what: str, x: float, y: float, z: float) -> Float64s:
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
         raise BadMessage(f"{what} with NaN or infinite values")
     return np.array([x, y, z])
+
+
+def _place(what: str, p: Any) -> Float64s:
+    """(3,) of a point or a vector, no further out than anything can be."""
+    place = finite_vector(what, p.x, p.y, p.z)
+    if max(map(abs, place.tolist())) > FURTHEST_OUT:
+        raise BadMessage(f"{what} of more than {FURTHEST_OUT:g} m")
+    return place
 
 
 def _finite(value: float, otherwise: float) -> float:

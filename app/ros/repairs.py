@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from app.ros.messages import FARTHEST_LASER
 from app.sources import SourceError, SourceOptions
 from slam_core import geometry
-from slam_core.measurements import Attitude, Imu, LaserScan, MagneticField, Transform
+from slam_core.measurements import Attitude, Float64s, Imu, LaserScan, MagneticField, Transform
 
 STANDARD_GRAVITY = 9.80665
 ACCEL_UNITS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY}
@@ -22,12 +23,12 @@ class Repairs:
     def __init__(self, options: SourceOptions) -> None:
         self.imu_delay_ns = _delay_ns("imu", options.imu_delay)
         self.scan_delay_ns = _delay_ns("scan", options.scan_delay)
-        self.laser_pose = _placed(*options.laser_pose) if options.laser_pose else None
+        self.laser_pose = _placed(options.laser_pose) if options.laser_pose else None
         self._mirrored = options.scan_mirrored is True
         sign = {vector: -1.0 if options.imu_inverted == vector else 1.0 for vector in ("accel", "gyro")}
         self._accel = sign["accel"] * ACCEL_UNITS[options.imu_accel_unit or "m/s2"]
         self._gyro = sign["gyro"] * GYRO_UNITS[options.imu_gyro_unit or "rad/s"]
-        self._turned = geometry.from_euler(*(options.imu_rotation or (0.0, 0.0, 0.0)))
+        self._turned = _turned("imu-rotation", options.imu_rotation or (0.0, 0.0, 0.0))
         self._plain = self._accel == self._gyro == self._turned[0] == 1.0
 
     def imu(self, imu: Imu) -> Imu:
@@ -56,8 +57,21 @@ class Repairs:
         return replace(scan, angle_min=-scan.angle_min, angle_increment=-scan.angle_increment)
 
 
-def _placed(x: float, y: float, z: float, roll: float, pitch: float, yaw: float) -> Transform:
-    return Transform(np.array([x, y, z]), geometry.from_euler(roll, pitch, yaw))
+def _placed(pose: tuple[float, ...]) -> Transform:
+    translation = np.array(pose[:3])
+    if not np.abs(translation).max() <= FARTHEST_LASER:  # so, too, where one is no number
+        raise SourceError(f"--laser-pose is {_words(pose)}: give metres up to {FARTHEST_LASER:g}, then radians")
+    return Transform(translation, _turned("laser-pose", pose[3:]))
+
+
+def _turned(flag: str, angles: tuple[float, ...]) -> Float64s:
+    if not all(map(math.isfinite, angles)):
+        raise SourceError(f"--{flag} turns by {_words(angles)}: give finite radians")
+    return geometry.from_euler(*angles)
+
+
+def _words(values: tuple[float, ...]) -> str:
+    return " ".join(f"{value:g}" for value in values)
 
 
 def _delay_ns(device: str, seconds: float | None) -> int:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from app.ros.messages import FARTHEST_LASER
 from app.ros.roles import NOTHING
 from app.sources import SourceError, SourceKind, SourceOptions
 from app.sources._text_log import BadLine, Instant, TextLog, floats, read_lines
@@ -45,7 +46,10 @@ class _Parser:
     def __call__(self, line: str) -> Instant | None:
         words = line.split()
         if words[:2] == ["PARAM", "robot_frontlaser_offset"]:
-            self._laser = Transform(np.array([*floats(words[2:], 1), 0.0, 0.0]))
+            (forward,) = floats(words[2:], 1)
+            if abs(forward) > FARTHEST_LASER:
+                raise BadLine(f"laser more than {FARTHEST_LASER:g} m from the base")
+            self._laser = Transform(np.array([forward, 0.0, 0.0]))
         if words[:1] != ["FLASER"]:
             return None
         parsed = _Line(words)

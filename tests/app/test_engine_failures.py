@@ -1,12 +1,13 @@
 """What fails under the engine is named, and the engine survives it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from app.snapshot import Restart
 from app.sources import Item
-from slam_core.measurements import LaserScan
+from slam_core.measurements import Imu, LaserScan
 from tests.engines import running, state, until
 from tests.sources import MemoryRecording
 
@@ -41,3 +42,12 @@ def test_a_recording_without_a_usable_scan_says_so(drive: list[Item]):
     with running(MemoryRecording(no_scans), speed=math.inf) as engine:
         failed = until(engine, state("failed"))
     assert "memory: no scan could be used" in failed.playback.detail
+
+
+def test_an_imu_that_tells_no_attitude_is_named_with_the_remedy(drive: list[Item]):
+    """Scans wait for it in vain; without it they could be used."""
+    frozen = [replace(item, stamp_ns=drive[0].stamp_ns) if isinstance(item, Imu) else item for item in drive]
+    with running(MemoryRecording(frozen), speed=math.inf) as engine:
+        failed = until(engine, state("failed"))
+    assert "x inertial sample not later than the one before" in failed.playback.detail
+    assert "leave it out by --imu-topic none" in failed.playback.detail

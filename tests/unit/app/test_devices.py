@@ -76,6 +76,14 @@ def repaired(items: Iterable[Item], options: SourceOptions) -> list[Item]:
     return [repair(item) for item in items]
 
 
+def test_a_clock_that_is_set_after_the_start_costs_neither_memory_nor_the_rest() -> None:
+    """The first samples of an IMU whose board knew no time yet are years off: they are not looked at."""
+    items = list(honest())
+    first = next(item for item in items if isinstance(item, Imu))
+    astray = [replace(first, stamp_ns=first.stamp_ns - k * 365 * 86_400_000_000_000) for k in (1, 40)]
+    assert findings(measures([items[0], *astray, *items[1:]]), SourceOptions()) == []
+
+
 LIES: dict[str, tuple[Lie, str, SourceOptions]] = {
     "milli-g": (
         inertial(accel=[1000.0 / 9.80665] * 3),

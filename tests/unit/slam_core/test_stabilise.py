@@ -35,6 +35,13 @@ def test_a_level_scan_keeps_its_shape():
     np.testing.assert_allclose(points, [[1, 0], [0, 2], [-3, 0], [0, -4]], atol=1e-5)
 
 
+@pytest.mark.parametrize("far", [math.nan, math.inf, -1e30, 2e4])
+def test_a_laser_that_cannot_sit_there_has_no_beam(far):
+    """Its ends would lie in cells whose number cannot be told."""
+    mounted = scan([1.0, 2.0], T_base_laser=Transform(np.array([0.0, far, 0.0])))
+    assert len(stabilise(mounted, standing, OPEN).points) == 0
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 0.0, 0.39, 50.0, 60.0, -1.0])
 def test_rep_117_values_and_ranges_out_of_bounds_are_left_out(bad):
     """NaN, both infinities, zero, too close and too far never become endpoints."""

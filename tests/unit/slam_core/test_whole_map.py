@@ -36,6 +36,12 @@ def room() -> Pyramid:
     return pyramid
 
 
+def test_nothing_is_found_where_nothing_is_known():
+    """All that was seen may lie off a map that does not grow."""
+    level = Pyramid(CONFIG.map).levels[0]
+    assert not len(find_places(level, level_scan(np.zeros(3)).points, 0.5).poses)
+
+
 def made_level(seed: int) -> GridLevel:
     """A few random walls on cells of 20 cm; everything is known."""
     rng = np.random.default_rng(seed)

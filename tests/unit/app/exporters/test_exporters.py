@@ -1,4 +1,6 @@
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +42,15 @@ def test_an_older_file_is_replaced(finished: Run, tmp_path: Path):
             (tmp_path / name).write_text("old")
         exporter.write(finished, tmp_path)
         assert all((tmp_path / name).read_bytes() != b"old" for name in exporter.files)
+
+
+def test_a_figure_that_is_no_number_is_null(finished: Run, tmp_path: Path):
+    """JSON has no word for it, and the rest of the run is worth keeping."""
+    run = replace(finished, metrics={"scans": 2, "truth": {"raw_rmse_m": math.nan, "poses": math.inf}})
+    for exporter in exporters():
+        exporter.write(run, tmp_path)
+    told = json.loads((tmp_path / "metrics.json").read_text())
+    assert told == {"scans": 2, "truth": {"raw_rmse_m": None, "poses": None}}
 
 
 def test_tum_lines_have_exact_times_and_the_scalar_last(finished: Run):

@@ -122,6 +122,17 @@ def test_the_base_and_the_laser_can_be_told() -> None:
         converter.flush()
 
 
+def test_a_frame_of_the_world_is_no_base() -> None:
+    """Where tf leads from the laser to a frame on the earth alone, its scans are left out, with the remedy."""
+    tf = [("/tf_static", ROS.tf(0, "utm", "laser", (4.5e5, 4.4e6, 0.0)), 0), ("/scan", ROS.scan(0), 0)]
+    converter = Converter(Roles(scan="/scan", transforms=TF), SourceOptions())
+    assert scans([*feed(converter, tf), *converter.flush()]) == []
+    ((reason, count),) = converter.report.skipped.items()
+    assert count == 1
+    assert "laser more than 1000 m from the base" in reason
+    assert "--base-frame or --laser-pose" in reason
+
+
 def test_a_moving_mount_is_taken_at_the_middle_of_the_sweep() -> None:
     """A tilting laser waits for the joint's next sample and is placed between the two."""
     converter = Converter(Roles(scan="/scan", transforms=TF), SourceOptions())

@@ -145,6 +145,8 @@ def test_truth_comes_in_four_types(ros: Messages) -> None:
         np.testing.assert_array_equal(messages.truth_pose(message, 1).T_map_base.translation, [1.0, 2.0, 3.0])
     with pytest.raises(BadMessage, match="quaternion"):
         messages.truth_pose(ros.pose_stamped(orientation=ros.quaternion(0.0)), 1)
+    with pytest.raises(BadMessage, match=r"transform of more than 1e\+07 m"):
+        messages.truth_pose(ros.transform_stamped(0, "map", "base_link", (1e200, 2.0, 3.0)), 1)
 
 
 def test_a_stamp_of_zero_is_none(ros: Messages) -> None:

@@ -1,6 +1,7 @@
 """Options that put right what a device gives."""
 
 import math
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -47,6 +48,30 @@ def test_an_imu_upside_down_is_turned() -> None:
     np.testing.assert_allclose(imu.angular_velocity, [0.1, -0.2, -0.3])
     np.testing.assert_allclose(imu.linear_acceleration, [0.0, -1.0, 9.8], atol=1e-12)
     assert abs(geometry.to_euler(attitude.rotation)[0]) == pytest.approx(math.pi)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            {"laser_pose": (math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)},
+            "--laser-pose is nan 0 0 0 0 0: give metres",
+        ),
+        (
+            {"laser_pose": (0.0, 1e9, 0.0, 0.0, 0.0, 0.0)},
+            "--laser-pose is 0 1e+09 0 0 0 0: give metres",
+        ),
+        (
+            {"laser_pose": (0.0, 0.0, 0.0, math.inf, 0.0, 0.0)},
+            "--laser-pose turns by inf 0 0: give finite",
+        ),
+        ({"imu_rotation": (0.0, math.nan, 0.0)}, "--imu-rotation turns by 0 nan 0: give finite radians"),
+    ],
+)
+def test_places_that_cannot_be_meant_are_refused(options: dict[str, tuple[float, ...]], words: str) -> None:
+    """A laser beyond all robots would have its ends in cells whose number cannot be told."""
+    with pytest.raises(SourceError, match=re.escape(words)):
+        Converter(ROLES, SourceOptions(**options))  # type: ignore[arg-type]
 
 
 def test_the_magnetometer_of_an_imu_upside_down_is_turned_with_it() -> None:

@@ -77,6 +77,15 @@ def test_beams_without_return_and_the_place_of_the_laser(tmp_path: Path) -> None
     np.testing.assert_array_equal(scan.T_base_laser.translation, [0.1, 0.0, 0.0])
 
 
+def test_a_laser_far_from_its_robot_is_left_out(tmp_path: Path) -> None:
+    """An offset that no robot has is counted, and the laser stays where it was."""
+    uri = write(tmp_path / "run.log", ["PARAM robot_frontlaser_offset 1e300\n", flaser(0.0, RANGES)])
+    source, (scan,) = read(uri)
+    assert isinstance(scan, LaserScan)
+    np.testing.assert_array_equal(scan.T_base_laser.translation, np.zeros(3))
+    assert list(source.report.skipped) == ["laser more than 1000 m from the base"]
+
+
 def test_bad_lines_are_counted_named_and_left_out(tmp_path: Path) -> None:
     """Cut short, no number, an impossible count, time that stands still: the other scans are used."""
     lines = [
