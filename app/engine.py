@@ -260,7 +260,10 @@ class Engine:
             return
         time_ns = min(max(time_ns, span[0]), span[1])
         if self._transport.failure or time_ns < self._pipeline.time_ns:
+            rests = self._transport.stopped
             self._begin(self._settings_again())
+            if rests:  # a jump from the end is to look there, not to go on to the end again
+                self._transport.pause()
         self._transport.seek(time_ns)
 
     def _settings_again(self) -> Settings:

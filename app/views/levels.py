@@ -56,10 +56,10 @@ class LevelsView:
         floor = self._stage.floor
         if snapshot.epoch != self._epoch or len(snapshot.trajectory) < self._rows:
             self._epoch, self._rows = snapshot.epoch, 0
-            floor.position = (0.0, 0.0, 0.0)
+            floor.position = (0.0, 0.0, -SAFETY)
         heights = snapshot.trajectory[self._rows :, 3]
         self._rows = len(snapshot.trajectory)
-        if len(heights) and heights.min() < floor.position[2]:
+        if len(heights) and heights.min() < floor.position[2] + SAFETY:
             floor.position = (0.0, 0.0, float(heights.min()) - SAFETY)
 
 

@@ -15,6 +15,7 @@ from app.web import private
 from app.web.files import File, page, static_files, static_folder
 from app.web.gate import HEALTH, Gate, is_loopback
 from app.web.painter import Painter
+from app.web.pulse import Pulse
 from app.web.stage import Stage
 from slam_core.errors import SlamError
 
@@ -75,7 +76,7 @@ class PageServer:
         with private.icons_at_hand():
             views = made(view_classes(), self.stage)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.stage)
-        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *panels])
+        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *panels, Pulse(self.stage)])
         self._painter.start()
 
     def stop(self) -> None:

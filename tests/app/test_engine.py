@@ -146,6 +146,16 @@ def test_a_seek_back_repeats_the_run(drive: list[Item], reference: np.ndarray):
     assert ended.trajectory.tobytes() == reference.tobytes()
 
 
+def test_a_jump_from_the_end_stays_there(drive: list[Item]):
+    """Whoever looks for where it broke does not want to see the end again."""
+    with running(MemoryRecording(drive), speed=math.inf) as engine:
+        until(engine, state("ended"))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        assert there.playback.state == "paused"
+        engine.send(Play())
+        until(engine, state("ended"))
+
+
 def test_a_seek_beyond_the_ends_is_clamped(drive: list[Item], reference: np.ndarray):
     """Nobody falls off the recording."""
     with running(MemoryRecording(drive), autoplay=False) as engine:

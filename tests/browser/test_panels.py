@@ -129,6 +129,23 @@ def test_hotkeys(run: Run, open_page: Open) -> None:
     run.until(lambda s: s.epoch > stopped.epoch)
 
 
+def test_hotkeys_after_a_click(run: Run, open_page: Open) -> None:
+    """What was clicked does not keep the keyboard: a box stays as it is, a choice is not typed into."""
+    page = open_page(run.url)
+    open_tab(page, "Settings")
+    box = row(page, "Widen vertical").get_by_role("checkbox")
+    box.click()
+    run.until(lambda s: s.config.fusion.widen_vertical)
+    page.keyboard.press("Space")
+    run.until(lambda s: s.playback.state == "playing")
+    expect(box).to_be_checked()
+    choose(page, "bar-transport", "0.25×")
+    run.until(lambda s: s.playback.speed == 0.25)
+    page.wait_for_function("document.activeElement === document.body")
+    page.keyboard.press("Space")
+    run.until(lambda s: s.playback.state == "paused")
+
+
 def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
     """A click in the middle of the timeline goes there, and the slider stays there."""
     page = open_page(run.url)

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from app.snapshot import MapImage
 from app.views._levels import AISLE, bulk, placements
-from app.views.levels import BLOCK, aligned
-from app.web.stage import Display
-from tests.page import RESOLUTION, room_maps
+from app.views.levels import BLOCK, LevelsView, aligned
+from app.web.stage import Display, Stage
+from tests.page import RESOLUTION, room_maps, room_snapshot
 
 
 def test_a_stack_rises_by_the_gap() -> None:
@@ -69,3 +69,9 @@ def test_a_map_without_walls_has_a_bulk() -> None:
     """Free space alone is framed too."""
     low, high = bulk(MapImage(0, 1.0, -2.0, -3.0, np.ones((6, 4), np.uint8), 1))
     assert (low.tolist(), high.tolist()) == ([-2.0, -3.0], [2.0, 3.0])
+
+
+def test_the_floor_lies_below_what_is_driven(stage: Stage) -> None:
+    """Also where all of it lies in one plane: at the same height the map would hide stretches of the path."""
+    LevelsView(stage).draw(room_snapshot())
+    assert stage.floor.position[2] < room_snapshot().trajectory[:, 3].min()

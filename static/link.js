@@ -1,0 +1,40 @@
+// The link to the server: says when that is silent and how old the picture is, and opens the page anew once the
+// server can be had again. viser by itself tries every second, and each try ends the one before: where a connection
+// takes longer than that, as after a long break, none ever comes about.
+"use strict";
+
+(() => {
+  const SILENT = 4; // seconds without a word; the server speaks every second
+  const ANEW = 8;
+  const PATIENCE = 3000; // milliseconds for an answer
+
+  let heard = null; // nothing yet: the page has just been opened
+  let asking = false;
+  const banner = document.createElement("div");
+  banner.className = "hs-silence";
+  banner.setAttribute("role", "alert");
+
+  function beat() {
+    heard = performance.now();
+    document.documentElement.classList.remove("hs-silent");
+  }
+
+  async function look() {
+    if (heard === null || document.hidden) return;
+    const silent = (performance.now() - heard) / 1000;
+    if (silent < SILENT) return;
+    banner.textContent = `No word from the server: the picture is ${Math.round(silent)} s old`;
+    document.body.append(banner);
+    document.documentElement.classList.add("hs-silent");
+    if (silent < ANEW || asking) return;
+    asking = true;
+    const answer = await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(PATIENCE) }).catch(() => null);
+    asking = false;
+    if (answer?.ok && performance.now() - heard > 1000 * SILENT) location.reload();
+  }
+
+  // A page in the background hears nothing and misses nothing.
+  document.addEventListener("visibilitychange", () => heard !== null && beat());
+  setInterval(look, 1000);
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { beat });
+})();

@@ -1,0 +1,34 @@
+"""A link that breaks, as it looks to somebody who steers by the page."""
+
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import expect
+
+from app.web.server import PageServer
+from tests.browser.conftest import READY, Open, Show
+
+pytestmark = pytest.mark.browser
+
+BROKEN_MS = 12_000  # longer than the page waits before it is opened anew
+
+
+def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
+    """Nothing looks live while the server is silent, and once it is back the page is, with nobody's help."""
+    page = open_page(show.url)
+    page.wait_for_function("document.hidden === false")
+    page.evaluate("window.before = true")
+    show.server.stop()
+    silence = page.locator(".hs-silence")
+    expect(silence).to_be_visible()
+    expect(silence).to_contain_text("No word from the server: the picture is")
+    page.wait_for_timeout(BROKEN_MS)
+    port = urlsplit(show.url).port
+    assert port is not None
+    again = PageServer(show.engine, port=port)
+    again.start()
+    try:
+        expect(silence).to_be_hidden()
+        page.wait_for_function(READY)
+    finally:
+        again.stop()
