@@ -1,5 +1,6 @@
 """The headless run: the whole recording through the pipeline as fast as it goes, and files at the end."""
 
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from itertools import islice
@@ -21,6 +22,8 @@ Progress = Callable[[int], None]
 
 # Items are read so many at a time: one by one between the scans, each would find the caches full of map.
 READ_AHEAD = 256
+# Bytes that must find room before the work is begun: about what the files of a very short run take.
+PROBE = 2**16
 
 
 class OutputError(SlamError):
@@ -62,11 +65,25 @@ def _read_ahead(items: Iterator[Item]) -> Iterator[Item]:
 
 
 def prepare(folder: Path) -> None:
-    """Make the folder for the results before the work is done; OutputError if that cannot be."""
+    """Make the folder for the results, and try it, before the work is done; OutputError if it is of no use."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{folder} cannot be made ({error.strerror}): give another --out") from error
+    try:
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".probe.") as probe:
+            probe.write(bytes(PROBE))
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written to ({error.strerror}): give another --out") from error
+    for name in _names():
+        if (folder / name).is_dir():
+            raise OutputError(
+                f"{folder / name} is a folder where a file is to be: remove it or give another --out"
+            )
+
+
+def _names() -> list[str]:
+    return [name for exporter in exporters() for name in exporter.files]
 
 
 def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:

@@ -1,9 +1,12 @@
 """What a run on the page leaves on the disk: by the button, and at the end of the program."""
 
+import errno
 import json
 import math
+import os
 import signal
 import socket
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -104,3 +107,53 @@ def test_a_page_that_cannot_be_served_says_so_with_out_too(
         assert main(["view", str(bag), "--port", str(port), "--out", str(tmp_path / "out")]) == 2
     assert f"port {port} of 127.0.0.1 cannot be had" in capsys.readouterr().err
     assert not list((tmp_path / "out").iterdir())
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    """Three simulated seconds."""
+    bag = tmp_path / "short.bag"
+    simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91))
+    return bag
+
+
+@pytest.fixture
+def idle(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing can be processed: whoever begins to fails."""
+    monkeypatch.setattr("app.runner.run_headless", lambda *_: pytest.fail("the work was begun"))
+
+
+@pytest.mark.usefixtures("idle")
+def test_a_folder_where_a_file_is_to_be_is_refused_before_any_work(
+    short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The folder is named with the remedy, and left as it is."""
+    (tmp_path / "out" / "map.npz").mkdir(parents=True)
+    assert main(["run", str(short), "--out", str(tmp_path / "out")]) == 2
+    assert "map.npz is a folder where a file is to be: remove it or give another --out" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "out").rglob("*")] == ["map.npz"]
+
+
+@pytest.mark.usefixtures("idle")
+def test_a_full_disk_is_found_before_any_work(
+    short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A folder that is there but takes no file: the reason and the remedy, and nothing of the try stays."""
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(tempfile, "NamedTemporaryFile", full)
+    assert main(["run", str(short), "--out", str(tmp_path / "out")]) == 2
+    assert "out cannot be written to (No space left on device): give another --out" in capsys.readouterr().err
+    assert not list((tmp_path / "out").iterdir())
+
+
+@pytest.mark.usefixtures("idle")
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no folder is known that takes no file")
+def test_a_folder_that_takes_no_file_is_refused_before_any_work(
+    short: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is there, and still of no use."""
+    assert main(["run", str(short), "--out", "/proc/self"]) == 2
+    assert "/proc/self cannot be written to" in capsys.readouterr().err
