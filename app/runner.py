@@ -2,6 +2,7 @@
 
 import tempfile
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
@@ -87,7 +88,7 @@ def _names() -> list[str]:
 
 
 def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
-    """Write every format; the files written."""
+    """Write every format, whatever becomes of the others; the files written. OutputError tells what is missing."""
     run = Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
@@ -97,12 +98,18 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
         saved_levels(pipeline.slam.pyramid),
         pipeline.navigation,
     )
-    try:
-        for exporter in exporters():
+    missing: defaultdict[str, list[str]] = defaultdict(list)
+    for exporter in exporters():
+        try:
             exporter.write(run, folder)
-    except OSError as error:
-        raise OutputError(f"{folder} cannot be written to ({error.strerror}): give another --out") from error
-    return [folder / name for exporter in exporters() for name in exporter.files if (folder / name).exists()]
+        except OSError as error:
+            missing[error.strerror or str(error)] += exporter.files
+        except Exception as error:  # what one format chokes on must not cost the others
+            missing[f"{type(error).__name__}: {error}"] += exporter.files
+    if missing:
+        reasons = "; ".join(f"{reason}: {', '.join(files)}" for reason, files in missing.items())
+        raise OutputError(f"{folder} cannot be written to ({reasons}): give another --out")
+    return [folder / name for name in _names() if (folder / name).exists()]
 
 
 def save(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> str:

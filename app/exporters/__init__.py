@@ -36,12 +36,16 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Exporter:
-    """`write(run, folder)` leaves its files in `folder` (under a temporary name, then renamed)."""
+    """`write(run, folder)` leaves its files in `folder` (under a temporary name, then renamed).
+
+    `order` sorts the exporters: on a disk that fills up, what comes first is there.
+    """
 
     files: tuple[str, ...]
     write: Callable[[Run, Path], None]
+    order: int = 50
 
 
 def exporters() -> list[Exporter]:
-    """Every exporter of this folder."""
-    return members(sys.modules[__name__], "EXPORTER")
+    """Every exporter of this folder, in order."""
+    return sorted(members(sys.modules[__name__], "EXPORTER"), key=lambda exporter: exporter.order)

@@ -19,4 +19,4 @@ def _write(run: Run, folder: Path) -> None:
     write_whole(folder / "trajectory.tum", tum_lines(run).encode())
 
 
-EXPORTER = Exporter(("trajectory.tum",), _write)
+EXPORTER = Exporter(("trajectory.tum",), _write, order=0)

@@ -16,10 +16,11 @@ import pytest
 from app.cli import main
 from app.engine import Engine
 from app.interruption import ENDING
-from app.runner import run_headless
+from app.metrics import metrics
+from app.runner import OutputError, export, run_headless
 from app.saved_map import load_map
 from app.simulation import SimulateOptions, simulate
-from app.snapshot import Save
+from app.snapshot import Save, SourceReport
 from app.sources import Item
 from app.web import server
 from slam_core.given import saved_levels
@@ -67,6 +68,18 @@ def test_a_folder_that_went_away_does_not_stop_the_run(drive: list[Item], tmp_pa
         refused = after(engine, Save())
     assert "gone cannot be written to" in refused.log[-1].text
     assert refused.playback.state == "ended"
+
+
+def test_a_file_that_cannot_be_written_costs_no_other(drive: list[Item], tmp_path: Path):
+    """A folder in the way of one, no number in another: both are told with their reasons, the rest is there."""
+    pipeline, effort = run_headless(MemoryRecording(drive), START)
+    (tmp_path / "map.npz").mkdir()
+    figures = {**metrics(pipeline, SourceReport(), effort), "no": math.nan}
+    with pytest.raises(OutputError) as told:
+        export(pipeline, figures, tmp_path)
+    assert "(Is a directory: map.npz; ValueError: " in str(told.value)
+    assert str(told.value).endswith(": metrics.json): give another --out")
+    assert {path.name for path in tmp_path.iterdir()} == FILES - {"metrics.json"}
 
 
 @pytest.mark.parametrize("ending", ENDING)

@@ -35,6 +35,11 @@ def test_every_exporter_leaves_exactly_its_files(finished: Run, tmp_path: Path):
     assert {path.name for path in tmp_path.iterdir()} == {name for e in exporters() for name in e.files}
 
 
+def test_the_trajectory_comes_first():
+    """It is small and all that a run was for: a disk that fills up with the map has it already."""
+    assert exporters()[0].files == ("trajectory.tum",)
+
+
 def test_an_older_file_is_replaced(finished: Run, tmp_path: Path):
     """A second run into the same folder leaves its own files."""
     for exporter in exporters():
