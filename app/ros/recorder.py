@@ -1,6 +1,8 @@
 """Writes bags: ROS 1 .bag, rosbag2 .mcap, or a rosbag2 folder with sqlite3; also what tests make theirs with."""
 
 import shutil
+import sqlite3
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -25,6 +27,9 @@ from slam_core.errors import SlamError
 BagFormat = Literal["bag", "mcap", "sqlite3"]
 LATCHED = ("/tf_static",)
 LZ4_LEVEL = 9  # three quarters of the size that the library's usual level gives, and as fast to read
+
+# What the containers raise where nothing can be written, as on a full disk.
+FAILURES = (OSError, sqlite3.Error)
 
 _NEVER = QosTime(2147483647, 4294967295)
 _LATCHING = Qos(
@@ -73,11 +78,10 @@ class Recorder:
         shutil.rmtree(self._unfinished, ignore_errors=True)
         try:
             self._unfinished.mkdir(parents=True)
-        except OSError as error:
-            raise RecorderError(
-                f"{self.path} cannot be written ({error.strerror}): choose another place"
-            ) from error
-        self._writer = self._open()
+            self._writer = self._open()
+        except FAILURES as failure:
+            shutil.rmtree(self._unfinished, ignore_errors=True)
+            raise self._refused(failure) from failure
         return self
 
     def _open(self) -> rosbag1.Writer | rosbag2.Writer:
@@ -105,16 +109,27 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Give the finished bag its name, or leave nothing."""
-        if kind is None:
-            self._writer.close()
-            finished = self._unfinished / self.path.stem
-            if self.format != "sqlite3":
-                finished = next(self._unfinished.rglob(f"*.{self.format}"))
-            finished.rename(self.path)
-        else:
-            self._writer.abort()
-        shutil.rmtree(self._unfinished)
+        """Give the finished bag its name, or leave nothing; RecorderError if it cannot be finished."""
+        try:
+            if kind is None:
+                self._finish()
+        except FAILURES as failure:
+            raise self._refused(failure) from failure
+        finally:
+            with suppress(*FAILURES):
+                self._writer.abort()  # of what is closed, nothing
+            shutil.rmtree(self._unfinished, ignore_errors=True)
+
+    def _finish(self) -> None:
+        self._writer.close()
+        finished = self._unfinished / self.path.stem
+        if self.format != "sqlite3":
+            finished = next(self._unfinished.rglob(f"*.{self.format}"))
+        finished.rename(self.path)
+
+    def _refused(self, failure: Exception) -> RecorderError:
+        reason = getattr(failure, "strerror", None) or failure
+        return RecorderError(f"{self.path} cannot be written ({reason}): choose another place")
 
     def make(self, msgtype: str, **fields: Any) -> Any:
         """A message of `msgtype` ("sensor_msgs/msg/Imu"), all fields given."""
@@ -127,10 +142,16 @@ class Recorder:
         return self.make("std_msgs/msg/Header", **counter, stamp=stamp, frame_id=frame_id)
 
     def write(self, topic: str, message: Any, time_ns: int) -> None:
-        """Append a message as received at `time_ns`; a topic keeps the type of its first message."""
-        connection = self._connections.get(topic) or self._connect(topic, message.__msgtype__)
+        """Append a message as received at `time_ns`; a topic keeps the type of its first message.
+
+        RecorderError if it finds no room.
+        """
         serialize = self.typestore.serialize_ros1 if self.format == "bag" else self.typestore.serialize_cdr
-        self._writer.write(connection, time_ns, serialize(message, connection.msgtype))
+        try:
+            connection = self._connections.get(topic) or self._connect(topic, message.__msgtype__)
+            self._writer.write(connection, time_ns, serialize(message, connection.msgtype))
+        except FAILURES as failure:
+            raise self._refused(failure) from failure
 
     def _connect(self, topic: str, msgtype: str) -> Connection:
         latched = topic in LATCHED

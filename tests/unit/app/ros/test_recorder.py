@@ -1,8 +1,12 @@
 """The writer of bags."""
 
+import errno
+import os
+import sqlite3
 from pathlib import Path
 
 import pytest
+from rosbags import rosbag1, rosbag2
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag1 import Reader as Rosbag1Reader
 from rosbags.typesys import Stores, get_typestore
@@ -58,3 +62,26 @@ def test_a_place_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(RecorderError, match="cannot be written"), Recorder(tmp_path / "file" / "run.bag"):
         pass
+
+
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+FULL_DATABASE = sqlite3.OperationalError("database or disk is full")
+
+
+@pytest.mark.parametrize("step", ["open", "write", "close"])
+@pytest.mark.parametrize(("name", "error"), [("run.bag", FULL), ("run.mcap", FULL), ("run", FULL_DATABASE)])
+def test_a_full_disk_is_told_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, error: Exception, step: str
+) -> None:
+    """Wherever it runs full, at the beginning, on the way or at the end: the place, the reason, the remedy."""
+
+    def full(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(rosbag1.Writer if name == "run.bag" else rosbag2.Writer, step, full)
+    words = (
+        rf"{name} cannot be written \((database or disk is full|No space left on device)\): choose another place"
+    )
+    with pytest.raises(RecorderError, match=words), Recorder(tmp_path / name) as bag:
+        write_points(bag, 5)
+    assert not list(tmp_path.iterdir())
