@@ -23,6 +23,7 @@ from app.options import (
     source_options,
 )
 from app.sources import Source, SourceOptions, open_source
+from app.terminal import printable
 from slam_core.errors import SlamError
 
 # What takes long to import (viser, numba, rosbags) is imported by the command that needs it: help comes at once.
@@ -126,7 +127,7 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
             engine.stop()
             told = engine.save() if engine.started and page.out is not None else ""
     if told:
-        print(told)
+        print(printable(told))
     sys.exit(INTERRUPTED)  # nothing else ends the serving
 
 
@@ -194,7 +195,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 config=(tyro.conf.DisallowNone,),
             )
     except SlamError as error:
-        print(f"hectorscope: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"hectorscope: {printable(' '.join(str(error).split()))}", file=sys.stderr)
         return MISTAKE
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)

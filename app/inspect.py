@@ -15,6 +15,7 @@ from app.snapshot import SourceReport
 from app.sources import Item, Source, SourceError, SourceOptions, open_source
 from app.sources.bag import SOURCE as BAG
 from app.sources.bag import open_bag
+from app.terminal import printable
 from slam_core.geometry import to_euler
 from slam_core.measurements import (
     Attitude,
@@ -92,7 +93,7 @@ class BagReport:
     findings: tuple[Finding, ...]
 
     def __str__(self) -> str:
-        return "\n".join(_render(self))
+        return "\n".join(map(printable, _render(self)))
 
 
 def inspect_bag(path: Path, options: SourceOptions) -> BagReport:

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 from app.sources import Source
+from app.terminal import printable
 
 if TYPE_CHECKING:
     from app.simulation import SimulateOptions
@@ -21,10 +23,15 @@ REFRESH_S = 0.1
 @contextmanager
 def _bar(title: str) -> Iterator[Callable[[float], None]]:
     """A bar on stderr; yields what takes the share that is done, 0 to 1, as often as it likes."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
     drawn = 0.0
     with Progress(*columns, console=Console(stderr=True), auto_refresh=False) as bar:
-        task = bar.add_task(title, total=1.0)
+        task = bar.add_task(printable(title), total=1.0)
 
         def show(share: float) -> None:
             nonlocal drawn
@@ -55,10 +62,9 @@ def show_simulation(options: "SimulateOptions") -> None:
 
 def summary(name: str, figures: dict[str, Any], folder: Path) -> None:
     """The figures of a run, as a table."""
-    table = Table(title=name, show_header=False)
-    for row in _rows(figures):
-        table.add_row(*row)
-    table.add_row("results", str(folder))
+    table = Table(title=Text(printable(name), "table.title"), show_header=False)
+    for row in (*_rows(figures), ("results", str(folder))):
+        table.add_row(*(Text(printable(cell)) for cell in row))  # as it is: names may look like markup
     Console().print(table)
 
 

@@ -188,12 +188,15 @@ def test_a_value_out_of_range_is_refused_before_any_work(bag: Path, tmp_path: Pa
 
 
 def test_a_bad_settings_file_is_refused(bag: Path, tmp_path: Path):
-    """The file and the place in it."""
+    """The file and the place in it; what a terminal would obey is replaced."""
     path = tmp_path / "bad.toml"
     path.write_text("[fusion\n")
     assert "bad.toml is not valid TOML" in refused("run", bag, "--out", tmp_path / "out", "--config", path)
     path.write_text("[fusion]\nomego = 1\n")
     assert "did you mean fusion.omega?" in refused("run", bag, "--out", tmp_path / "out", "--config", path)
+    path.write_text('[fusion]\n"\\u001b[31mred" = 1\n')
+    line = refused("run", bag, "--out", tmp_path / "out", "--config", path)
+    assert "fusion.\N{REPLACEMENT CHARACTER}[31mred is no setting" in line
 
 
 def test_an_output_folder_that_cannot_be_is_refused(bag: Path, tmp_path: Path):

@@ -58,6 +58,15 @@ def test_as_text_it_says_all_of_it(bag: Path) -> None:
         assert words in text
 
 
+def test_names_cannot_give_a_terminal_orders(tmp_path: Path) -> None:
+    """What a terminal would obey is replaced, a newline too; the lines of the report stay lines."""
+    ros = Messages("ros1")
+    entries = [("/sc\x1b[31man\n/false", ros.scan(i * TENTH), i * TENTH) for i in range(3)]
+    text = str(inspect_bag(write_bag(tmp_path / "run.bag", entries), SourceOptions()))
+    assert "/sc\N{REPLACEMENT CHARACTER}[31man\N{REPLACEMENT CHARACTER}/false" in text
+    assert all(line.isprintable() for line in text.split("\n"))
+
+
 def test_overrides_are_obeyed(bag: Path) -> None:
     """--laser-pose shows in the mount, an unknown topic is refused."""
     report = inspect_bag(bag, SourceOptions(laser_pose=(1.0, 0.0, 0.0, 0.0, 0.0, math.pi)))
