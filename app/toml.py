@@ -12,7 +12,7 @@ from app.settings import Change, Setting, Settings
 from slam_core.config import ConfigError, Leaf, SlamConfig, leaves, with_values
 
 _CHANGES = "changes"
-_CHANGE_KEYS = {"time_ns": int, "name": str, "value": bool | int | float | str}
+_CHANGE_KEYS = {"time_ns": (int,), "name": (str,), "value": (bool, int, float, str)}
 
 
 class SettingsError(ConfigError):
@@ -51,13 +51,11 @@ def _remark(leaf: Leaf) -> str:
 def read_toml(path: Path) -> Settings:
     """The settings of a file; what it does not name keeps its default. SettingsError for anything amiss."""
     try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+        return _settings(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise SettingsError(f"{path} cannot be read ({error.strerror}): give an existing TOML file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, tables without end
         raise SettingsError(f"{path} is not valid TOML ({error}): correct it there") from error
-    try:
-        return _settings(tree)
     except ConfigError as error:
         raise SettingsError(f"{path}: {error}") from error
 
@@ -97,8 +95,8 @@ def _check_name(name: str) -> None:
 def _change(entry: Any) -> Change:
     if not isinstance(entry, dict) or entry.keys() != _CHANGE_KEYS.keys():
         raise SettingsError(f"the change {entry!r} is incomplete: give time_ns, name and value")
-    for key, kind in _CHANGE_KEYS.items():
-        if not isinstance(entry[key], kind):
+    for key, kinds in _CHANGE_KEYS.items():
+        if type(entry[key]) not in kinds:
             raise SettingsError(f"the change {entry!r} has a bad {key}: give a whole number, a name and a value")
     _check_name(entry["name"])
     return Change(**entry)

@@ -5,6 +5,7 @@ rebuilding the map from the start (`restart`) or simply acting from the next sca
 """
 
 import math
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
@@ -60,6 +61,8 @@ class Leaf:
         return bool(self.check(value) != self.value and self.param.restart)
 
     def _check_number(self, value: Any) -> float:
+        if isinstance(value, int) and abs(value) > sys.float_info.max:
+            value = math.inf if value > 0 else -math.inf  # what no float holds, and no message should
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise ConfigError(f"{self.name} is {value!r}: give a finite number")
         if self.type is int and value != int(value):

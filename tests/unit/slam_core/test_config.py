@@ -41,6 +41,8 @@ def test_out_of_range_is_refused_with_the_range(leaf):
         ("map.levels", 2.5, "give a whole number"),
         ("map.levels", True, "give a finite number"),
         ("fusion.omega", float("nan"), "give a finite number"),
+        ("fusion.omega", 10**400, "is inf: give a finite number"),
+        ("map.levels", -(10**400), "is -inf: give a finite number"),
         ("fusion.omega", "0.5", "give a finite number"),
         ("scan.deskew", 1, "give true or false"),
         ("matcher.covariance", "guess", "choose one of hessian, sampled"),
