@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 from slam_core.config import MapConfig
 from slam_core.given import MapError, SavedLevel
@@ -70,7 +69,7 @@ def coarser(level: SavedLevel) -> SavedLevel:
 def _described(file: Path) -> Described:
     try:
         said = YAML(typ="safe", pure=True).load(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, YAMLError) as error:
+    except Exception as error:  # the parser's ways to stumble over words that are no value are many
         raise MapError(f"{file} cannot be read ({error}): give a map's yaml file") from error
     try:
         if said.get("mode", "trinary") == "raw":
@@ -79,7 +78,7 @@ def _described(file: Path) -> Described:
         x, y, yaw = map(float, said["origin"])
         negate = bool(said.get("negate", 0))
         return Described(str(said["image"]), float(said["resolution"]), x, y, yaw, negate, **rest)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise MapError(
             f"{file} describes no map ({error}): it needs image, resolution, origin [x, y, yaw]"
         ) from error
@@ -118,17 +117,20 @@ def read_pgm(file: Path) -> NDArray[np.uint8]:
     """A grey image in the format PGM, binary (P5) or plain (P2), rows from the top; MapError for anything else."""
     try:
         content = file.read_bytes()
-    except OSError as error:
-        raise MapError(f"{file} cannot be read ({error.strerror}): the yaml file names it as its image") from error
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        reason = getattr(error, "strerror", error)
+        raise MapError(f"{file} cannot be read ({reason}): the yaml file names it as its image") from error
     kind, rest = content[:2], content[2:]
     if kind not in {b"P5", b"P2"}:
         raise MapError(f"{file} is no PGM image: convert it and name it in the yaml file")
     try:
         (columns, rows, most), rest = _header(rest)
         values = np.frombuffer(rest[1:], np.uint8) if kind == b"P5" else np.array(rest.split(), np.int64)
-        if most != 255 or not 0 < rows * columns <= len(values) or values.max() > most:
+        if most != 255 or min(rows, columns) < 1 or rows * columns > len(values):
             raise ValueError(f"{len(values)} pixels with values up to {most} for {columns} x {rows} up to 255")
-    except ValueError as error:
+        if values.min() < 0 or values.max() > most:
+            raise ValueError(f"pixels from {values.min()} to {values.max()} in place of 0 to {most}")
+    except (ValueError, OverflowError) as error:
         raise MapError(f"{file} is cut off or damaged ({error}): save the map again") from error
     return values[: rows * columns].astype(np.uint8).reshape(rows, columns)
 

@@ -2,11 +2,11 @@
 
 import io
 import zipfile
-import zlib
 from pathlib import Path
 
 import numpy as np
 
+from app.paths import absence
 from app.ros_map import read_ros_map
 from slam_core.config import MapConfig
 from slam_core.given import GivenMap, MapError, SavedLevel
@@ -14,8 +14,6 @@ from slam_core.measurements import Float64s
 
 NAME = "map.npz"
 VERSION = 1
-# What numpy and zip raise on a file that is cut, changed or something else.
-DAMAGE = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile, zlib.error, NotImplementedError)
 
 
 def to_npz(levels: tuple[SavedLevel, ...]) -> bytes:
@@ -44,11 +42,11 @@ def load_map(path: Path, config: MapConfig, *, write: bool = False, start: Float
 
 
 def _file(path: Path) -> Path:
-    if not path.exists():
-        raise MapError(f"{path} does not exist: give the folder that `hectorscope run --out` left")
+    if why := absence(path):
+        raise MapError(f"{path} {why}: give the folder that `hectorscope run --out` left")
     if not path.is_dir():
         return path
-    if (path / NAME).exists():
+    if not absence(path / NAME):
         return path / NAME
     described = sorted(path.glob("*.yaml"))
     if len(described) != 1:
@@ -66,24 +64,35 @@ def _read_npz(file: Path, limit: float) -> tuple[SavedLevel, ...]:
         if megabytes > limit:
             raise MapError(f"{file} unpacks to {megabytes:.0f} MB: raise --map.limit above that")
         with np.load(file, allow_pickle=False) as arrays:
-            if int(arrays["version"]) != VERSION:
-                raise MapError(f"{file} is of version {int(arrays['version'])}, not {VERSION}: make the map again")
-            entries = dict(arrays)
-            del entries["version"]
-            levels = tuple(
-                _level(
-                    float(resolution),
-                    entries.pop(f"corner{i}"),
-                    entries.pop(f"log_odds{i}"),
-                    entries.pop(f"surfels{i}", None),  # of the finest level, and not in maps of long ago
-                )
-                for i, resolution in enumerate(entries.pop("resolutions"))
-            )
-            if entries:
-                raise ValueError("it holds something else besides")
-            return levels
-    except DAMAGE as error:
+            version = arrays["version"]
+            if version.ndim or version.dtype.kind not in "iu":
+                raise ValueError("its version is no whole number")
+            if version != VERSION:
+                raise MapError(f"{file} is of version {version}, not {VERSION}: make the map again")
+            return _levels({name: arrays[name] for name in arrays if name != "version"})
+    except MapError:
+        raise
+    except Exception as error:  # the ways of numpy and zip to stumble over a damaged file are many
         raise MapError(f"{file} is damaged or no map ({error}): save the map again") from error
+
+
+def _levels(entries: dict[str, np.ndarray]) -> tuple[SavedLevel, ...]:
+    resolutions = entries.pop("resolutions")
+    if resolutions.ndim != 1 or resolutions.dtype != np.float64 or not resolutions.size:
+        raise ValueError("its resolutions are not one number a level")
+    levels = tuple(
+        _level(
+            float(resolution),
+            entries.pop(f"corner{i}"),
+            entries.pop(f"log_odds{i}"),
+            entries.pop(f"surfels{i}", None),  # of the finest level, and not in maps of long ago
+        )
+        for i, resolution in enumerate(resolutions)
+    )
+    if entries:
+        raise ValueError("it holds something else besides")
+    _check_pyramid(levels)
+    return levels
 
 
 def _level(resolution: float, corner: np.ndarray, log_odds: np.ndarray, surfels: np.ndarray | None) -> SavedLevel:
@@ -93,3 +102,16 @@ def _level(resolution: float, corner: np.ndarray, log_odds: np.ndarray, surfels:
     if surfels is not None and not (surfels.dtype == np.uint32 and surfels.shape == log_odds.shape):
         raise ValueError("the surfels are not as many as the cells")
     return SavedLevel(resolution, corner, log_odds, surfels)
+
+
+def _check_pyramid(levels: tuple[SavedLevel, ...]) -> None:
+    """ValueError unless each level has half the resolution of the one below, and all cover the same area.
+
+    To a cell: the finest level also holds what is behind walls.
+    """
+    finest = levels[0]
+    low, high = finest.corner, finest.corner + finest.log_odds.shape[::-1]
+    for i, level in enumerate(levels):
+        apart = level.corner - (low >> i), level.corner + level.log_odds.shape[::-1] + (-high >> i)
+        if abs(level.resolution - finest.resolution * 2**i) > 1e-9 or np.abs(apart).max() > 1:
+            raise ValueError(f"level {i} does not cover level 0 with cells {2**i} times as large")

@@ -22,6 +22,7 @@ from rosbags.interfaces import (
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from app.paths import absence
 from slam_core.errors import SlamError
 
 BagFormat = Literal["bag", "mcap", "sqlite3"]
@@ -66,7 +67,7 @@ class Recorder:
 
     def __init__(self, path: Path, *, compress: bool = True) -> None:
         self.path, self.format = path, format_of(path)
-        if path.exists():
+        if not absence(path):
             raise RecorderError(f"{path} exists: remove it or choose another name")
         self.typestore = _typestore(self.format)
         self._unfinished = path.parent / f".{path.name}.part"

@@ -10,6 +10,7 @@ from typing import Any
 from rosbags import rosbag1, rosbag2
 from rosbags.interfaces import Connection, MessageDefinitionFormat
 
+from app.paths import absence
 from app.ros.decode import Generation
 from app.sources import SourceError
 from app.sources._mcap_scan import scan_mcap
@@ -28,8 +29,8 @@ _KINDS = {
 
 def open_recording(path: Path) -> Recording:
     """The recording at `path`; SourceError if there is none, or nothing in it can be read."""
-    if not path.exists():
-        raise SourceError(f"{path} does not exist: check the path")
+    if why := absence(path):
+        raise SourceError(f"{path} {why}: check the path")
     recording = _open_folder(path) if path.is_dir() else _open_file(path)
     if not recording.messages.total():
         because = f" ({recording.damage})" if recording.damage else ""
@@ -40,7 +41,7 @@ def open_recording(path: Path) -> Recording:
 def _open_folder(path: Path) -> Recording:
     """A rosbag2 folder; without a usable metadata.yaml, the files in it."""
     damage = "its metadata.yaml is missing"
-    if (path / "metadata.yaml").exists():
+    if not absence(path / "metadata.yaml"):
         try:
             return _indexed(path, "rosbag2 folder")
         except Exception as error:  # as in _open_file

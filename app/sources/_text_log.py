@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from app.paths import absence
 from app.ros.repairs import Repairs
 from app.ros.roles import ODOMETRY, SCAN, Topic, check_overrides, choose_roles
 from app.snapshot import SourceReport
@@ -117,12 +118,12 @@ class TextLog:
 
 def read_lines(path: Path) -> tuple[list[str], tuple[str, ...]]:
     """The lines of a file, unpacked, up to where it is damaged; a note if it is. SourceError without a file."""
+    if why := absence(path):
+        raise SourceError(f"{path} {why}: check the path")
     lines: list[str] = []
     try:
         with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
             lines.extend(line.decode("ascii", "replace") for line in file)
-    except FileNotFoundError as error:
-        raise SourceError(f"{path} does not exist: check the path") from error
     except (OSError, EOFError, zlib.error) as error:
         return lines, (f"{path.name} is cut off or damaged ({error}): read as far as it goes",)
     return lines, ()

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from app.paths import absence
 from app.ros.converter import Converter
 from app.ros.decode import Decode, decoder
 from app.ros.messages import BadMessage, stamp_ns
@@ -142,7 +143,7 @@ def _open(uri: str, options: SourceOptions) -> BagSource:
 def _accepts(uri: str) -> bool:
     """Paths that end like a recording or have no suffix, as folders; whether they exist is found on opening."""
     path = Path(uri)
-    return "://" not in uri and (path.suffix in ("", *SUFFIXES) or path.is_dir())
+    return "://" not in uri and (path.suffix in ("", *SUFFIXES) or (not absence(path) and path.is_dir()))
 
 
 def _decoders(recording: Recording) -> dict[Channel, Decode]:

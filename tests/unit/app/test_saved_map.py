@@ -1,6 +1,7 @@
 """Maps on the disk that cannot be used, and which file of a folder is taken."""
 
 import io
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -75,8 +76,9 @@ def test_a_map_for_which_there_is_no_room_is_refused(tmp_path: Path):
 
 
 def test_what_is_not_there_is_named(tmp_path: Path):
-    """No such path, a folder without a map, a folder with two."""
+    """No such path, a name that none can have, a folder without a map, a folder with two."""
     assert "nowhere does not exist" in refused(tmp_path / "nowhere")
+    assert "cannot be reached (File name too long): give the folder" in refused(tmp_path / ("x" * 300))
     assert "neither map.npz nor a .yaml" in refused(tmp_path)
     for name in ("a.yaml", "b.yaml"):
         (tmp_path / name).write_text("")
@@ -110,7 +112,17 @@ def test_no_changed_byte_makes_another_map(saved: Path):
     "changed",
     [
         {"version": None},
+        {"version": np.array([1, 2])},
+        {"version": np.array(1j)},
+        {"version": np.array(np.inf)},
         {"resolutions": np.array([0.05, np.nan])},
+        {"resolutions": np.array(0.05)},
+        {"resolutions": np.ones((2, 2))},
+        {"resolutions": np.array(["2020-01-01"] * 2, dtype="M8[D]")},
+        {
+            "resolutions": np.array([]),
+            **dict.fromkeys(("corner0", "log_odds0", "surfels0", "corner1", "log_odds1")),
+        },
         {"corner1": np.array([0.5, 0.0])},
         {"corner0": np.zeros(3, np.int64)},
         {"log_odds0": np.ones(5, np.float32)},
@@ -128,6 +140,35 @@ def test_arrays_that_are_no_map_are_refused(saved: Path, changed: dict[str, obje
     (saved / "map.npz").write_bytes(
         packed(**{name: value for name, value in entries.items() if value is not None})
     )
+    assert "is damaged or no map" in refused(saved)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"resolutions": np.array([0.05, 0.05])},
+        {"corner1": LEVELS[1].corner + 1000},
+        {"corner1": LEVELS[1].corner - (2, 0)},
+        {"log_odds1": np.ones((4, 8), np.float32)},
+    ],
+)
+def test_levels_that_are_no_pyramid_are_refused(saved: Path, changed: dict[str, np.ndarray]):
+    """A coarser level that is not half as fine, or lies elsewhere than the finest."""
+    with np.load(saved / "map.npz") as arrays:
+        (saved / "map.npz").write_bytes(packed(**{**arrays, **changed}))
+    assert "level 1 does not cover level 0 with cells 2 times as large" in refused(saved)
+
+
+@pytest.mark.parametrize("shape", ["(99999999, 9999999)", "((((, ", f"({10**30},)"])
+def test_an_array_whose_header_is_wrong_is_refused(saved: Path, shape: str):
+    """More cells than any memory holds, brackets that never close, a size beyond all whole numbers."""
+    header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n".encode()
+    with zipfile.ZipFile(saved / "map.npz") as archive:
+        entries = {name: archive.read(name) for name in archive.namelist()}
+    entries["log_odds0.npy"] = np.lib.format.magic(1, 0) + len(header).to_bytes(2, "little") + header + bytes(100)
+    with zipfile.ZipFile(saved / "map.npz", "w") as archive:
+        for name, content in entries.items():
+            archive.writestr(name, content)
     assert "is damaged or no map" in refused(saved)
 
 

@@ -58,10 +58,11 @@ def test_unknown_suffix(tmp_path: Path) -> None:
 
 
 def test_a_place_that_cannot_be_written(tmp_path: Path) -> None:
-    """The message names the place and the reason."""
+    """The message names the place and the reason: something stands in the way, a name is too long."""
     (tmp_path / "file").write_text("")
-    with pytest.raises(RecorderError, match="cannot be written"), Recorder(tmp_path / "file" / "run.bag"):
-        pass
+    for path in (tmp_path / "file" / "run.bag", tmp_path / ("x" * 300), tmp_path / ("x" * 254)):
+        with pytest.raises(RecorderError, match="cannot be written"), Recorder(path):
+            pass
 
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

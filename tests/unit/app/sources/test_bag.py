@@ -287,6 +287,13 @@ def test_a_missing_file(tmp_path: Path, name: str) -> None:
     assert refusal(tmp_path / name) == f"{tmp_path / name} does not exist: check the path"
 
 
+@pytest.mark.parametrize("suffix", [".bag", ".mcap", ""])
+def test_a_name_that_no_file_can_have(tmp_path: Path, suffix: str) -> None:
+    """The message gives the reason."""
+    path = tmp_path / ("x" * 300 + suffix)
+    assert refusal(path) == f"{path} cannot be reached (File name too long): check the path"
+
+
 @pytest.mark.parametrize("name", ["text.bag", "text.mcap", "text.db3"])
 def test_a_file_that_is_not_a_bag(tmp_path: Path, name: str) -> None:
     """The message says how the file begins and how such a file should begin."""

@@ -149,13 +149,15 @@ def test_options_hold_for_logs_as_for_bags(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["run.log", "run.dat", "run.log.gz"])
 def test_what_is_no_log_is_refused(tmp_path: Path, name: str) -> None:
-    """Text of something else, nothing at all, no file: the path and what was expected."""
+    """Text of something else, nothing at all, no file, a name that none can have: the path and the fact."""
     with pytest.raises(SourceError, match="holds no scan of a"):
         read(write(tmp_path / name, ["hello\n", "world 1 2 3\n"]))
     with pytest.raises(SourceError, match="holds no scan of a"):
         read(write(tmp_path / name, []))
     with pytest.raises(SourceError, match="does not exist"):
         read(str(tmp_path / f"missing_{name}"))
+    with pytest.raises(SourceError, match="File name too long"):
+        read(str(tmp_path / ("x" * 300 + name)))
     with pytest.raises(SourceError, match="neither a recording nor an address"):
         read(str(tmp_path / "picture.png"))
 
