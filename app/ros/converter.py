@@ -1,7 +1,7 @@
 """Decoded messages in, measurements out; nothing is lost without being counted and named."""
 
 import math
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +11,7 @@ from app.ros.messages import BadMessage
 from app.ros.mounts import Mounts
 from app.ros.repairs import Repairs
 from app.ros.roles import PRESSURE, Roles, is_static_tf, tf_spec
+from app.ros.stamps import AHEAD, Stamps
 from app.ros.tf import TfTree
 from app.ros.tf_poses import TfPoses
 from app.snapshot import SourceReport
@@ -61,7 +62,7 @@ class Converter:
         self._skipped: Counter[str] = Counter()
         self._notes: dict[str, str] = {}
         self._waiting: deque[_Pending] = deque()
-        self._latest_ns: dict[str, int] = {}
+        self._stamps: defaultdict[str, Stamps] = defaultdict(Stamps)
         self._beams: dict[str, int] = {}
         self._height_origin: float | None = None
         self._plane: TangentPlane | None = None
@@ -103,10 +104,10 @@ class Converter:
             return []
         self._read[topic] += 1
         stamp_ns = messages.stamp_ns(message, receive_ns)
-        if stamp_ns < self._latest_ns.get(topic, stamp_ns):
-            self.skip(topic, "time runs backwards: stamped before the message ahead of it")
+        fault = self._stamps[topic].fault(stamp_ns, receive_ns)
+        if fault:
+            self.skip(topic, fault)
             return []
-        self._latest_ns[topic] = stamp_ns
         for duty in self._duties[topic]:
             self._waiting.append(_Pending(duty, topic, message, stamp_ns, receive_ns))
         return self._release(receive_ns)
@@ -220,6 +221,10 @@ class Converter:
                 self.skip(topic, str(reason))
                 continue
             child, stamp_ns = stamped.child_frame_id.strip("/"), messages.stamp_ns(stamped, receive_ns)
-            self.tree.add(messages.frame_id(stamped), child, stamp_ns, T, static=static)
-            updated[child] = stamp_ns
+            parent = messages.frame_id(stamped)
+            fault = self.tree.add(parent, child, stamp_ns, T, static=static, receive_ns=receive_ns)
+            if not fault:
+                updated[child] = stamp_ns
+            elif fault == AHEAD:  # late and repeated transforms are common
+                self.skip(topic, fault)
         return self._tf_poses.after(updated)

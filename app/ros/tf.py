@@ -3,6 +3,7 @@
 from bisect import bisect_right
 from dataclasses import dataclass, field
 
+from app.ros.stamps import Stamps
 from slam_core import geometry
 from slam_core.measurements import Transform
 
@@ -17,6 +18,7 @@ class _Edge:
     parent: str
     static: bool
     moving: bool = False
+    clock: Stamps = field(default_factory=lambda: Stamps(repeats=False))
     stamps: list[int] = field(default_factory=list)
     values: list[Transform] = field(default_factory=list)
 
@@ -26,10 +28,10 @@ class _Edge:
             changed = not self.values or not _same(self.values[0], T)
             self.stamps, self.values = [stamp_ns], [T]
             return changed
-        if self.stamps and stamp_ns <= self.stamps[-1]:
-            return False
         begins_to_move = bool(self.values) and not self.moving and not _same(self.values[-1], T)
         self.moving |= begins_to_move
+        if self.stamps and stamp_ns < self.stamps[-1]:  # by a clock that was set back
+            self.stamps, self.values = [], []
         if len(self.values) > 1 and _same(self.values[-1], T) and _same(self.values[-2], T):
             self.stamps[-1] = stamp_ns  # a plateau needs its two ends only
             return False
@@ -62,13 +64,17 @@ class TfTree:
         self.revision = 0
         self._edges: dict[str, _Edge] = {}
 
-    def add(self, parent: str, child: str, stamp_ns: int, T: Transform, *, static: bool) -> None:
-        """One T_parent_child at a time; samples that are no news are ignored."""
+    def add(
+        self, parent: str, child: str, stamp_ns: int, T: Transform, *, static: bool, receive_ns: int = 0
+    ) -> str:
+        """One T_parent_child at a time. Why it is ignored, if it is no news (see `Stamps`); else empty."""
         edge = self._edges.get(child)
         if edge is None or edge.parent != parent or edge.static != static:
             edge = self._edges[child] = _Edge(parent, static)
-        if edge.add(stamp_ns, T):
+        fault = "" if static else edge.clock.fault(stamp_ns, receive_ns)
+        if not fault and edge.add(stamp_ns, T):
             self.revision += 1
+        return fault
 
     def frames(self) -> list[str]:
         """Every frame heard of, sorted."""

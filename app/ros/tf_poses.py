@@ -2,6 +2,7 @@
 
 from app.ros.mounts import Mounts
 from app.ros.roles import Roles, TfSpec, tf_spec
+from app.ros.stamps import SET_BACK_NS
 from app.ros.tf import TfTree
 from app.sources import Item
 from slam_core.measurements import Attitude, Transform, TruthPose
@@ -56,12 +57,12 @@ class TfPoses:
         return TfSpec(self._tree.climb(base)[-1], base) if base else None
 
     def _news(self, use: str, spec: TfSpec | None, updated: dict[str, int]) -> tuple[int, Transform] | None:
-        """(stamp, T_parent_child) for one use of a chain, if the edge that carries it got a newer stamp."""
+        """(stamp, T_parent_child) for one use of a chain, if the edge that carries it went on, or was set back."""
         carrier = self._tree.carrier(spec.parent, spec.child) if spec else None
         if spec is None or carrier not in updated:
             return None
         stamp_ns = updated[carrier]
-        if stamp_ns <= self._latest_ns.get(use, stamp_ns - 1):
+        if 0 <= self._latest_ns.get(use, stamp_ns - 1) - stamp_ns <= SET_BACK_NS:
             return None
         self._latest_ns[use] = stamp_ns
         T = self._tree.lookup(spec.parent, spec.child, stamp_ns)

@@ -12,6 +12,7 @@ import numpy as np
 from app.paths import absence
 from app.ros.repairs import Repairs
 from app.ros.roles import ODOMETRY, SCAN, Topic, check_overrides, choose_roles
+from app.ros.stamps import AHEAD, Stamps
 from app.snapshot import SourceReport
 from app.sources import Item, SourceError, SourceOptions
 from slam_core import geometry
@@ -53,6 +54,8 @@ class TextLog:
         if not self.instants:
             why = "; ".join(f"{count} x {reason}" for reason, count in self._skipped.items()) or "no line is one"
             raise SourceError(f"{path} holds no scan of a {container} ({why}): give a recording")
+        times = [instant.scan.stamp_ns for instant in self.instants]
+        self.span_ns = min(times), max(times)  # a clock may have been set back in between
         self.topics = [Topic(name, kind, len(self.instants)) for name, kind in ((SCANS, SCAN), (WHEELS, ODOMETRY))]
         check_overrides(self.topics, replace(options, truth_topic=None))
         self.roles = choose_roles(self.topics, options)
@@ -61,18 +64,14 @@ class TextLog:
         self._closed = False
 
     @property
-    def span_ns(self) -> tuple[int, int]:
-        """Times of the first and the last scan."""
-        return self.instants[0].scan.stamp_ns, self.instants[-1].scan.stamp_ns
-
-    @property
     def report(self) -> SourceReport:
         """Scans read so far, and lines left out."""
         return SourceReport({SCANS: self._read}, dict(self._skipped), notes=self._notes)
 
     def log_times_ns(self) -> dict[str, list[int]]:
         """When each topic has something to say."""
-        return {name: [instant.scan.stamp_ns for instant in self.instants] for name in (SCANS, WHEELS)}
+        times = sorted(instant.scan.stamp_ns for instant in self.instants)
+        return dict.fromkeys((SCANS, WHEELS), times)
 
     def items(self) -> Iterator[Item]:
         """Wheels, scan and truth of each line."""
@@ -99,20 +98,20 @@ class TextLog:
         return self._repairs.scan(replace(scan, stamp_ns=stamp_ns, T_base_laser=mount))
 
     def _parsed(self, lines: Iterable[str], parse: Callable[[str], Instant | None]) -> Iterator[Instant]:
-        """What the lines hold, by time; a line that cannot be used is counted."""
-        latest_ns = 0
+        """What the lines hold, in their order; a line that cannot be used is counted."""
+        stamps = Stamps(repeats=False)
         for line in lines:
             try:
                 instant = parse(line)
-                if instant is not None and instant.scan.stamp_ns <= latest_ns:
-                    raise BadLine("scan that is not later than the one before")
+                fault = stamps.fault(instant.scan.stamp_ns) if instant is not None else ""
+                if fault:
+                    raise BadLine(fault if fault == AHEAD else "scan that is not later than the one before")
             except (ValueError, IndexError, OverflowError):
                 self._skipped["line cut off or without numbers"] += 1
             except BadLine as reason:
                 self._skipped[str(reason)] += 1
             else:
                 if instant is not None:
-                    latest_ns = instant.scan.stamp_ns
                     yield instant
 
 
@@ -140,7 +139,7 @@ def floats(words: Sequence[str], count: int) -> Float64s:
 def _velocity(before: Instant, now: Instant) -> Iterator[Odometry]:
     """The mean velocity between two instants: it holds from the first one on."""
     step_ns = now.scan.stamp_ns - before.scan.stamp_ns
-    if step_ns > LONGEST_STEP_NS:
+    if not 0 < step_ns <= LONGEST_STEP_NS:
         return
     forward, left, turn = _mean_twist(before.wheels, now.wheels) / (step_ns * 1e-9)
     yield Odometry(before.scan.stamp_ns, np.array([forward, left]), float(turn))

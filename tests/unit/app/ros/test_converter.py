@@ -172,6 +172,33 @@ def test_time_that_runs_backwards_is_skipped_and_counted() -> None:
     assert converter.report.skipped == {"/scan: time runs backwards: stamped before the message ahead of it": 1}
 
 
+def test_a_stamp_in_the_future_is_skipped_and_named() -> None:
+    """One that leaps ahead costs itself alone, of a sensor or of tf, and a truth from tf goes on as well."""
+    roles = Roles(imu="/imu", truth="tf:map>base_link", transforms=TF)
+    converter = Converter(roles, SourceOptions())
+    stamps = (0, TENTH, 10**9 * SECOND, 3 * TENTH, 4 * TENTH)
+    entries: list[tuple[str, Any, int]] = []
+    for i, ns in enumerate(stamps):
+        entries.append(("/tf", ROS.tf(ns, "map", "base_link", (float(i), 0.0, 0.0)), i * TENTH))
+        entries.append(("/imu", ROS.imu(ns, "base_link"), i * TENTH))
+    items = feed(converter, entries)
+    for kind in (Imu, TruthPose):
+        found = [item.stamp_ns - START for item in items if isinstance(item, kind)]
+        assert found == [0, TENTH, 3 * TENTH, 4 * TENTH]
+    leap = "time leaps ahead: stamped far beyond the message ahead of it"
+    assert converter.report.skipped == {f"/tf: {leap}": 1, f"/imu: {leap}": 1}
+
+
+def test_a_truth_from_tf_follows_a_clock_that_was_set_back() -> None:
+    """After two transforms that are left out, as with any message."""
+    converter = Converter(Roles(truth="tf:map>base_link", transforms=TF), SourceOptions())
+    stamps = (9, 10, -3600, -3599, -3598, -3597)
+    entries = [("/tf", ROS.tf(s * SECOND, "map", "base_link", (s, 0.0, 0.0)), i) for i, s in enumerate(stamps)]
+    poses = [item for item in feed(converter, entries) if isinstance(item, TruthPose)]
+    assert [pose.stamp_ns - START for pose in poses] == [s * SECOND for s in (9, 10, -3598, -3597)]
+    assert [pose.T_map_base.translation[0] for pose in poses] == [9.0, 10.0, -3598.0, -3597.0]
+
+
 def test_one_bad_message_is_named_and_the_next_is_used() -> None:
     """Every reason has its counter, with the topic's name."""
     converter = Converter(Roles(scan="/scan", imu="/imu"), SourceOptions())

@@ -5,9 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from app.ros.stamps import AHEAD
 from app.ros.tf import HISTORY_NS, TfTree
 from slam_core import geometry
 from slam_core.measurements import Transform
+
+SECOND = 1_000_000_000
 
 
 def at(x: float = 0.0, y: float = 0.0, z: float = 0.0, yaw: float = 0.0) -> Transform:
@@ -84,6 +87,29 @@ def test_late_and_repeated_samples_are_no_news() -> None:
     T = tree.lookup("odom", "base", 150)
     assert T is not None
     assert T.translation[0] == 1.0
+
+
+def test_a_lone_sample_of_the_future_is_no_news() -> None:
+    """It is named, and the samples behind it are taken in; one that the next confirms is followed."""
+    tree = TfTree()
+    seconds = (0, 1, 100_000, 2, 3, 23, 24)
+    news = [tree.add("base", "laser", s * SECOND, at(float(s)), static=False) for s in seconds]
+    assert news == ["", "", AHEAD, "", "", AHEAD, ""]
+    for s in (1, 2, 3, 24):
+        T = tree.lookup("base", "laser", s * SECOND)
+        assert T is not None
+        assert T.translation[0] == s
+
+
+def test_a_clock_set_back_begins_the_motion_anew() -> None:
+    """What was stamped by the clock before is forgotten, as its times mean something else now."""
+    tree = TfTree()
+    for s in (0, 1, -3600, -3599, -3598, -3597):
+        tree.add("base", "laser", s * SECOND, at(float(s)), static=False)
+    assert tree.known_until_ns("base", "laser") == -3597 * SECOND
+    T = tree.lookup("base", "laser", -3597 * SECOND - SECOND // 2)
+    assert T is not None
+    assert T.translation[0] == pytest.approx(-3597.5)
 
 
 def test_old_motion_is_forgotten() -> None:

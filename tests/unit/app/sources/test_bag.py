@@ -6,6 +6,7 @@ import shutil
 import sqlite3
 import tempfile
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -371,3 +372,27 @@ def test_a_bag_full_of_mistakes_is_read_to_its_end(tmp_path: Path, name: str) ->
         ("/scan: time runs backwards: stamped before the message ahead of it", 1),
     ]
     assert "/scan: the number of beams varies" in source.report.notes
+
+
+@pytest.mark.parametrize("name", CONTAINERS)
+def test_a_bag_with_a_stamp_in_the_future_or_a_clock_that_was_set(tmp_path: Path, name: str) -> None:
+    """A lone leap costs one message, a clock set back by an hour two; a pause of the robot costs none."""
+    ros, hour, tenth = messages_for(name), 3600 * SECOND, SECOND // 10
+
+    def read(off: dict[int, int], topic: str, make: Callable[[int], Any]) -> tuple[int, list[tuple[str, int]]]:
+        entries = [(topic, make(i * tenth + off.get(i, 0)), i * tenth) for i in range(20)]
+        entries += [("/scan", ros.scan(i * tenth), i * tenth) for i in range(20) if topic != "/scan"]
+        path = tmp_path / f"{topic[1:]}_{len(off)}_{name}"
+        source = open_run(write_bag(path, sorted(entries, key=lambda entry: entry[2])))
+        return kinds(source)[LaserScan if topic == "/scan" else Imu], sorted(source.report.skipped.items())
+
+    leap = "time leaps ahead: stamped far beyond the message ahead of it"
+    back = "time runs backwards: stamped before the message ahead of it"
+    assert read({5: 30 * SECOND}, "/scan", ros.scan) == (19, [(f"/scan: {leap}", 1)])
+    assert read({7: 10**5 * hour}, "/imu", ros.imu) == (19, [(f"/imu: {leap}", 1)])
+    set_back = dict.fromkeys(range(10, 20), -hour)
+    assert read(set_back, "/scan", ros.scan) == (18, [(f"/scan: {back}", 2)])
+    paused = [("/scan", ros.scan(ns), ns) for ns in (0, tenth, hour, hour + tenth)]
+    source = open_run(write_bag(tmp_path / f"paused_{name}", paused))
+    assert kinds(source) == {LaserScan: 4}
+    assert not source.report.skipped

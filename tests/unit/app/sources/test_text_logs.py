@@ -107,6 +107,25 @@ def test_bad_lines_are_counted_named_and_left_out(tmp_path: Path) -> None:
     }
 
 
+def test_a_line_of_the_future_is_left_out_alone(tmp_path: Path) -> None:
+    """One time far ahead is counted and named, and the scans behind it are used."""
+    times = (0.0, 0.2, 1e9, 0.6, 0.8)
+    source, items = read(write(tmp_path / "run.log", [flaser(t, RANGES) for t in times]))
+    found = [item.stamp_ns for item in items if isinstance(item, LaserScan)]
+    assert found == [round((T0 + t) * 1e9) for t in (0.0, 0.2, 0.6, 0.8)]
+    assert source.report.skipped == {"time leaps ahead: stamped far beyond the message ahead of it": 1}
+
+
+def test_a_log_by_a_clock_that_was_set_back(tmp_path: Path) -> None:
+    """It is followed at the third scan, from which no velocity leads back; the span holds all that is used."""
+    times = (0.0, 0.2, -60.0, -59.8, -59.6, -59.4)
+    lines = [flaser(t, RANGES, (i, 0.0, 0.0)) for i, t in enumerate(times)]
+    source, items = read(write(tmp_path / "run.log", lines))
+    assert [type(item) for item in items] == [LaserScan, Odometry, LaserScan, LaserScan, Odometry, LaserScan]
+    assert source.report.skipped == {"scan that is not later than the one before": 2}
+    assert source.span_ns == (round((T0 - 59.6) * 1e9), round((T0 + 0.2) * 1e9))
+
+
 def test_a_packed_log_that_is_cut_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     """What could be unpacked is used, and a note says so."""
     noise = np.random.default_rng(5)
