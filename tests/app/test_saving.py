@@ -71,13 +71,13 @@ def test_a_folder_that_went_away_does_not_stop_the_run(drive: list[Item], tmp_pa
 
 
 def test_a_file_that_cannot_be_written_costs_no_other(drive: list[Item], tmp_path: Path):
-    """A folder in the way of one, no number in another: both are told with their reasons, the rest is there."""
+    """A folder in the way of one, no plain value in another: both are told, the rest is there."""
     pipeline, effort = run_headless(MemoryRecording(drive), START)
     (tmp_path / "map.npz").mkdir()
-    figures = {**metrics(pipeline, SourceReport(), effort), "no": math.nan}
+    figures = {**metrics(pipeline, SourceReport(), effort), "no": object()}
     with pytest.raises(OutputError) as told:
         export(pipeline, figures, tmp_path)
-    assert "(Is a directory: map.npz; ValueError: " in str(told.value)
+    assert "(Is a directory: map.npz; TypeError: " in str(told.value)
     assert str(told.value).endswith(": metrics.json): give another --out")
     assert {path.name for path in tmp_path.iterdir()} == FILES - {"metrics.json"}
 
