@@ -107,11 +107,11 @@ def _level(resolution: float, corner: np.ndarray, log_odds: np.ndarray, surfels:
 def _check_pyramid(levels: tuple[SavedLevel, ...]) -> None:
     """ValueError unless each level has half the resolution of the one below, and all cover the same area.
 
-    To a cell: the finest level also holds what is behind walls.
+    To a cell or two: the finest level also holds what is behind walls, and ends on the edge of a cell are rounded.
     """
     finest = levels[0]
     low, high = finest.corner, finest.corner + finest.log_odds.shape[::-1]
     for i, level in enumerate(levels):
         apart = level.corner - (low >> i), level.corner + level.log_odds.shape[::-1] + (-high >> i)
-        if abs(level.resolution - finest.resolution * 2**i) > 1e-9 or np.abs(apart).max() > 1:
+        if abs(level.resolution - finest.resolution * 2**i) > 1e-9 or np.abs(apart).max() > 2:
             raise ValueError(f"level {i} does not cover level 0 with cells {2**i} times as large")

@@ -148,8 +148,8 @@ def test_arrays_that_are_no_map_are_refused(saved: Path, changed: dict[str, obje
     [
         {"resolutions": np.array([0.05, 0.05])},
         {"corner1": LEVELS[1].corner + 1000},
-        {"corner1": LEVELS[1].corner - (2, 0)},
-        {"log_odds1": np.ones((4, 8), np.float32)},
+        {"corner1": LEVELS[1].corner - (3, 0)},
+        {"log_odds1": np.ones((40, 8), np.float32)},
     ],
 )
 def test_levels_that_are_no_pyramid_are_refused(saved: Path, changed: dict[str, np.ndarray]):
