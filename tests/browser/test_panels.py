@@ -69,6 +69,9 @@ def run(drive: list[Item], tmp_path: Path) -> Iterator[Run]:
         server.stop()
 
 
+LET_GO = "document.activeElement === document.body"
+
+
 def button(page: Page, name: str) -> Locator:
     return page.get_by_role("button", name=name)
 
@@ -109,7 +112,7 @@ def test_the_results_are_saved(run: Run, open_page: Open, tmp_path: Path) -> Non
     run.until(lambda s: str(tmp_path) in s.log[-1].text)
     assert (tmp_path / "map.npz").exists()
     open_tab(page, "Log")
-    expect(page.locator(".hs-log-list")).to_contain_text("Saved map.npz")
+    expect(page.locator(".hs-log-list")).to_contain_text("Saved trajectory.tum, ")
 
 
 def test_hotkeys(run: Run, open_page: Open) -> None:
@@ -136,12 +139,13 @@ def test_hotkeys_after_a_click(run: Run, open_page: Open) -> None:
     box = row(page, "Widen vertical").get_by_role("checkbox")
     box.click()
     run.until(lambda s: s.config.fusion.widen_vertical)
+    page.wait_for_function(LET_GO)
     page.keyboard.press("Space")
     run.until(lambda s: s.playback.state == "playing")
     expect(box).to_be_checked()
     choose(page, "bar-transport", "0.25×")
     run.until(lambda s: s.playback.speed == 0.25)
-    page.wait_for_function("document.activeElement === document.body")
+    page.wait_for_function(LET_GO)
     page.keyboard.press("Space")
     run.until(lambda s: s.playback.state == "paused")
 
