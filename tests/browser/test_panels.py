@@ -69,9 +69,6 @@ def run(drive: list[Item], tmp_path: Path) -> Iterator[Run]:
         server.stop()
 
 
-LET_GO = "document.activeElement === document.body"
-
-
 def button(page: Page, name: str) -> Locator:
     return page.get_by_role("button", name=name)
 
@@ -130,24 +127,6 @@ def test_hotkeys(run: Run, open_page: Open) -> None:
     run.until(lambda s: s.playback.state == "playing")
     page.keyboard.press("r")
     run.until(lambda s: s.epoch > stopped.epoch)
-
-
-def test_hotkeys_after_a_click(run: Run, open_page: Open) -> None:
-    """What was clicked does not keep the keyboard: a box stays as it is, a choice is not typed into."""
-    page = open_page(run.url)
-    open_tab(page, "Settings")
-    box = row(page, "Widen vertical").get_by_role("checkbox")
-    box.click()
-    run.until(lambda s: s.config.fusion.widen_vertical)
-    page.wait_for_function(LET_GO)
-    page.keyboard.press("Space")
-    run.until(lambda s: s.playback.state == "playing")
-    expect(box).to_be_checked()
-    choose(page, "bar-transport", "0.25×")
-    run.until(lambda s: s.playback.speed == 0.25)
-    page.wait_for_function(LET_GO)
-    page.keyboard.press("Space")
-    run.until(lambda s: s.playback.state == "paused")
 
 
 def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
