@@ -6,10 +6,9 @@ import numpy as np
 
 from app.sources import Item
 from app.warmup import warm_up
-from slam_core.aiding.corrections import PLAUSIBLE
 from slam_core.config import SlamConfig
 from slam_core.devices import Agreement, Gravity, compare_tilts, compare_turns, gravity, yaw_rates
-from slam_core.measurements import Float64s, Imu, LaserScan, Odometry
+from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
 
 LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at

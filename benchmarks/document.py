@@ -225,8 +225,8 @@ Glass is there for some beams and not for others. Of the cells along the panes t
 Metres. The demos are simulated; the others are real but for stage_sim_gt.
 
 {tables.replays(accuracy.replays)}
-How consistent the whole is: metres between the first pose and the last (by the truth the arena's are 1.70 m apart,
-the boat's 0.20 m, the walk's 0.82 m), and for a run that comes back the share of the endpoints of its last
+How consistent the whole is: metres between the first pose and the last (the simulated drives do not end
+where they began, see `demo_bags/README.md`), and for a run that comes back the share of the endpoints of its last
 {returning.LAST_SCANS} scans that lie on or beside an occupied cell of the map of its first
 {returning.FIRST_S:g} s, of those in cells that were known then: doubled walls would lie in free ones. The drives
 through the hallway and the kitchen are said to end near their start. Units, handedness and delay of the kitchen's

@@ -13,6 +13,13 @@ Float32s = NDArray[np.float32]
 Float64s = NDArray[np.float64]
 Int64s = NDArray[np.int64]
 
+# Nothing that a robot reports about its place or its speed is further out than this, in metres or m/s.
+PLAUSIBLE = 1e7
+# No robot carries its laser further from its base than this, in metres.
+FARTHEST_LASER = 1e3
+# A stamp this far ahead is believed only when the next one confirms it.
+LEAP_NS = 10_000_000_000
+
 
 def _identity_quaternion() -> Float64s:
     return np.array([1.0, 0.0, 0.0, 0.0])

@@ -16,12 +16,10 @@ from slam_core.inertial import Intake
 from slam_core.kernels.fusion import planar_belief
 from slam_core.kernels.passage import MAX_GAP_NS
 from slam_core.leveling import start_belief
-from slam_core.measurements import Float64s, Imu, Int64s, Transform
+from slam_core.measurements import LEAP_NS, Float64s, Imu, Int64s, Transform
 from slam_core.placement import Placement
 from slam_core.results import NOWHERE, AidingStatus, NavigationState, PlanarGaussian
 
-# A stamp this far ahead is believed only when the next one confirms it.
-LEAP_NS = 10_000_000_000
 WEIGHTLESS = "start without gravity in the accelerometers"
 SET_BACK = "clock set back"
 LEAPT = "clock leapt ahead"

@@ -5,11 +5,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from slam_core.aiding.corrections import PLAUSIBLE, Correction, Update
+from slam_core.aiding.corrections import Correction, Update
 from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import is_measurement
 from slam_core.leveling import turned_to
-from slam_core.measurements import Float64s
+from slam_core.measurements import PLAUSIBLE, Float64s
 from slam_core.results import PlanarGaussian
 
 

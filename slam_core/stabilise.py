@@ -9,14 +9,13 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import ScanConfig
 from slam_core.kernels.sweeping import place_beams
-from slam_core.measurements import Float32s, Float64s, Int64s, LaserScan, Transform
+from slam_core.measurements import FARTHEST_LASER, Float32s, Float64s, Int64s, LaserScan, Transform
 
 # Attitude and position of the base in the map, (k, 7) or wider, at instants (k,) that are nanoseconds after one.
 Motion = Callable[[int, Int64s], Float64s]
 # The motion is taken as linear between instants this far apart.
 KNOT_NS = 10_000_000
 STANDING = np.zeros(3, np.int64)
-FARTHEST_LASER = 1e4  # m from the base
 NO_END = np.empty((0, 2), np.float32)
 
 

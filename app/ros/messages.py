@@ -9,7 +9,17 @@ from typing import Any
 import numpy as np
 
 from slam_core import geometry
-from slam_core.measurements import Attitude, Float64s, Imu, LaserScan, Odometry, Transform, TruthPose
+from slam_core.measurements import (
+    FARTHEST_LASER,
+    PLAUSIBLE,
+    Attitude,
+    Float64s,
+    Imu,
+    LaserScan,
+    Odometry,
+    Transform,
+    TruthPose,
+)
 
 # A sweep of more than two turns is a mistake in the angles.
 MAX_SWEEP_RAD = 4.0 * math.pi
@@ -19,10 +29,6 @@ MAX_SWEEP_S = 10.0
 SHORTEST_RANGE = 1e-3
 # The mount of a distance sensor whose recording has no tf.
 LOOKING_DOWN = Transform(rotation=geometry.from_euler(0.0, math.pi / 2, 0.0))
-
-
-# Nothing that a robot carries is further from its base than this, and it is nowhere further out, in metres.
-FARTHEST_LASER, FURTHEST_OUT = 1e3, 1e7
 
 
 class BadMessage(Exception):
@@ -166,8 +172,8 @@ def finite_vector(what: str, x: float, y: float, z: float) -> Float64s:
 def _place(what: str, p: Any) -> Float64s:
     """(3,) of a point or a vector, no further out than anything can be."""
     place = finite_vector(what, p.x, p.y, p.z)
-    if max(map(abs, place.tolist())) > FURTHEST_OUT:
-        raise BadMessage(f"{what} of more than {FURTHEST_OUT:g} m")
+    if max(map(abs, place.tolist())) > PLAUSIBLE:
+        raise BadMessage(f"{what} of more than {PLAUSIBLE:g} m")
     return place
 
 

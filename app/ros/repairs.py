@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.ros.messages import FARTHEST_LASER
 from app.sources import SourceError, SourceOptions
 from slam_core import geometry
-from slam_core.measurements import Attitude, Float64s, Imu, LaserScan, MagneticField, Transform
+from slam_core.measurements import FARTHEST_LASER, Attitude, Float64s, Imu, LaserScan, MagneticField, Transform
 
 STANDARD_GRAVITY = 9.80665
 ACCEL_UNITS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY}

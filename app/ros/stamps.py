@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from slam_core.navigation import LEAP_NS
+from slam_core.measurements import LEAP_NS
 
 BACKWARDS = "time runs backwards: stamped before the message ahead of it"
 AHEAD = "time leaps ahead: stamped far beyond the message ahead of it"

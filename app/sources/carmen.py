@@ -9,12 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from app.ros.messages import FARTHEST_LASER
 from app.ros.roles import NOTHING
 from app.sources import SourceError, SourceKind, SourceOptions
 from app.sources._text_log import BadLine, Instant, TextLog, floats, read_lines
 from slam_core import geometry
-from slam_core.measurements import Float32s, LaserScan, Transform
+from slam_core.measurements import FARTHEST_LASER, Float32s, LaserScan, Transform
 
 SUFFIXES = (".clf", ".log", ".carmen")
 CONTAINER = "CARMEN log"

@@ -17,11 +17,9 @@ from slam_core.intersection import RULES
 from slam_core.kernels import fusion
 from slam_core.kernels.linear import is_measurement
 from slam_core.kernels.navigation import ERRORS
-from slam_core.measurements import Float64s
+from slam_core.measurements import PLAUSIBLE, Float64s
 from slam_core.results import NOWHERE
 
-# Nothing that a robot reports about its place or its speed is further out than this, in metres or m/s.
-PLAUSIBLE = 1e7
 HEIGHT = np.eye(1, ERRORS, 5)  # how p_z follows the errors
 
 

@@ -17,9 +17,9 @@ from slam_core.aiding.corrections import Correction
 from slam_core.aiding.ledger import Ledger
 from slam_core.config import MotionConfig
 from slam_core.kernels.navigation import STATES
-from slam_core.measurements import Float64s, Transform
+from slam_core.measurements import LEAP_NS, Float64s, Transform
 from slam_core.motion import PlanarMotion
-from slam_core.navigation import LEAP_NS, TOO_OLD, UNUSABLE
+from slam_core.navigation import TOO_OLD, UNUSABLE
 from slam_core.results import AidingStatus
 
 TILT_SIGMA = 0.03  # rad, of another's attitude, or of a floor

@@ -4,6 +4,8 @@ import itertools
 import math
 import shutil
 import sqlite3
+import subprocess
+import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable
@@ -21,11 +23,18 @@ from app.ros.recorder import Recorder
 from app.sources import Source, SourceError, SourceOptions, open_source
 from app.sources.bag import open_bag
 from slam_core.measurements import Imu, LaserScan, TruthPose
+from tests.conftest import ROOT
 from tests.ros_messages import SECOND, START, Messages, write_bag
 
 TENTH = SECOND // 10
 CONTAINERS = ["run.bag", "run.mcap", "run"]
 LZ4 = b"\x04\x22\x4d\x18"  # how a frame of it begins
+
+
+def test_opening_a_recording_does_not_load_the_compiler() -> None:
+    """The page is served as soon as the recording is open, and numba takes longer to load than all the rest."""
+    script = "import sys, app.sources.bag, app.sources.carmen; sys.exit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=False).returncode == 0
 
 
 def messages_for(name: str) -> Messages:
