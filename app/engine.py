@@ -17,6 +17,7 @@ from app.settings import Setting, Settings, value_of
 from app.snapshot import (
     Command,
     Configure,
+    LogEntry,
     Pause,
     Play,
     PlayPause,
@@ -241,13 +242,13 @@ class Engine:
         if valid_speed(speed):
             self._transport.speed = speed
         else:
-            self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning")
+            self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning", answer=True)
 
     def _save(self) -> None:
         try:
-            self._log(self.save())
+            self._log(self.save(), answer=True)
         except SlamError as error:
-            self._log(str(error), "warning")
+            self._log(str(error), "warning", answer=True)
 
     def _restart(self) -> None:
         self._begin(self._settings_again())
@@ -256,7 +257,7 @@ class Engine:
     def _seek(self, time_ns: int) -> None:
         span = self._source.span_ns
         if span is None:
-            self._log("A live stream has no other times: nothing was sought", "warning")
+            self._log("A live stream has no other times: nothing was sought", "warning", answer=True)
             return
         time_ns = min(max(time_ns, span[0]), span[1])
         if self._transport.failure or time_ns < self._pipeline.time_ns:
@@ -278,7 +279,7 @@ class Engine:
             if self._given:
                 self._given.check(after.start.map)
         except SlamError as error:
-            self._log(str(error), "warning")
+            self._log(str(error), "warning", answer=True)
             return
         new = value_of(after.at(now_ns), name)
         if new == old:
@@ -328,8 +329,8 @@ class Engine:
         dropped = self._feeder.dropped if self._feeder else 0
         return merged(self._source.report, self._pipeline.skipped, dropped)
 
-    def _log(self, text: str, level: LogLevel = "info") -> None:
-        self._publisher.log(self._pipeline.time_ns, text, level)
+    def _log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
+        self._publisher.log(LogEntry(self._pipeline.time_ns, text, level, self._pipeline.scans, answer))
 
     def _publish(self, resting: bool) -> None:
         if self._publisher.due(resting):

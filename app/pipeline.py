@@ -30,7 +30,7 @@ class Pipeline:
 
     start_ns: what the seconds in the rows count from; None takes the first measurement's time. given: the map to
     begin with. The outcome is a function of these, the items and the settings alone: changes act between scans, at
-    their times. warned: every warning so far, and when it came up first.
+    their times. warned: every warning so far, with the time and the number of scans when it came up first.
     """
 
     def __init__(self, settings: Settings, start_ns: int | None = None, given: GivenMap | None = None) -> None:
@@ -42,7 +42,7 @@ class Pipeline:
         self.scans_read = 0
         self.result: StepResult | None = None
         self.states: Counter[Tracking] = Counter()
-        self.warned: dict[str, int] = {}
+        self.warned: dict[str, tuple[int, int]] = {}
         self._arrivals = Arrivals()
         self._sequencer = Sequencer()
         self._passed_over: Counter[str] = Counter()
@@ -93,10 +93,10 @@ class Pipeline:
         return result
 
     def warnings(self) -> tuple[str, ...]:
-        """What is wrong at this moment, a sentence each; `warned` keeps it with the time when it was first so."""
+        """What is wrong at this moment, a sentence each; `warned` keeps it with when it was first so."""
         wrong = (*self.slam.warnings, *self._arrivals.warnings)
         for text in wrong:
-            self.warned.setdefault(text, self.time_ns)
+            self.warned.setdefault(text, (self.time_ns, self.scans))
         return wrong
 
     def _apply_changes(self, stamp_ns: int) -> None:

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from app.journal import Journal
 from app.mailbox import Mailbox
 from app.pipeline import Pipeline
 from app.snapshot import SERIES_DTYPE, LogEntry, MapImage, PlaybackStatus, Snapshot, SourceReport
@@ -18,7 +19,6 @@ from slam_core.results import StepResult
 SNAPSHOT_S = 1 / 60
 MAPS_S = 1 / 5
 STREAM_S = 1 / 2  # a stream's counters are shown this often even when no scan comes
-LOG_LINES = 500
 
 LogLevel = Literal["info", "warning", "error"]
 
@@ -42,7 +42,7 @@ class Publisher:
     def __init__(self, source: Source) -> None:
         self.mailbox: Mailbox[Snapshot] = Mailbox()
         self._source = source
-        self._log: tuple[LogEntry, ...] = ()
+        self._journal = Journal()
         self._noted: set[str] = set()
         self._news = True
         self._sequence = 0
@@ -52,9 +52,9 @@ class Publisher:
         self._drawn_at = 0.0
         self._revision = 0
 
-    def log(self, time_ns: int, text: str, level: LogLevel = "info") -> None:
-        """One more line for the page, at a time of the recording."""
-        self._log = (*self._log, LogEntry(time_ns, text, level))[-LOG_LINES:]
+    def log(self, entry: LogEntry) -> None:
+        """One more line for the page."""
+        self._journal.add(entry)
         self.touch()
 
     def touch(self) -> None:
@@ -91,7 +91,7 @@ class Publisher:
             map_updates=pipeline.slam.pyramid.updates,
             scans=pipeline.scans,
             report=run.report,
-            log=self._log,
+            log=self._journal.entries,
             mode=pipeline.mode,
             searching=pipeline.slam.searching,
             warnings=warnings,
@@ -104,17 +104,18 @@ class Publisher:
     def _log_notes(self, run: Run) -> None:
         """What the source and the pipeline found, and what holds the pipeline back, each once."""
         pipeline = run.pipeline
+        now = pipeline.time_ns, pipeline.scans
         for note in (*run.report.notes, *pipeline.slam.notes):
-            self._note(pipeline.time_ns, note, "info")
+            self._note(*now, note, "info")
         for warning in run.report.warnings:
-            self._note(pipeline.time_ns, warning, "warning")
-        for warning, time_ns in pipeline.warned.items():
-            self._note(time_ns, warning, "warning")
+            self._note(*now, warning, "warning")
+        for warning, (time_ns, scans) in pipeline.warned.items():
+            self._note(time_ns, scans, warning, "warning")
 
-    def _note(self, time_ns: int, text: str, level: LogLevel) -> None:
+    def _note(self, time_ns: int, scans: int, text: str, level: LogLevel) -> None:
         if text not in self._noted:
             self._noted.add(text)
-            self.log(time_ns, text, level)
+            self.log(LogEntry(time_ns, text, level, scans))
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
         state = (epoch, pipeline.slam.pyramid.revision)

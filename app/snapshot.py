@@ -134,11 +134,16 @@ class MapImage:
 
 @dataclass(frozen=True, slots=True)
 class LogEntry:
-    """A line for the page's log, at a time of the recording."""
+    """A line for the page's log, at a time of the recording, when so many scans had given a result.
+
+    answer: whether it answers what somebody asked for by hand, who may have no eye on the log.
+    """
 
     time_ns: int
     text: str
     level: Literal["info", "warning", "error"] = "info"
+    scans: int = 0
+    answer: bool = False
 
 
 # One row a scan; the plots and metrics read columns by name. All float64 seconds, metres, radians.

@@ -36,15 +36,31 @@ class AttitudePanel:
             return
         row = snapshot.series[-1]
         pose = {name: float(row[name]) for name in ("x", "y", "z", "roll", "pitch", "yaw")}
-        put(self._turn, turn_css("hs-attitude", pose["roll"], pose["pitch"], pose["yaw"]))
-        put(self._numbers, numbers_html(pose))
+        planar = is_planar(snapshot)
+        turn = turn_css("hs-attitude", pose["roll"], pose["pitch"], pose["yaw"])
+        put(self._turn, turn + (FADED if planar else ""))
+        put(self._numbers, numbers_html(pose, planar=planar))
 
 
-def numbers_html(pose: dict[str, float]) -> str:
-    """Angles in degrees, positions in metres."""
-    angles = [(name, fixed(math.degrees(pose[name]), 1) + "°") for name in ("roll", "pitch", "yaw")]
-    places = [(name, fixed(pose[name], 2) + " m") for name in ("x", "y", "z")]
-    return f'<div class="hs-pose">{"".join(figure(*cell) for cell in angles + places)}</div>'
+def is_planar(snapshot: Snapshot) -> bool:
+    """Whether nothing has told the attitude and the height: they are taken to be zero."""
+    result, row = snapshot.result, snapshot.series[-1]
+    return (result is None or result.navigation is None) and not any(row[name] for name in TAKEN)
+
+
+def numbers_html(pose: dict[str, float], *, planar: bool = False) -> str:
+    """Angles in degrees, positions in metres. planar: a dash for what nobody measures."""
+    angles = {name: fixed(math.degrees(pose[name]), 1) + "°" for name in ("roll", "pitch", "yaw")}
+    figures = angles | {name: fixed(pose[name], 2) + " m" for name in ("x", "y", "z")}
+    if planar:
+        figures |= dict.fromkeys(TAKEN, "–")
+    cells = (figure(name, shown, hint=PLANAR if shown == "–" else "") for name, shown in figures.items())
+    return f'<div class="hs-pose">{"".join(cells)}</div>'
+
+
+TAKEN = ("roll", "pitch", "z")
+FADED = "<style>.hs-attitude{--hs-horizon:.3}</style>"
+PLANAR = "Nothing measures it here: the laser is taken to be level."
 
 
 PANEL = AttitudePanel

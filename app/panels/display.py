@@ -10,7 +10,7 @@ from app.panels import _workspace
 from app.panels._controls import Choice, Control, LinearSlider, LogSlider, Switch
 from app.panels._slider import Scale
 from app.snapshot import MapImage, Snapshot
-from app.web.stage import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Display, Layer, Stage
+from app.web.stage import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Layer, Stage
 
 CAMERAS: dict[str, Camera] = {"Top": "top", "Follow": "follow", "Free": "free", "Whole map": "fit"}
 LAYOUTS = {"stacked": "levels stacked", "side": "levels side by side", "one": "one level"}
@@ -30,7 +30,7 @@ class DisplayPanel:
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
-        self._drawn: Display | None = None
+        self._drawn = stage.display
         self._resolutions: tuple[float, ...] = ()
         gui = stage.server.gui
         with _workspace.tab(stage, self.title, Icon.EYE):
@@ -92,14 +92,16 @@ class DisplayPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the display settings, whoever changed them, and the number of levels."""
         self._draw_levels(snapshot.maps)
-        display = self._stage.display
-        if display == self._drawn:
+        display, before = self._stage.display, self._drawn
+        if display == before:
             return
         self._drawn = display
-        for name, control in self._controls.items():
-            control.show(getattr(display, name))
+        for name, control in self._controls.items():  # what did not change may be under somebody's hand
+            if getattr(display, name) != getattr(before, name):
+                control.show(getattr(display, name))
         for key, box in self._layers.items():
-            box.show(key not in display.hidden)
+            if (key in display.hidden) != (key in before.hidden):
+                box.show(key not in display.hidden)
 
     def _draw_levels(self, maps: tuple[MapImage, ...]) -> None:
         resolutions = tuple(image.resolution for image in maps)

@@ -1,7 +1,7 @@
-"""What happened, newest first: changed settings with their times, warnings, errors."""
+"""What happened, newest first: changed settings, warnings, errors. A click on a time goes there."""
 
-import re
-from dataclasses import replace
+import math
+from collections.abc import Sequence
 
 from viser import Icon
 
@@ -11,49 +11,51 @@ from app.snapshot import LogEntry, Snapshot
 from app.web.stage import Stage
 
 SHOWN = 100
-DRAG_NS = 1_000_000_000  # changes of one setting this close together are one movement of a hand
-CHANGE = re.compile(r"(?P<name>[\w.]+): (?P<old>\S+) → (?P<new>\S+)")
 
 
 class LogPanel:
-    """A list that is sent only when it grew."""
+    """A list that is sent only when it grew. An answer comes up in the corner too."""
 
     title = "Log"
     order = 70
     rate = 2.0
 
     def __init__(self, stage: Stage) -> None:
-        self._drawn: tuple[LogEntry, ...] | None = None
+        self._stage = stage
+        self._drawn: tuple[LogEntry, ...] = ()
         with _workspace.tab(stage, self.title, Icon.LIST_DETAILS):
-            self._list = stage.server.gui.add_html("")
+            self._list = stage.server.gui.add_html(EMPTY)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send the newest entries, if there are new ones."""
-        if snapshot.log != self._drawn:
-            self._drawn = snapshot.log
-            self._list.content = log_html(snapshot.log, snapshot.playback.start_ns)
+        if snapshot.log is self._drawn:
+            return
+        for answer in answers(snapshot.log, self._drawn):
+            self._stage.tell(answer.text)
+        self._drawn = snapshot.log
+        playback = snapshot.playback
+        self._list.content = log_html(snapshot.log, playback.start_ns, jumps=playback.end_ns is not None)
 
 
-def folded(entries: tuple[LogEntry, ...]) -> list[LogEntry]:
-    """The entries with each drag of a control as one: 'name: first → last', at the time of the last."""
-    out: list[LogEntry] = []
-    for entry in entries:
-        now, before = CHANGE.fullmatch(entry.text), CHANGE.fullmatch(out[-1].text) if out else None
-        if now and before and now["name"] == before["name"] and entry.time_ns - out[-1].time_ns < DRAG_NS:
-            out[-1] = replace(entry, text=f"{now['name']}: {before['old']} → {now['new']}")
-        else:
-            out.append(entry)
-    return out
+def answers(entries: Sequence[LogEntry], before: Sequence[LogEntry]) -> list[LogEntry]:
+    """The answers among `entries` that were not there before, oldest first."""
+    known = {id(entry) for entry in before}
+    return [entry for entry in entries if entry.answer and id(entry) not in known]
 
 
-def log_html(entries: tuple[LogEntry, ...], start_ns: int) -> str:
-    """The newest entries as a list; text is escaped."""
-    rows = [
-        f'<li class="hs-{entry.level}"><time>{clock((entry.time_ns - start_ns) / 1e9)}</time>'
-        f"<span>{text(entry.text)}</span></li>"
-        for entry in reversed(folded(entries)[-SHOWN:])
-    ]
+def log_html(entries: Sequence[LogEntry], start_ns: int, *, jumps: bool = False) -> str:
+    """The newest entries as a list; text is escaped. jumps: a time leads there (static/log.js)."""
+    rows = [_line(entry, (entry.time_ns - start_ns) / 1e9, jumps) for entry in reversed(entries[-SHOWN:])]
     return f'<ol class="hs-log-list">{"".join(rows)}</ol>' if rows else EMPTY
+
+
+def _line(entry: LogEntry, seconds: float, jumps: bool) -> str:
+    scan = f"<small>scan {entry.scans}</small>" if entry.scans else ""
+    when = f"<time>{clock(seconds)}{scan}</time>"
+    if jumps:
+        after = math.ceil(1e3 * seconds) / 1e3  # not before it, so that its scan is reached
+        when = f'<button type="button" title="Go there" data-hs-seconds="{after}">{when}</button>'
+    return f'<li class="hs-{entry.level}">{when}<span>{text(entry.text)}</span></li>'
 
 
 EMPTY = '<p class="hs-empty">Nothing happened yet.</p>'

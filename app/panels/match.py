@@ -9,7 +9,7 @@ from app.panels import _workspace
 from app.panels._format import figure, fixed
 from app.panels._handles import put
 from app.snapshot import Snapshot
-from app.web.stage import Stage
+from app.web.stage import Display, Stage
 from slam_core.results import StepResult
 
 ROWS = (("match", "match", "R, eq. (15)"), ("filter", "prior", "P before"), ("fused", "fused", "P⁺, eq. (16)"))
@@ -23,11 +23,12 @@ class MatchPanel:
     rate = 5.0
 
     def __init__(self, stage: Stage) -> None:
+        self._stage = stage
         gui = stage.server.gui
         with _workspace.tab(stage, "Live", Icon.GAUGE):
             self._match = gui.add_html("")
             self._sigmas = gui.add_html("")
-            gui.add_html(LEGEND)
+            self._legend = gui.add_html("")
 
     def draw(self, snapshot: Snapshot) -> None:
         """Bring the read-outs up to date."""
@@ -36,6 +37,7 @@ class MatchPanel:
             return
         put(self._match, match_html(result, snapshot))
         put(self._sigmas, sigmas_html(snapshot.series[-1]))
+        put(self._legend, legend_html(snapshot, self._stage.display))
 
 
 def match_html(result: StepResult, snapshot: Snapshot) -> str:
@@ -84,11 +86,28 @@ def ring(colour: str) -> str:
 WEAKEST = "Sigma of the position in the direction that the match fixes worst."
 FIXED = "Share of the beams that fix the position in the direction that the shape of the scan fixes worst."
 UNEXPECTED = "Beams that end where the map knows free space: something new, or somebody on the move."
-LEGEND = (
-    '<div class="hs-legend"><span><i class="hs-line" style="color:var(--hs-trajectory)"></i>trajectory</span>'
-    '<span><i class="hs-line hs-dashed" style="color:var(--hs-truth)"></i>truth</span>'
-    f'<span>{ring("position")}position</span><span>residual 0<i class="hs-ramp"></i>1</span>'
-    f'<span title="{UNEXPECTED}">{ring("unexpected")}unexpected</span></div>'
-)
+
+
+def legend_html(snapshot: Snapshot, display: Display) -> str:
+    """What the lines and colours on the map mean, as far as they are there and not switched off."""
+    result = snapshot.result
+    ellipses = {"prior", "match", "fused"} - display.hidden
+    coloured = "scan" not in display.hidden and display.points == "residual"
+    entries = (
+        ("trajectory" not in display.hidden, f"{line('trajectory')}trajectory"),
+        ("truth" not in display.hidden and len(snapshot.truth) > 0, f"{line('truth', 'hs-dashed')}truth"),
+        (bool(ellipses), f"ellipses of {display.ellipse_scale:.0f} σ"),
+        ("position" not in display.hidden and result and result.navigation, f"{ring('position')}position"),
+        (coloured, 'residual 0<i class="hs-ramp"></i>1'),
+        (coloured, f'<span title="{UNEXPECTED}">{ring("unexpected")}unexpected</span>'),
+    )
+    shown = "".join(f"<span>{entry}</span>" for there, entry in entries if there)
+    return f'<div class="hs-legend">{shown}</div>'
+
+
+def line(colour: str, style: str = "") -> str:
+    """A short line in one of the palette's colours."""
+    return f'<i class="hs-line {style}" style="color:var(--hs-{colour})"></i>'
+
 
 PANEL = MatchPanel

@@ -12,6 +12,7 @@ from app.panels import _workspace
 from app.panels._format import clock
 from app.panels._handles import put, put_value
 from app.snapshot import PlaybackStatus, PlayPause, Restart, Save, Seek, SetSpeed, Snapshot, StepScan
+from app.web import private
 from app.web.stage import Stage
 
 SPEEDS = {"0.1×": 0.1, "0.25×": 0.25, "0.5×": 0.5, "1×": 1.0, "2×": 2.0, "5×": 5.0, "10×": 10.0, "max": math.inf}
@@ -31,6 +32,7 @@ class TransportPanel:
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
         self._playback = PlaybackStatus()
+        self._speed_drawn = ""
         gui = stage.server.gui
         with _workspace.bar(stage, "transport"):
             self._restart = gui.add_button("Restart · R", icon=Icon.PLAYER_SKIP_BACK_FILLED)
@@ -38,10 +40,13 @@ class TransportPanel:
             self._step = gui.add_button("Step one scan · .", icon=Icon.PLAYER_TRACK_NEXT_FILLED)
             self._save = gui.add_button("Save the results", icon=Icon.DEVICE_FLOPPY, visible=False)
             self._clock = gui.add_html("")
-            self._timeline = Timeline(gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0))
+            timeline = gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0)
+            # for static/log.js
+            gui.add_html(f'<i class="hs-mark" data-hs-timeline="{private.uuid_of(timeline)}"></i>')
             self._speed = gui.add_dropdown(
                 "Speed", tuple(SPEEDS), initial_value="1×", hint="Times real time. Keys [ and ]."
             )
+        self._timeline = Timeline(timeline)
         self._restart.on_click(lambda _: stage.send(Restart()))
         self._toggle.on_click(lambda _: stage.send(PlayPause()))
         self._step.on_click(lambda _: stage.send(StepScan()))
@@ -59,9 +64,15 @@ class TransportPanel:
             self._toggle.icon = Icon.PLAYER_PAUSE_FILLED if running else Icon.PLAYER_PLAY_FILLED
         if self._save.visible != snapshot.saves:
             self._save.visible = snapshot.saves
-        put_value(self._speed, name_of_speed(playback.speed))
+        self._draw_speed(name_of_speed(playback.speed))
         self._timeline.draw(playback, self._stage.send, monotonic())
         put(self._clock, clock_html(playback))
+
+    def _draw_speed(self, name: str) -> None:
+        """Follow the run's speed, but leave alone what a hand has just chosen and the run does not know yet."""
+        if name != self._speed_drawn:
+            self._speed_drawn = name
+            put_value(self._speed, name)
 
     def nudge_speed(self, by: int) -> None:
         """One notch slower (-1) or faster (+1)."""

@@ -6,7 +6,7 @@ from app.web.stage import Stage
 from app.web.theme import Rgb, Theme, for_line
 from slam_core.results import PlanarGaussian, StepResult
 
-TITLES = {"prior": "Filter before", "match": "Match", "fused": "Fused"}  # drawn in this order, upwards
+TITLES = {"prior": "Filter", "match": "Match", "fused": "Fused"}  # drawn in this order, upwards
 LIFT = 0.04  # metres over the floor, and between one ellipse and the next
 SEE_THROUGH = 0.22
 

@@ -149,6 +149,12 @@ def input_control(server: viser.ViserServer, uuid: str) -> Any:
     return server.gui._gui_input_handle_from_uuid.get(uuid)
 
 
+def uuid_of(control: Any) -> str:
+    """How a control of the shared GUI is called in messages; `input_control` finds it by that."""
+    uuid: str = control._impl.uuid
+    return uuid
+
+
 def run_script(client: viser.ClientHandle, source: str) -> None:
     """Run JavaScript in one browser, now; nothing stays behind in the buffer that joiners are replayed."""
     try:

@@ -16,6 +16,7 @@ Layout = Literal["stacked", "side", "one"]
 Points = Literal["residual", "height", "plain"]
 Camera = Literal["free", "follow", "top", "fit"]
 
+TOLD_S = 8.0
 GAP_RANGE = (0.05, 2.0)  # between stacked levels, times the depth of the map
 ELLIPSE_SCALE_RANGE = (1.0, 2000.0)  # times one sigma
 
@@ -124,6 +125,11 @@ class Stage:
         """Point one browser's camera (every browser's when None): each person keeps a view of their own."""
         if mode in get_args(Camera):
             self.run(f"window.hectorscope?.camera('{mode}')", client)
+
+    def tell(self, sentence: str) -> None:
+        """Say something in a corner of every open page, for some seconds."""
+        for client in self.server.get_clients().values():
+            client.add_notification("", sentence, auto_close_seconds=TOLD_S)
 
     def run(self, script: str, client: viser.ClientHandle | None = None) -> None:
         """Run JavaScript once in one browser, or in all that are connected now; late joiners never see it.

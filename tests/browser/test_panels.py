@@ -11,7 +11,7 @@ from playwright.sync_api import Locator, Page, expect
 from app.engine import Engine
 from app.settings import Settings
 from app.simulation import SceneOptions, Simulation
-from app.snapshot import Seek, SetSpeed, Snapshot
+from app.snapshot import Configure, Seek, SetSpeed, Snapshot
 from app.sources import Item
 from app.warmup import warm_up
 from app.web.server import PageServer
@@ -69,6 +69,9 @@ def run(drive: list[Item], tmp_path: Path) -> Iterator[Run]:
         server.stop()
 
 
+LET_GO = "document.activeElement === document.body"
+
+
 def button(page: Page, name: str) -> Locator:
     return page.get_by_role("button", name=name)
 
@@ -103,11 +106,12 @@ def test_play_pause_step_and_restart(run: Run, open_page: Open) -> None:
 
 
 def test_the_results_are_saved(run: Run, open_page: Open, tmp_path: Path) -> None:
-    """The button leaves the map for --map, and the log says where."""
+    """The button leaves the map for --map; a notice and the log say where."""
     page = open_page(run.url)
     button(page, "Save the results").click()
     run.until(lambda s: str(tmp_path) in s.log[-1].text)
     assert (tmp_path / "map.npz").exists()
+    expect(page.locator(".mantine-Notification-root", has_text="Saved trajectory.tum, ")).to_be_visible()
     open_tab(page, "Log")
     expect(page.locator(".hs-log-list")).to_contain_text("Saved trajectory.tum, ")
 
@@ -127,6 +131,39 @@ def test_hotkeys(run: Run, open_page: Open) -> None:
     run.until(lambda s: s.playback.state == "playing")
     page.keyboard.press("r")
     run.until(lambda s: s.epoch > stopped.epoch)
+
+
+def test_hotkeys_after_a_click(run: Run, open_page: Open) -> None:
+    """What was clicked does not keep the keyboard: a box stays as it is, a choice is not typed into."""
+    page = open_page(run.url)
+    open_tab(page, "Settings")
+    box = row(page, "Widen vertical").get_by_role("checkbox")
+    box.click()
+    run.until(lambda s: s.config.fusion.widen_vertical)
+    page.wait_for_function(LET_GO)
+    page.keyboard.press("Space")
+    run.until(lambda s: s.playback.state == "playing")
+    expect(box).to_be_checked()
+    choose(page, "bar-transport", "0.25×")
+    run.until(lambda s: s.playback.speed == 0.25)
+    page.wait_for_function(LET_GO)
+    page.keyboard.press("Space")
+    run.until(lambda s: s.playback.state == "paused")
+
+
+def test_a_click_in_the_log_goes_there(run: Run, open_page: Open) -> None:
+    """To the scan after which it happened, from later on, where the run rests."""
+    run.engine.send(Configure("fusion.omega", 0.3))
+    there = run.until(lambda s: s.config.fusion.omega == 0.3)
+    run.engine.send(Seek(there.playback.time_ns + 3 * 10**9))
+    run.until(lambda s: s.scans > there.scans + 50 and s.playback.state == "paused")
+    page = open_page(run.url)
+    open_tab(page, "Log")
+    entry = page.locator(".hs-log-list li", has_text="fusion.omega: 0.1 → 0.3")
+    expect(entry.locator("small")).to_have_text(f"scan {there.scans}")
+    entry.get_by_role("button").click()
+    back = run.until(lambda s: s.epoch > there.epoch and s.playback.state == "paused")
+    assert (back.scans, back.playback.time_ns) == (there.scans, there.playback.time_ns)
 
 
 def test_the_timeline_jumps(run: Run, open_page: Open) -> None:

@@ -5,9 +5,10 @@ from typing import Any
 import pytest
 from viser import GuiEvent
 
+from app.panels.display import DisplayPanel
 from app.panels.settings import PATIENCE, RESTART_SETTLE, Setting
-from app.panels.transport import HOLD, SETTLE, STEP, Timeline
-from app.snapshot import Configure, PlaybackStatus, Seek
+from app.panels.transport import HOLD, SETTLE, STEP, Timeline, TransportPanel
+from app.snapshot import Configure, PlaybackStatus, Seek, Snapshot
 from app.web.stage import Stage
 from slam_core.config import SlamConfig, leaves
 
@@ -142,3 +143,26 @@ def test_a_stream_has_no_timeline(stage: Stage, clock: list[float]) -> None:
     line.draw(status, sent.append, 101.0)
     assert slider.disabled
     assert sent == []
+
+
+def test_a_speed_that_was_just_chosen_stays(stage: Stage) -> None:
+    """Until the run knows of it: a picture drawn in between does not put the old one back."""
+    panel = TransportPanel(stage)
+    panel.draw(Snapshot(playback=PlaybackStatus(speed=1.0)))
+    panel._speed._impl.value = "max"  # as viser has it before it calls anybody
+    panel.draw(Snapshot(playback=PlaybackStatus(speed=1.0)))
+    assert panel._speed.value == "max"
+    panel.draw(Snapshot(playback=PlaybackStatus(speed=2.0)))
+    assert panel._speed.value == "2×"
+
+
+def test_a_display_setting_that_was_just_chosen_stays(stage: Stage) -> None:
+    """While another one changes, and its layer's box too."""
+    stage.layer("scan", "Scan")
+    panel = DisplayPanel(stage)
+    layout, box = panel._controls["layout"], panel._layers["scan"]
+    layout._list._impl.value = "one level"  # type: ignore[attr-defined]
+    box._box._impl.value = False  # type: ignore[attr-defined]
+    stage.show(gap=1.0)
+    panel.draw(Snapshot())
+    assert (layout.read(), box.read()) == ("one", False)

@@ -3,6 +3,8 @@ import re
 from app.panels import match
 from app.panels._palette import palette_css
 from app.web.files import static_folder
+from app.web.stage import Display
+from tests.page import room_snapshot
 
 
 def test_the_style_sheet_has_todays_palette() -> None:
@@ -12,8 +14,9 @@ def test_the_style_sheet_has_todays_palette() -> None:
 
 def test_every_colour_that_the_page_uses_is_defined() -> None:
     """No --hs- variable of the style sheet or of a read-out is missing from the palette."""
-    used = (static_folder() / "hectorscope.css").read_text(encoding="utf-8") + match.LEGEND
-    defined = palette_css() + (static_folder() / "hectorscope.css").read_text(encoding="utf-8")
+    style = (static_folder() / "hectorscope.css").read_text(encoding="utf-8")
+    used = style + match.legend_html(room_snapshot(), Display())
+    defined = palette_css() + style
     names = set(re.findall(r"var\(--hs-([a-z-]+)\)", used))
     assert names
     assert not [name for name in names if f"--hs-{name}:" not in defined]

@@ -1,14 +1,18 @@
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from app.panels._dials import turn_css
-from app.panels.log import folded, log_html
-from app.panels.match import match_html, sigmas_html
+from app.panels.attitude import is_planar, numbers_html
+from app.panels.log import answers, log_html
+from app.panels.match import legend_html, match_html, sigmas_html
 from app.panels.status import REASONS_SHOWN, losses_html, run_html
 from app.panels.transport import clock_html, name_of_speed
 from app.snapshot import LogEntry, PlaybackStatus, SourceReport
-from tests.page import room_snapshot
+from app.web.stage import Display
+from tests.page import room_snapshot, without_filter
 
 S = 1_000_000_000
 
@@ -67,28 +71,53 @@ def test_a_view_that_broke_is_named() -> None:
     assert "Scan is switched off: ValueError" in losses_html(SourceReport(), {"Scan": "ValueError"})
 
 
-def test_a_drag_is_one_line_of_the_log() -> None:
-    """Changes of one setting close together fold into first → last; others stay apart."""
-    entries = (
-        LogEntry(0, "fusion.omega: 0.1 → 0.2"),
-        LogEntry(S // 2, "fusion.omega: 0.2 → 0.3"),
-        LogEntry(S // 2, "map.levels: 3 → 2"),
-        LogEntry(9 * S, "map.levels: 2 → 3"),
-        LogEntry(9 * S, "Started again with an empty map"),
-    )
-    assert [(e.time_ns, e.text) for e in folded(entries)] == [
-        (S // 2, "fusion.omega: 0.1 → 0.3"),
-        (S // 2, "map.levels: 3 → 2"),
-        (9 * S, "map.levels: 2 → 3"),
-        (9 * S, "Started again with an empty map"),
-    ]
-
-
 def test_the_log_shows_the_newest_first() -> None:
-    """Times are since the start of the recording."""
-    html = log_html((LogEntry(5 * S, "one"), LogEntry(7 * S, "two", "warning")), 5 * S)
+    """With times since the start of the recording and the number of the scan."""
+    html = log_html((LogEntry(5 * S, "one"), LogEntry(7 * S, "two", "warning", scans=81)), 5 * S)
     assert html.index("two") < html.index("one")
-    assert "00:02.0" in html
+    assert "00:02.0<small>scan 81</small>" in html
+    assert "scan 0" not in html
+    assert "button" not in html
+
+
+def test_a_time_in_the_log_leads_there() -> None:
+    """It carries its seconds, rounded up, so that the scan of that moment is reached."""
+    html = log_html((LogEntry(7 * S + 1_234_001, "lost"),), 5 * S, jumps=True)
+    assert 'data-hs-seconds="2.002"' in html
+
+
+def test_an_answer_is_told_once() -> None:
+    """What was there before is not told again, nor what answers nobody."""
+    first, second = LogEntry(S, "Saved a", answer=True), LogEntry(2 * S, "Saved b", answer=True)
+    log = (LogEntry(0, "The pose is lost"), first, second)
+    assert answers(log, ()) == [first, second]
+    assert answers(log, log[:2]) == [second]
+    assert answers(log, log) == []
+
+
+def test_what_nobody_measures_is_a_dash() -> None:
+    """Without a filter, a run whose roll, pitch and height never left zero is planar."""
+    snapshot = room_snapshot()
+    assert not is_planar(snapshot)
+    level = without_filter(snapshot)
+    assert is_planar(level)
+    tilted = level.series.copy()
+    tilted["roll"][-1] = 0.1  # told by tf
+    assert not is_planar(replace(level, series=tilted))
+    pose = dict.fromkeys(("x", "y", "z", "roll", "pitch", "yaw"), 0.0)
+    assert "</small>0.00 m" in numbers_html(pose, planar=True)
+    assert numbers_html(pose, planar=True).count("–") == 3
+    assert "–" not in numbers_html(pose)
+
+
+def test_the_legend_names_what_is_there() -> None:
+    """No truth where there is none, no ellipsoid without a filter, nothing that is switched off."""
+    full, display = room_snapshot(), Display()
+    for part in ("trajectory", "truth", "position", "ellipses of 200 σ", "residual", "unexpected"):
+        assert part in legend_html(full, display)
+    bare = replace(without_filter(full), truth=np.empty((0, 8)))
+    html = legend_html(bare, Display(hidden=frozenset({"trajectory", "prior", "match", "fused"}), points="plain"))
+    assert html == '<div class="hs-legend"></div>'
 
 
 def test_the_match_says_whether_it_converged_and_is_believed() -> None:
