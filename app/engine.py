@@ -36,6 +36,7 @@ from slam_core.config import needs_restart
 from slam_core.errors import SlamError
 from slam_core.given import GivenMap
 from slam_core.measurements import LaserScan, Measurement
+from slam_core.pyramid import check_room
 
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
 
@@ -276,6 +277,7 @@ class Engine:
         try:
             old = value_of(before.at(now_ns), name)
             after = before.changed(now_ns, name, value)
+            check_room(after.start.map)
             if self._given:
                 self._given.check(after.start.map)
         except SlamError as error:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.config import MapConfig
+from slam_core.config import ConfigError, MapConfig
 from slam_core.grid import GridLevel
 from slam_core.kernels.doubting import by_bearing
 from slam_core.kernels.mapping import cell_box
@@ -32,9 +32,11 @@ class Pyramid:
 
     revision: grows with every change of a cell.
     stopped_at: the limit in megabytes that keeps the map from growing to where beams went; 0 for none.
+    ConfigError if the first map is larger than that limit.
     """
 
     def __init__(self, config: MapConfig) -> None:
+        check_room(config)
         # Lengths are whole cells of the coarsest level, so that all levels cover the same area.
         self._block = 2 ** (config.levels - 1)
         size = _whole(config.size, self._block)
@@ -132,6 +134,16 @@ class Pyramid:
         other = Pyramid.__new__(Pyramid)
         other.__dict__.update(self.__dict__, levels=tuple(level.copy() for level in self.levels))
         return other
+
+
+def check_room(config: MapConfig) -> None:
+    """ConfigError if the first map takes more memory than the map may."""
+    needed = megabytes(config.size**2, config.levels)
+    if needed > config.limit:
+        raise ConfigError(
+            f"the first map of {config.size} x {config.size} cells takes {needed:.0f} MB, map.limit is"
+            f" {config.limit:g} MB: choose a smaller map.size or a higher map.limit"
+        )
 
 
 def megabytes(cells: int, levels: int) -> float:

@@ -73,14 +73,24 @@ def test_a_setting_of_the_map_runs_again_to_the_same_instant(drive: list[Item]):
 
 @pytest.mark.parametrize(("name", "value"), [("fusion.omega", 7.0), ("no.such", 1), ("matcher.sigma", math.nan)])
 def test_a_bad_setting_is_a_line_in_the_log(drive: list[Item], name: str, value: float):
-    """Nonsense from a browser changes nothing and stops nothing."""
+    """Nonsense from a browser changes nothing and stops nothing; who asked is told."""
     with running(MemoryRecording(drive), autoplay=False) as engine:
         until(engine, state("paused"))
         refused = after(engine, Configure(name, value))
-        assert refused.log[-1].level == "warning"
+        assert (refused.log[-1].level, refused.log[-1].answer) == ("warning", True)
         assert name in refused.log[-1].text
         assert refused.config == START.start
         assert after(engine, Seek(10**20)).playback.state == "ended"
+
+
+def test_a_map_beyond_the_limit_is_refused_and_the_run_goes_on(drive: list[Item]):
+    """It would have failed the run: the map that is there stays."""
+    tight = Settings(with_value(START.start, "map.limit", 20.0))
+    with running(MemoryRecording(drive), tight, autoplay=False) as engine:
+        until(engine, state("paused"))
+        refused = after(engine, Configure("map.size", 4096))
+        assert "map.limit is 20 MB" in refused.log[-1].text
+        assert (refused.epoch, refused.playback.state) == (0, "paused")
 
 
 def test_a_bad_speed_is_refused(drive: list[Item]):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slam_core.config import MapConfig
+from slam_core.config import ConfigError, MapConfig
 from slam_core.pyramid import Pyramid, megabytes
 from tests.worlds import same_map
 
@@ -136,6 +136,13 @@ def test_the_limit_stops_the_map_and_raising_it_lets_it_go_on():
     beam(pyramid, 60.0, 40.0, wide)
     assert pyramid.stopped_at == 0
     assert int(pyramid.levels[0].cell_of(60.0, 40.0)[0]) < pyramid.levels[0].shape[1]
+
+
+def test_a_first_map_beyond_the_limit_is_refused():
+    """The limit holds from the beginning; the message gives both figures and the settings."""
+    with pytest.raises(ConfigError, match=r"2048 x 2048 cells takes 55 MB, map\.limit is 50 MB"):
+        Pyramid(replace(SMALL, size=2048, limit=50.0))
+    assert Pyramid(replace(SMALL, size=2048, limit=56.0)).levels
 
 
 def test_memory_is_what_the_limit_counts():
