@@ -19,7 +19,7 @@ from slam_core.results import NOWHERE, Durations, MatchResult, PlanarGaussian, S
 from slam_core.resweep import refine
 from slam_core.search import find_pose
 from slam_core.stabilise import StabilisedScan, stabilise
-from slam_core.tracking import WELL, Tracker, Verdict, disagreement, search_window
+from slam_core.tracking import WELL, Tracker, Verdict, disagreement, far_off, is_vague, search_window
 from slam_core.updates import Updates
 
 # Where the map begins is where the first scan was taken: this sure.
@@ -219,17 +219,23 @@ class HectorSlam:
     def _judge(
         self, scan: LaserScan, leveled: StabilisedScan, match: MatchResult, prior: PlanarGaussian
     ) -> tuple[StabilisedScan, MatchResult, Verdict]:
-        """The match if it can be believed, else one found further away, else the verdict against both."""
+        """The match if it can be believed, else one found further away, else the verdict against both.
+
+        Where matches alone tell the motion, and seldom, a sudden turn and a match astray look alike: what then
+        surprises is looked at twice.
+        """
         config, tracker = self.config.tracking, self._tracker
-        reason = tracker.doubt(match.fit, disagreement(match, prior), config)
-        if not reason:
+        sigmas = disagreement(match, prior)
+        reason = tracker.doubt(match.fit, sigmas, config)
+        surprises = self._motion.unaided and is_vague(prior) and sigmas > config.max_surprise
+        if not (reason or surprises):
             return leveled, match, tracker.believe(match.fit, reason)
         start = find_pose(self.pyramid.levels[-1], leveled.points, prior.mean, search_window(prior, config))
         start[:2] -= match.blind * (match.blind @ (start - prior.mean)[:2])  # there any place fits as well
         for placed, candidate in (self._align(scan, leveled, start, None), (leveled, match)):
             if tracker.convinces(candidate.fit, disagreement(candidate, prior), config):
                 return placed, candidate, tracker.believe(candidate.fit, reason)
-        return leveled, match, tracker.miss(match.fit, reason, config)
+        return leveled, match, tracker.miss(match.fit, reason or far_off(sigmas), config)
 
     def _seek(
         self, match: MatchResult, verdict: Verdict, leveled: StabilisedScan, time_ns: int

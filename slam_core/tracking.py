@@ -11,6 +11,7 @@ USUAL_FIT = 0.9  # before any match was believed
 MEMORY = 0.05  # weight of the newest match in the running level
 # A scan of which less than this lies on known map proves little: it is not believed this far from the prediction.
 MOSTLY, NEAR = 0.6, 5.0
+BASIN = 0.3  # radians off within which a match from there arrives, mostly
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: a prediction that failed may be too sure of itself
 
 
@@ -32,6 +33,11 @@ WELL = Verdict()
 def disagreement(match: MatchResult, prior: PlanarGaussian) -> float:
     """How many sigmas of prediction and match together lie between the two (Mahalanobis)."""
     return float(sigmas_apart(match.pose, match.covariance, prior.mean, prior.covariance))
+
+
+def is_vague(prior: PlanarGaussian) -> bool:
+    """Whether the heading may be so far from a prediction that a match that starts there ends elsewhere."""
+    return 3.0 * math.sqrt(float(prior.covariance[2, 2])) > BASIN
 
 
 def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float, float]:
@@ -56,7 +62,7 @@ class Tracker:
         if seen.hit < config.min_fit * self._usual:
             return f"{seen.hit:.0%} of the known endpoints on walls, usually {self._usual:.0%}"
         if sigmas > config.max_sigmas or _astray(seen, sigmas):
-            return f"{sigmas:.0f} sigmas from the prediction"
+            return far_off(sigmas)
         return ""
 
     def convinces(self, seen: Fit, sigmas: float, config: TrackingConfig) -> bool:
@@ -83,6 +89,11 @@ class Tracker:
         if self._missed < config.lost_after:
             return Verdict("degraded", reason, believed=False)
         return Verdict("lost", reason, believed=False, beyond=self._beyond)
+
+
+def far_off(sigmas: float) -> str:
+    """The reason to doubt a match so far from the prediction."""
+    return f"{sigmas:.0f} sigmas from the prediction"
 
 
 def _astray(seen: Fit, sigmas: float) -> bool:

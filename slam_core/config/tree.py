@@ -339,6 +339,16 @@ class TrackingConfig:
     max_sigmas: Annotated[
         float, Param("A match further from the prediction than this is searched for again.", "σ", 1.0, 1000.0)
     ] = 100.0
+    max_surprise: Annotated[
+        float,
+        Param(
+            "Of a slow laser with neither IMU nor wheels, a match further than this from the prediction has to"
+            " stand against what a search finds.",
+            "σ",
+            1.0,
+            1000.0,
+        ),
+    ] = 2.5
     search_distance: Annotated[float, Param("The search goes this far at most.", "m", 0.1, 5.0)] = 2.0
     search_angle: Annotated[float, Param("The search turns this far at most.", "rad", 0.05, 3.14)] = 3.14
     lost_after: Annotated[
