@@ -6,7 +6,7 @@ import pytest
 from slam_core.config import TrackingConfig
 from slam_core.grid import GridLevel
 from slam_core.results import Fit, MatchResult, PlanarGaussian
-from slam_core.tracking import Tracker, disagreement
+from slam_core.tracking import Tracker, disagreement, is_vague
 from tests.worlds import fit, in_parts
 
 CONFIG = TrackingConfig(lost_after=3)
@@ -82,6 +82,13 @@ def test_little_known_map_proves_little_far_from_the_prediction() -> None:
     assert tracker.convinces(little, 3.0, CONFIG)
     assert "10 sigmas" in tracker.doubt(little, 10.0, CONFIG)
     assert not tracker.convinces(little, 10.0, CONFIG)
+
+
+@pytest.mark.parametrize(("degrees", "vague"), [(5.0, False), (5.7, False), (5.8, True), (40.0, True)])
+def test_a_prediction_is_vague_by_three_sigmas_of_its_heading(degrees: float, vague: bool) -> None:
+    """However well its place is known; 0.3 rad are the bound."""
+    prior = PlanarGaussian(np.zeros(3), np.diag([1.0, 1.0, np.radians(degrees) ** 2]))
+    assert is_vague(prior) == vague
 
 
 def test_disagreement_is_in_sigmas_of_both_and_across_the_seam_of_the_heading():
