@@ -277,7 +277,7 @@ class Engine:
         try:
             old = value_of(before.at(now_ns), name)
             after = before.changed(now_ns, name, value)
-            check_room(after.start.map)
+            check_room(after.at(now_ns).map)
             if self._given:
                 self._given.check(after.start.map)
         except SlamError as error:

@@ -6,7 +6,7 @@ import numpy as np
 from viser import Icon
 
 from app.panels import _workspace
-from app.panels._format import figure, fixed
+from app.panels._format import figure, fixed, number
 from app.panels._handles import put
 from app.snapshot import Snapshot
 from app.web.stage import Display, Stage
@@ -96,7 +96,7 @@ def legend_html(snapshot: Snapshot, display: Display) -> str:
     entries = (
         ("trajectory" not in display.hidden, f"{line('trajectory')}trajectory"),
         ("truth" not in display.hidden and len(snapshot.truth) > 0, f"{line('truth', 'hs-dashed')}truth"),
-        (bool(ellipses), f"ellipses of {display.ellipse_scale:.0f} σ"),
+        (bool(ellipses), f"ellipses of {number(display.ellipse_scale, 4)} σ"),
         ("position" not in display.hidden and result and result.navigation, f"{ring('position')}position"),
         (coloured, 'residual 0<i class="hs-ramp"></i>1'),
         (coloured, f'<span title="{UNEXPECTED}">{ring("unexpected")}unexpected</span>'),

@@ -16,7 +16,7 @@ Layout = Literal["stacked", "side", "one"]
 Points = Literal["residual", "height", "plain"]
 Camera = Literal["free", "follow", "top", "fit"]
 
-TOLD_S = 8.0
+TOLD_S = 8.0  # seconds that a notice stays
 GAP_RANGE = (0.05, 2.0)  # between stacked levels, times the depth of the map
 ELLIPSE_SCALE_RANGE = (1.0, 2000.0)  # times one sigma
 

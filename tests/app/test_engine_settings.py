@@ -91,6 +91,11 @@ def test_a_map_beyond_the_limit_is_refused_and_the_run_goes_on(drive: list[Item]
         refused = after(engine, Configure("map.size", 4096))
         assert "map.limit is 20 MB" in refused.log[-1].text
         assert (refused.epoch, refused.playback.state) == (0, "paused")
+        smaller = after(engine, Configure("map.size", 1024))
+        assert smaller.config.map.size == 1024
+        refused = after(engine, Configure("map.limit", 10.0))
+        assert "takes 14 MB, map.limit is 10 MB" in refused.log[-1].text
+        assert refused.config.map.limit == 20.0
 
 
 def test_a_bad_speed_is_refused(drive: list[Item]):
