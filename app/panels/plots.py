@@ -33,6 +33,7 @@ class PlotsPanel:
             gui.add_html('<i class="hs-mark hs-plots"></i>')
             self._page = gui.add_dropdown("Show", tuple(PAGES), initial_value="Covariance")
             self._window = gui.add_dropdown("Window", tuple(WINDOWS), initial_value="30 s")
+            self._nothing = gui.add_html(NOTHING)
             self._charts = {
                 page: [ChartPlot(stage.server, c, stage.theme) for c in charts] for page, charts in PAGES.items()
             }
@@ -51,9 +52,13 @@ class PlotsPanel:
             return
         self._drawn = state
         first = recent(snapshot.series, WINDOWS[window])
-        for name, charts in self._charts.items():
-            for chart in charts:
-                chart.draw(snapshot.series if name == page else None, first)
+        shown = [
+            chart.draw(snapshot.series if name == page else None, first)
+            for name, charts in self._charts.items()
+            for chart in charts
+        ]
+        if self._nothing.visible == any(shown):
+            self._nothing.visible = not any(shown)
 
 
 def recent(series: NDArray[np.void], window: float) -> int:
@@ -81,14 +86,15 @@ class ChartPlot:
             visible=False,
         )
 
-    def draw(self, series: NDArray[np.void] | None, first: int) -> None:
-        """Show the rows from `first` on; None hides the chart."""
+    def draw(self, series: NDArray[np.void] | None, first: int) -> bool:
+        """Show the rows from `first` on, if there is something in them, and say so; None hides the chart."""
         data = curves(self._chart, series, first) if series is not None else ()
         with self._server.atomic():
             if data:
                 self._handle.data = data  # type: ignore[assignment]  # the page takes float32: half the bytes
             if self._handle.visible != bool(data):
                 self._handle.visible = bool(data)
+        return bool(data)
 
     def wear(self, theme: Theme) -> None:
         """Take other colours, hidden until the next `draw`: a chart rebuilt in sight loses its time axis."""
@@ -125,6 +131,7 @@ def colour(name: str | int, theme: Theme) -> str:
     return css(theme.series[name % len(theme.series)] if isinstance(name, int) else getattr(theme, name))
 
 
+NOTHING = '<p class="hs-empty">This run has told nothing of it yet.</p>'
 AXES: tuple[Any, ...] = (
     {"size": 22, "font": "11px system-ui, sans-serif", "space": 60, "ticks": {"size": 3}},
     {"size": 44, "font": "11px system-ui, sans-serif", "space": 24, "ticks": {"size": 3}},

@@ -1,10 +1,14 @@
 """What the charts send to the browser."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from app.panels._curves import PAGES
-from app.panels.plots import curves
+from app.panels.plots import PlotsPanel, curves
 from app.snapshot import SERIES_DTYPE
+from app.web.stage import Stage
+from tests.page import room_snapshot
 
 
 def test_a_chart_begins_with_its_first_value():
@@ -17,3 +21,17 @@ def test_a_chart_begins_with_its_first_value():
     assert time[0] == 3.0
     assert len(time) == 47
     assert all(np.isfinite(value).all() for value in values)
+
+
+def test_a_page_without_a_curve_says_so(stage: Stage) -> None:
+    """As of biases where there is no filter; the note goes with the first curve."""
+    panel, full = PlotsPanel(stage), room_snapshot()
+    panel._page.value = "Biases"
+    panel.draw(full)
+    assert not panel._nothing.visible
+    series = full.series.copy()
+    for name in series.dtype.names or ():
+        if "bias" in name:
+            series[name] = np.nan
+    panel.draw(replace(full, sequence=full.sequence + 1, series=series))
+    assert panel._nothing.visible
