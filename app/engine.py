@@ -32,7 +32,7 @@ from app.snapshot import (
 )
 from app.sources import Source
 from app.transport import Transport, valid_speed
-from slam_core.config import needs_restart
+from slam_core.config import MapConfig, needs_restart
 from slam_core.errors import SlamError
 from slam_core.given import GivenMap
 from slam_core.measurements import LaserScan, Measurement
@@ -277,9 +277,8 @@ class Engine:
         try:
             old = value_of(before.at(now_ns), name)
             after = before.changed(now_ns, name, value)
-            check_room(after.at(now_ns).map)
-            if self._given:
-                self._given.check(after.start.map)
+            if name.startswith("map."):
+                self._check_map(after.at(now_ns).map)
         except SlamError as error:
             self._log(str(error), "warning", answer=True)
             return
@@ -292,6 +291,12 @@ class Engine:
         else:
             self._settings = self._pipeline.settings = after
         self._log(f"{name}: {old} → {new}")
+
+    def _check_map(self, config: MapConfig) -> None:
+        """Refuse what the next run could not begin with."""
+        check_room(config)
+        if self._given:
+            self._given.check(config)
 
     def _rebuild(self, settings: Settings) -> None:
         """The same instant with another map; a stream cannot go back, so its map begins anew."""

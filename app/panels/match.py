@@ -91,7 +91,7 @@ UNEXPECTED = "Beams that end where the map knows free space: something new, or s
 def legend_html(snapshot: Snapshot, display: Display) -> str:
     """What the lines and colours on the map mean, as far as they are there and not switched off."""
     result = snapshot.result
-    ellipses = {"prior", "match", "fused"} - display.hidden
+    ellipses = {key for _, key, _ in ROWS} - display.hidden
     coloured = "scan" not in display.hidden and display.points == "residual"
     entries = (
         ("trajectory" not in display.hidden, f"{line('trajectory')}trajectory"),

@@ -98,6 +98,16 @@ def test_a_map_beyond_the_limit_is_refused_and_the_run_goes_on(drive: list[Item]
         assert refused.config.map.limit == 20.0
 
 
+def test_a_limit_that_was_planned_is_in_the_way_of_no_other_setting(drive: list[Item]):
+    """A settings file may stop the map's growth on the way, below the size that the next run would begin with."""
+    planned = replace(START, start=with_value(START.start, "map.size", 1024))
+    planned = planned.changed(drive[0].stamp_ns, "map.limit", 5.0)
+    with running(MemoryRecording(drive), planned, autoplay=False, speed=math.inf) as engine:
+        until(engine, state("paused"))
+        after(engine, Seek(drive[0].stamp_ns + 10**9))
+        assert after(engine, Configure("fusion.omega", 0.9)).config.fusion.omega == 0.9
+
+
 def test_a_bad_speed_is_refused(drive: list[Item]):
     """Not a number, zero and negative speeds change nothing."""
     with running(MemoryRecording(drive), autoplay=False, speed=2.0) as engine:
