@@ -6,19 +6,20 @@ from itertools import chain
 
 import numpy as np
 
-from app.metrics import truth_errors
-from app.pipeline import Pipeline
-from app.settings import Settings
-from app.simulation import SceneOptions, Simulation
-from app.snapshot import SERIES_DTYPE
-from app.sources import Item, open_source
 from benchmarks import returning
 from benchmarks.cases import CELLS_ALONE, LOST_M, METHODS, Recording
 from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
+from hectorscope.inputs import Item
+from hectorscope.run.metrics import truth_errors
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.run.settings import Settings
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.sources import open_source
 from slam_core.config import SlamConfig, with_values
-from slam_core.evaluation import Trajectory, interpolate, rms
-from slam_core.given import GivenMap
+from slam_core.evaluation.trajectory import Trajectory, interpolate, rms
+from slam_core.localization.prior_map import GivenMap
 from slam_core.measurements import Float64s, Imu, Measurement
 from slam_core.results import StepResult
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import get_args
 
-from app.cli import Scene, demo_bag
-from app.simulation import SceneOptions
-from app.sources import SourceOptions
+from hectorscope.cli.main import Scene, demo_bag
+from hectorscope.inputs import SourceOptions
+from hectorscope.simulation import SceneOptions
 from slam_core.config import SlamConfig, with_value, with_values
 from tests.conftest import ROOT
 

@@ -18,21 +18,21 @@ from typing import get_args
 
 import numpy as np
 
-from app.simulation.motion import GRAVITY, Motion
-from app.warmup import warm_up
 from benchmarks import navigation
 from benchmarks.kernels import microseconds
 from benchmarks.tables import table
+from hectorscope.run.warmup import warm_up
+from hectorscope.simulation.motion import GRAVITY, Motion
 from slam_core import geometry
-from slam_core.aiding.chi_square import quantile
-from slam_core.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
 from slam_core.config import FusionConfig, FusionMethod, NavigationConfig, PlatformConfig, SlamConfig
 from slam_core.kernels.navigation import STATES
 from slam_core.measurements import Float64s, Imu
-from slam_core.navigation import NavigationFilter
+from slam_core.navigation.aiding.chi_square import quantile
+from slam_core.navigation.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
+from slam_core.navigation.filter import NavigationFilter
+from slam_core.navigation.imu_buffer import Samples
+from slam_core.navigation.strapdown import Strapdown
 from slam_core.results import NavigationState
-from slam_core.samples import Samples
-from slam_core.strapdown import Strapdown
 from tests.conftest import ROOT
 
 RATE, SECONDS, STILL, SETTLED = 200, 30.0, 1.0, 20.0

@@ -10,17 +10,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.pipeline import Pipeline
-from app.settings import Settings
-from app.simulation import SceneOptions, Simulation
-from app.simulation.beams import first_returns, laser_rays
-from app.simulation.scene import Scene
-from app.simulation.sensors import START_NS, UTM30LX
-from app.sources import Item
 from benchmarks.accuracy import Outcome, outcome, process, steps
 from benchmarks.cases import METHODS
+from hectorscope.inputs import Item
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.beams import first_returns, laser_rays
+from hectorscope.simulation.scene import Scene
+from hectorscope.simulation.sensors import START_NS, UTM30LX
 from slam_core.config import SlamConfig
-from slam_core.grid import GridLevel
+from slam_core.mapping.grid import GridLevel
 from slam_core.measurements import Float64s
 from slam_core.results import StepResult
 

@@ -6,14 +6,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from app.ros.repairs import STANDARD_GRAVITY
-from app.sources.bag import open_bag
 from benchmarks.cases import Recording
+from hectorscope.ros.repairs import STANDARD_GRAVITY
+from hectorscope.sources.bag import open_bag
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.evaluation import rms
+from slam_core.evaluation.trajectory import rms
 from slam_core.measurements import Attitude, Float64s, Imu
-from slam_core.navigation import NavigationFilter
+from slam_core.navigation.filter import NavigationFilter
 from slam_core.results import NavigationState
 
 QUIET = 0.05  # rad/s: nobody moves a device that turns slower than this

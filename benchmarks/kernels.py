@@ -17,20 +17,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from app.simulation import SceneOptions, Simulation
-from app.sources import Item, open_source
-from app.warmup import warm_up
 from benchmarks.cases import DEMOS, Recording, present
 from benchmarks.tables import table
+from hectorscope.inputs import Item
+from hectorscope.run.warmup import warm_up
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.sources import open_source
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.kernels.planar import transform_points
-from slam_core.matcher import coarse_to_fine, normal_equations
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.matcher import coarse_to_fine, normal_equations
 from slam_core.measurements import Height, Imu, Int64s, Measurement, TruthPose
-from slam_core.pyramid import Pyramid
 from slam_core.results import Durations, StepResult
-from slam_core.sequence import Sequencer
+from slam_core.scan.surfaces import Beams
+from slam_core.sequencer import Sequencer
 from slam_core.slam import HectorSlam
-from slam_core.surfaces import Beams
 
 REPEATS = 200
 TILES = 16

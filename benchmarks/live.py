@@ -17,15 +17,15 @@ from pathlib import Path
 
 import numpy as np
 
-from app.cli import demo_bag
-from app.feeder import Feeder
-from app.pipeline import Pipeline
-from app.runner import run_headless
-from app.settings import Settings
-from app.sources import Item, SourceOptions
-from app.sources.bag import BagSource, open_bag
-from app.sources.foxglove import FoxgloveSource
-from app.warmup import warm_up
+from hectorscope.cli.main import demo_bag
+from hectorscope.inputs import Item, SourceOptions
+from hectorscope.run.headless import run_headless
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.run.warmup import warm_up
+from hectorscope.session.feeder import Feeder
+from hectorscope.sources.bag import BagSource, open_bag
+from hectorscope.sources.foxglove import FoxgloveSource
 from slam_core.measurements import LaserScan
 
 SERVER = Path(__file__).parents[1] / "tests" / "live" / "replay_server.py"

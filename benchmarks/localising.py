@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.simulation import SceneOptions, Simulation
-from app.simulation.options import ScenarioName
 from benchmarks.accuracy import Outcome, outcome, process
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.options import ScenarioName
 from slam_core.config import SlamConfig
-from slam_core.given import GivenMap, saved_levels
+from slam_core.localization.prior_map import GivenMap, saved_levels
 
 OTHER = 100  # the seed of the second drive is that of the first and so much
 SCENES: dict[str, tuple[ScenarioName, SceneOptions]] = {

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from app.simulation import SceneOptions, Simulation
-from app.simulation.sensors import START_NS, heights, inertial
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.sensors import START_NS, heights, inertial
 from slam_core import geometry
 from slam_core.config import SlamConfig, leaves, with_value
 from slam_core.measurements import Float64s, Imu
-from slam_core.navigation import NavigationFilter
+from slam_core.navigation.filter import NavigationFilter
 
 SCENES = ("arena", "littoral", "handheld", "rooms")
 SCAN_NS = 25_000_000

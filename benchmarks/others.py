@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.metrics import PARTS
-from app.pipeline import Pipeline
-from app.snapshot import SERIES_DTYPE
-from app.sources import open_source
 from benchmarks.accuracy import process
 from benchmarks.cases import Recording
+from hectorscope.run.metrics import PARTS
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.sources import open_source
 from slam_core.config import SlamConfig
-from slam_core.evaluation import Trajectory, evaluate
+from slam_core.evaluation.trajectory import Trajectory, evaluate
 from slam_core.geometry import rotation_matrix
 from slam_core.measurements import Float64s, Imu, LaserScan
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.pipeline import Pipeline
-from app.simulation import SceneOptions, Simulation
-from app.simulation.sensors import START_NS
 from benchmarks.accuracy import process
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.sensors import START_NS
 from slam_core.config import SlamConfig, with_value
-from slam_core.evaluation import Trajectory, interpolate
+from slam_core.evaluation.trajectory import Trajectory, interpolate
 from slam_core.measurements import Float64s, LaserScan
 
 ALONE = with_value(with_value(SlamConfig(), "aiding.gps", False), "aiding.compass", False)

@@ -15,8 +15,8 @@ from typing import get_args
 
 from playwright.sync_api import Page, sync_playwright
 
-from app.cli import Scene
 from benchmarks.screenshots import FLAGS, SIZE
+from hectorscope.cli.main import Scene
 from tests.conftest import chromium_path
 
 PORT = 8719
@@ -39,7 +39,7 @@ def count_bytes(page: Page) -> list[int]:
 
 def measure(scene: Scene, seconds: float) -> tuple[float, float]:
     """Share of one core and KiB/s while the scene plays at 1x."""
-    command = [sys.executable, "-m", "app.cli", "demo", scene, "--port", str(PORT)]
+    command = [sys.executable, "-m", "hectorscope.cli.main", "demo", scene, "--port", str(PORT)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as playwright:
         try:
             assert server.stdout is not None

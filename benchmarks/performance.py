@@ -12,11 +12,6 @@ import re
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from typing import Any
 
-from app.metrics import metrics
-from app.runner import run_headless
-from app.settings import Settings
-from app.sources import open_source
-from app.warmup import warm_up
 from benchmarks import kernels, others, reading, start, tables, whole_map
 from benchmarks.accuracy import corridor, drive, replay, square
 from benchmarks.cases import (
@@ -41,6 +36,11 @@ from benchmarks.inertial import ride
 from benchmarks.localising import SCENES, localised
 from benchmarks.outage import OUTAGE_SEEDS, OUTAGES
 from benchmarks.strays import glass, struck
+from hectorscope.run.headless import run_headless
+from hectorscope.run.metrics import metrics
+from hectorscope.run.settings import Settings
+from hectorscope.run.warmup import warm_up
+from hectorscope.sources import open_source
 from tests.conftest import ROOT
 
 PROCESSES = 2

@@ -11,9 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from app.sources import SourceOptions, open_source
 from benchmarks import tables
 from benchmarks.cases import TIMED, Recording, present
+from hectorscope.inputs import SourceOptions
+from hectorscope.sources import open_source
 
 RUNS = 3
 

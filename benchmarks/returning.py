@@ -6,11 +6,10 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from app.pipeline import Pipeline
-from app.publisher import map_images
-from app.settings import Settings
-from app.snapshot import MapImage
-from app.sources import Item
+from hectorscope.inputs import Item
+from hectorscope.run.map_images import MapImage, map_images
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig
 from slam_core.geometry import transform_points
 from slam_core.measurements import Measurement
@@ -34,7 +33,7 @@ def process(items: Iterable[Item], config: SlamConfig) -> tuple[Pipeline, float 
             if result is not None:
                 last.append(result)
                 if early is None and pipeline.trajectory[-1, 0] - pipeline.trajectory[0, 0] >= FIRST_S:
-                    early = map_images(pipeline)[0]
+                    early = map_images(pipeline.slam.pyramid)[0]
 
     for item in items:
         step(pipeline.admit(item))

@@ -15,13 +15,15 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from app.cli import Scene, demo_bag
-from app.engine import Engine
-from app.snapshot import Seek, Snapshot
-from app.sources import SourceOptions, open_source
-from app.warmup import warm_up
-from app.web.server import PageServer
-from app.web.stage import Camera
+from hectorscope.cli.main import Scene, demo_bag
+from hectorscope.inputs import SourceOptions
+from hectorscope.page.scene import Camera
+from hectorscope.run.warmup import warm_up
+from hectorscope.session.commands import Seek
+from hectorscope.session.engine import Engine
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.sources import open_source
+from hectorscope.web.server import PageServer
 from tests.conftest import ROOT, chromium_path
 
 SIZE = {"width": 1280, "height": 800}

@@ -24,10 +24,10 @@ from typing import NamedTuple, get_args
 
 from playwright.sync_api import Browser, sync_playwright
 
-from app.cli import Scene, demo_bag
 from benchmarks import tables
 from benchmarks.page import cpu_seconds
 from benchmarks.screenshots import FLAGS, SIZE
+from hectorscope.cli.main import Scene, demo_bag
 from tests.conftest import chromium_path
 
 PORT = 8721
@@ -41,7 +41,7 @@ ROBOT = """(() => {
     return found;
 })()"""
 NEXT_FRAME = "new Promise(requestAnimationFrame)"
-COMPILE = "from app.warmup import warm_up; warm_up()"
+COMPILE = "from hectorscope.run.warmup import warm_up; warm_up()"
 MISSING = "raise ImportError('not in the environment that the README makes')"
 
 
@@ -64,7 +64,7 @@ def plainly() -> Iterator[dict[str, str]]:
 def shown(browser: Browser, scene: Scene) -> tuple[Took, Took]:
     """Until the page of a recording is served, and until the robot is drawn."""
     begin = time.monotonic()
-    command = [sys.executable, "-m", "app.cli", "demo", scene, "--port", str(PORT)]
+    command = [sys.executable, "-m", "hectorscope.cli.main", "demo", scene, "--port", str(PORT)]
     with (
         plainly() as environment,
         subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server,
@@ -99,7 +99,7 @@ def _serves(until: float) -> None:
 def run(scene: Scene) -> Took:
     """The whole command that processes a recording, from its start to its end."""
     with tempfile.TemporaryDirectory() as folder:
-        return _finished(["-m", "app.cli", "run", str(demo_bag(scene)), "--out", folder])
+        return _finished(["-m", "hectorscope.cli.main", "run", str(demo_bag(scene)), "--out", folder])
 
 
 def cold() -> Took:

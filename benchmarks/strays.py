@@ -12,15 +12,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from app.pipeline import Pipeline
-from app.settings import Settings
-from app.simulation import SceneOptions, Simulation
-from app.simulation.worlds import World
-from app.sources import Item
 from benchmarks.accuracy import Outcome, outcome, process, steps
 from benchmarks.cases import METHODS
+from hectorscope.inputs import Item
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.worlds import World
 from slam_core.config import SlamConfig
-from slam_core.grid import GridLevel
+from slam_core.mapping.grid import GridLevel
 from slam_core.measurements import LaserScan
 
 EVERY = 8  # scans between two looks at the panes

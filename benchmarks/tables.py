@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from statistics import median
 from typing import Any
 
-from app.metrics import PARTS
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import METHODS, Drive, Recording
 from benchmarks.ghosts import HallOutcome
@@ -13,6 +12,7 @@ from benchmarks.others import Judged
 from benchmarks.outage import Outage
 from benchmarks.strays import GlassOutcome
 from benchmarks.whole_map import Finding
+from hectorscope.run.metrics import PARTS
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.sources import Item
+from hectorscope.inputs import Item
 from slam_core import geometry
 from slam_core.measurements import Height, Imu, LaserScan, Transform, TruthPose
 

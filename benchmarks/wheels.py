@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from app.sources import Item
+from hectorscope.inputs import Item
 from slam_core import geometry
 from slam_core.measurements import Odometry, TruthPose
 

@@ -14,18 +14,18 @@ from functools import partial
 
 import numpy as np
 
-from app.simulation import SceneOptions, Simulation
-from app.simulation.options import ScenarioName
-from app.simulation.worlds import Surface, World, box, wall
-from app.warmup import warm_up
 from benchmarks.accuracy import process
+from hectorscope.run.warmup import warm_up
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.options import ScenarioName
+from hectorscope.simulation.worlds import Surface, World, box, wall
 from slam_core import geometry
 from slam_core.config import SlamConfig
+from slam_core.localization.global_search import locate
+from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, Int64s, LaserScan
-from slam_core.motion import PlanarMotion
-from slam_core.pyramid import Pyramid
-from slam_core.stabilise import StabilisedScan, stabilise
-from slam_core.whole_map import locate
+from slam_core.navigation.planar_motion import PlanarMotion
+from slam_core.scan.stabilise import StabilisedScan, stabilise
 
 STARTS = 100
 NEAR = (0.1, 0.05)  # metres, radians: a place that is right

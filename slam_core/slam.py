@@ -7,20 +7,20 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import ConfigError, SlamConfig, needs_restart
-from slam_core.drawn import DrawnMap
-from slam_core.ego_motion import EgoMotion
-from slam_core.faults import NO_ATTITUDE, NO_BEAM
-from slam_core.given import GivenMap
-from slam_core.lookout import Lookout
-from slam_core.matcher import coarse_to_fine
+from slam_core.localization.prior_map import GivenMap
+from slam_core.localization.relocalisation import Lookout
+from slam_core.localization.tracking import WELL, Tracker, Verdict, disagreement, far_off, is_vague, search_window
+from slam_core.mapping.drift import DrawnMap
+from slam_core.mapping.keyframes import Updates
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.correlative import find_pose
+from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import Float64s, LaserScan, Measurement
-from slam_core.pyramid import Pyramid
+from slam_core.navigation.ego_motion import EgoMotion
+from slam_core.navigation.monitor import NO_ATTITUDE, NO_BEAM
 from slam_core.results import NOWHERE, Durations, MatchResult, PlanarGaussian, StepResult
-from slam_core.resweep import refine
-from slam_core.search import find_pose
-from slam_core.stabilise import StabilisedScan, stabilise
-from slam_core.tracking import WELL, Tracker, Verdict, disagreement, far_off, is_vague, search_window
-from slam_core.updates import Updates
+from slam_core.scan.deskew import refine
+from slam_core.scan.stabilise import StabilisedScan, stabilise
 
 # Where the map begins is where the first scan was taken: this sure.
 FIRST = MatchResult(

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from app.sources import Source, SourceOptions, open_source
+from hectorscope.inputs import Source, SourceOptions
+from hectorscope.sources import open_source
 from tests.ros_messages import SECOND, Messages
 
 TENTH = SECOND // 10

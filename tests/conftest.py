@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from app.compiled import keep_compiled
-from app.interruption import ENDING
+from hectorscope.cli.interruption import ENDING
+from hectorscope.common.kernel_cache import keep_compiled
 
 ROOT = Path(__file__).resolve().parents[1]
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")

@@ -4,10 +4,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from app.engine import Engine
-from app.settings import Settings
-from app.snapshot import Command, Snapshot
-from app.sources import Item, Source
+from hectorscope.inputs import Item, Source
+from hectorscope.run.settings import Settings
+from hectorscope.session.commands import Command
+from hectorscope.session.engine import Engine
+from hectorscope.session.snapshot import Snapshot
 from slam_core.config import SlamConfig, with_value
 from slam_core.measurements import LaserScan
 

@@ -7,7 +7,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import NavigationConfig
 from slam_core.measurements import Transform
-from slam_core.navigation import NavigationFilter
+from slam_core.navigation.filter import NavigationFilter
 from slam_core.results import NavigationState
 from tests.motions import Ride, stamp, still
 

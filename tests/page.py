@@ -4,8 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.mailbox import Mailbox
-from app.snapshot import SERIES_DTYPE, Command, MapImage, PlaybackStatus, Snapshot
+from hectorscope.run.map_images import MapImage
+from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.session.commands import Command
+from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.snapshot import PlaybackStatus, Snapshot
 from slam_core.geometry import from_euler
 from slam_core.measurements import Transform
 from slam_core.results import AidingStatus, Durations, MatchResult, NavigationState, PlanarGaussian, StepResult

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from app.ros.recorder import Recorder
+from hectorscope.ros.recorder import Recorder
 
 SECOND = 1_000_000_000
 START = 1_700_000_000 * SECOND

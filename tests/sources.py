@@ -4,8 +4,7 @@ import queue
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from app.snapshot import SourceReport
-from app.sources import Item
+from hectorscope.inputs import Item, SourceReport
 
 
 class MemoryRecording:

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.grid import GridLevel
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
-from slam_core.kernels.search import count_hits
+from slam_core.kernels.correlative import count_hits
+from slam_core.mapping.grid import GridLevel
+from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import LaserScan, Transform
-from slam_core.pyramid import Pyramid
 from slam_core.results import Fit
 
 

@@ -7,7 +7,7 @@ loads fetch four cells.
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.memory import pair
+from slam_core.kernels.intrinsics import pair
 
 WHOLE = 65536.0  # the parts of a probability of 1, which is rounded to one part less
 UNKNOWN = np.uint16(32768)

@@ -158,7 +158,7 @@ def fuse_part(
     observed_only: bool,
     spared: Int64s,
 ) -> tuple[Float64s, Float64s]:
-    """Eqs. (18)-(20), or the Kalman update, on a part of P: see slam_core.intersection.intersect.
+    """Eqs. (18)-(20), or the Kalman update, on a part of P: see `covariance_intersection.intersect`.
 
     What is held counts as any other error.
     """

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.memory import lane
+from slam_core.kernels.intrinsics import lane
 
 get, _ = lane(0)
 _, put = lane(1)

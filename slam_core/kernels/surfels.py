@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.matching import TOGETHER, in_lattice, place, solve3, without
-from slam_core.kernels.memory import lane, pair
+from slam_core.kernels.gauss_newton import TOGETHER, in_lattice, place, solve3, without
+from slam_core.kernels.intrinsics import lane, pair
 from slam_core.kernels.surfaces import tangents
 
 get, _ = lane(0)

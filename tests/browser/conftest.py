@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from app.web.server import PageServer
+from hectorscope.web.server import PageServer
 from tests.page import StillEngine, room_snapshot
 
 FLAGS = (

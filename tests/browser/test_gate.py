@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from app.web.server import PageServer
+from hectorscope.web.server import PageServer
 from tests.browser.conftest import Open, Show
 from tests.page import StillEngine, room_snapshot
 

@@ -5,7 +5,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import expect
 
-from app.web.server import PageServer
+from hectorscope.web.server import PageServer
 from tests.browser.conftest import READY, Open, Show
 
 pytestmark = pytest.mark.browser

@@ -8,13 +8,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from app.engine import Engine
-from app.settings import Settings
-from app.simulation import SceneOptions, Simulation
-from app.snapshot import Configure, Seek, SetSpeed, Snapshot
-from app.sources import Item
-from app.warmup import warm_up
-from app.web.server import PageServer
+from hectorscope.inputs import Item
+from hectorscope.run.settings import Settings
+from hectorscope.run.warmup import warm_up
+from hectorscope.session.commands import Configure, Seek, SetSpeed
+from hectorscope.session.engine import Engine
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.web.server import PageServer
 from slam_core.config import SlamConfig, with_value
 from tests.browser.conftest import Open
 from tests.engines import until

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from app.web.stage import Layout
-from app.web.theme import DARK, LIGHT, Rgb, for_lines
+from hectorscope.page.scene import Layout
+from hectorscope.page.theme import DARK, LIGHT, Rgb, for_lines
 from tests.browser.conftest import Open, Show
 from tests.page import LEVELS, room_snapshot
 from tests.scene import PROJECT, is_near, look, names, node, pixel

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from app.sources import SourceOptions, open_source
-from app.sources.foxglove import FoxgloveSource
+from hectorscope.inputs import SourceOptions
+from hectorscope.sources import open_source
+from hectorscope.sources.foxglove import FoxgloveSource
 from slam_core.measurements import Imu, LaserScan
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from app.sources import SourceError
-from app.sources._foxglove_link import LARGEST_FRAME, Link
+from hectorscope.inputs import SourceError
+from hectorscope.sources._foxglove_link import LARGEST_FRAME, Link
 
 
 def closed_port() -> int:

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.feeder import Feeder
-from app.runner import run_headless
-from app.settings import Settings
-from app.simulation import SimulateOptions, simulate
-from app.sources import Item, Source, SourceOptions, open_source
+from hectorscope.inputs import Item, Source, SourceOptions
+from hectorscope.run.headless import run_headless
+from hectorscope.run.settings import Settings
+from hectorscope.session.feeder import Feeder
+from hectorscope.simulation import SimulateOptions, simulate
+from hectorscope.sources import open_source
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import running, state, until
 from tests.live.conftest import Replay

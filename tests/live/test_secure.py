@@ -8,8 +8,8 @@ from pathlib import Path
 import foxglove
 import pytest
 
-from app.sources import SourceError
-from app.sources._foxglove_link import Link
+from hectorscope.inputs import SourceError
+from hectorscope.sources._foxglove_link import Link
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from app.inspect import inspect_bag
-from app.sources import SourceError, SourceOptions, open_source
+from hectorscope.checks.inspect import inspect_bag
+from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.sources import open_source
 from tests.ros_messages import SECOND, Messages, write_bag
 
 

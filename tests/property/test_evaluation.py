@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slam_core import evaluation as ev
+from slam_core.evaluation import trajectory as ev
 
 coordinate = st.floats(-50, 50)
 motion = st.tuples(coordinate, coordinate, st.floats(-3.1, 3.1)).map(np.array)

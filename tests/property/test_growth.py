@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slam_core.config import MapConfig
-from slam_core.pyramid import Pyramid
+from slam_core.mapping.pyramid import Pyramid
 from tests.worlds import same_map
 
 REACH = 8.0  # metres that a beam goes at most

@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slam_core.config import FusionMethod
-from slam_core.intersection import intersect, intersect_information
 from slam_core.kernels.fusion import kalman
 from slam_core.kernels.linear import is_covariance, sandwich
+from slam_core.navigation.covariance_intersection import intersect, intersect_information
 
 omegas = st.floats(0.01, 0.99)
 seeds = st.integers(0, 10**6)

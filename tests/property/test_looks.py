@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slam_core.geometry import transform_points
-from slam_core.grid import GridLevel
 from slam_core.kernels.bilinear import UNKNOWN
-from slam_core.kernels.doubting import BIN, BINS, by_bearing
+from slam_core.kernels.dynamic_objects import BIN, BINS, by_bearing
+from slam_core.mapping.grid import GridLevel
 from slam_core.results import Fit
 from tests.worlds import fit
 

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slam_core.grid import GridLevel
-from slam_core.pyramid import log_odds
+from slam_core.mapping.grid import GridLevel
+from slam_core.mapping.pyramid import log_odds
 
 FREE, OCCUPIED = log_odds(0.4), log_odds(0.9)
 CELLS = 400

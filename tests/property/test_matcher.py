@@ -5,9 +5,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from slam_core.geometry import compose, inverse, transform_points
-from slam_core.grid import GridLevel
-from slam_core.matcher import hessian_covariance, normal_equations
-from slam_core.surfaces import Beams
+from slam_core.mapping.grid import GridLevel
+from slam_core.matching.matcher import hessian_covariance, normal_equations
+from slam_core.scan.surfaces import Beams
 from tests.worlds import smooth_level
 
 seeds = st.integers(0, 10_000)

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.saved_map import load_map, to_npz
+from hectorscope.maps.saved_map import load_map, to_npz
 from slam_core.config import MapConfig
-from slam_core.given import saved_levels
-from slam_core.pyramid import Pyramid
+from slam_core.localization.prior_map import saved_levels
+from slam_core.mapping.pyramid import Pyramid
 from tests.worlds import same_map
 
 

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.metrics import metrics
-from app.pipeline import Pipeline
-from app.runner import run_headless
-from app.settings import Settings
-from app.sources import SourceOptions, open_source
+from hectorscope.inputs import SourceOptions
+from hectorscope.run.headless import run_headless
+from hectorscope.run.metrics import metrics
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.sources import open_source
 from slam_core.config import SlamConfig, with_value
 
 pytestmark = pytest.mark.real

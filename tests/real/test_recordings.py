@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.devices import remedy
-from app.examiner import DeviceError, examined
-from app.inspect import inspect_bag
-from app.sources import Item, Source, SourceOptions, open_source
+from hectorscope.checks.findings import remedy
+from hectorscope.checks.inspect import inspect_bag
+from hectorscope.checks.sensor_check import DeviceError, examined
+from hectorscope.inputs import Item, Source, SourceOptions
+from hectorscope.sources import open_source
 from slam_core import geometry
 from slam_core.measurements import Attitude, LaserScan, Odometry, TruthPose
 

@@ -5,14 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.metrics import truth_errors
-from app.pipeline import Pipeline
-from app.runner import export, run_headless
-from app.saved_map import load_map
-from app.settings import Settings
-from app.sources import SourceOptions, open_source
+from hectorscope.exporters import export
+from hectorscope.inputs import SourceOptions
+from hectorscope.maps.saved_map import load_map
+from hectorscope.run.headless import run_headless
+from hectorscope.run.metrics import truth_errors
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.sources import open_source
 from slam_core.config import SlamConfig
-from slam_core.given import GivenMap
+from slam_core.localization.prior_map import GivenMap
 
 pytestmark = pytest.mark.real
 

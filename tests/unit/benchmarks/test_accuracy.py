@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.simulation import SceneOptions, Simulation
-from app.snapshot import MapImage
 from benchmarks.accuracy import along_and_across, corridor, drive, process, replay
 from benchmarks.cases import METHODS, Recording
 from benchmarks.returning import agreement
+from hectorscope.run.map_images import MapImage
+from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.measurements import LaserScan, Transform, TruthPose
 
 SHORT = SceneOptions(duration=5.0, scan_rate=10.0, beams=271)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from app.simulation import SceneOptions
 from benchmarks.kernels import Run, cells, measurements, memory, rates, run
+from hectorscope.simulation import SceneOptions
 from slam_core.config import MapConfig, SlamConfig
-from slam_core.pyramid import Pyramid
+from slam_core.mapping.pyramid import Pyramid
 from slam_core.slam import HectorSlam
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from app.simulation import SceneOptions, Simulation
 from benchmarks.others import INSTALLED, RANGES, evo_errors, flat_cloud, judge, kiss_icp
-from slam_core.evaluation import path_length, relative_errors
+from hectorscope.simulation import SceneOptions, Simulation
+from slam_core.evaluation.trajectory import path_length, relative_errors
 from slam_core.measurements import Float64s, LaserScan, Transform
 
 bench = pytest.mark.skipif(not INSTALLED, reason="the bench extra is not installed")

@@ -5,8 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from app.metrics import PARTS
-from app.simulation import SceneOptions
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
 from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
 from benchmarks.document import Accuracy, document, judged_anew, judgement, processor, side_by_side, timed_anew
@@ -17,6 +15,8 @@ from benchmarks.outage import Outage
 from benchmarks.performance import MARKS
 from benchmarks.strays import GlassOutcome, Struck
 from benchmarks.whole_map import Finding
+from hectorscope.run.metrics import PARTS
+from hectorscope.simulation import SceneOptions
 from slam_core.results import NavigationState
 from tests.conftest import ROOT
 

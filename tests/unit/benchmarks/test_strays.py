@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from app.simulation import SceneOptions
-from app.simulation.worlds import Surface, World, fence
 from benchmarks.cases import METHODS
 from benchmarks.strays import NEAREST, Panes, astray, glass
-from slam_core.grid import GridLevel
+from hectorscope.simulation import SceneOptions
+from hectorscope.simulation.worlds import Surface, World, fence
+from slam_core.mapping.grid import GridLevel
 from slam_core.measurements import Imu, LaserScan
 
 PANE = fence(np.array([(0.0, 0.0), (1.0, 0.0)]), -1.0, 1.0)

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from app.simulation import SceneOptions
 from benchmarks import tables
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
 from benchmarks.cases import Drive, Recording
 from benchmarks.ghosts import HallOutcome
 from benchmarks.others import KISS, OURS, Judged
 from benchmarks.strays import GlassOutcome
+from hectorscope.simulation import SceneOptions
 
 DRIVE = Drive("40 Hz", SceneOptions(), 0.02)
 

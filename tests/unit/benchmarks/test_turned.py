@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.simulation import SceneOptions, Simulation
 from benchmarks.accuracy import outcome, process
 from benchmarks.cases import DRIVE_SEEDS, METHODS
 from benchmarks.turned import angle_of, turned
+from hectorscope.simulation import SceneOptions, Simulation
 from slam_core import geometry
 from slam_core.measurements import Imu, LaserScan, Odometry, TruthPose
 

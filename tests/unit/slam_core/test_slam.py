@@ -8,7 +8,7 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import ConfigError, MapConfig, MatcherConfig, SlamConfig, with_value
-from slam_core.given import GivenMap, saved_levels
+from slam_core.localization.prior_map import GivenMap, saved_levels
 from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
 from tests.worlds import room_scan, same_map

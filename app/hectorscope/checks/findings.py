@@ -1,0 +1,142 @@
+"""Whether the sensors are what their messages promise, judged by the data, and which options repair it.
+
+The accelerometer's norm tells its unit, its direction which way up it sits. The turn about that direction, held
+against the turn that the scans show, tells the gyroscope's unit, the handedness of scan and IMU, and the delay.
+Nothing is said where the data cannot tell, and nothing that a person has stated is doubted.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from hectorscope.checks.contradictions import Agreement, Gravity
+from hectorscope.checks.sensor_statistics import Measures
+from hectorscope.inputs import SourceOptions
+from hectorscope.ros.repairs import ACCEL_UNITS, STANDARD_GRAVITY
+from slam_core import geometry
+from slam_core.navigation.initial_alignment import upright
+
+UNIT_BAND = 2.5  # a unit is recognised where it explains a value within this factor
+STEADY = 0.9  # gravity that comes from all sides is that of an IMU in somebody's hand
+LEANING = 0.5  # cosine: no robot drives about with a steeper lean than this
+LATE_S = 0.06
+EXPLAINED = 0.25  # a delay explains this share of a disagreement at least; swaying feigns smaller ones
+UNIT_NAMES = {"m/s2": "m/s²", "g": "g", "mg": "milli-g"}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One contradiction: the fact with its value, and the flags that repair it. grave: it spoils a run."""
+
+    fact: str
+    repair: str
+    grave: bool = True
+
+
+def findings(measures: Measures, options: SourceOptions) -> list[Finding]:
+    """What contradicts the messages; nothing about what `options` state."""
+    felt, turn = measures.gravity, measures.turn
+    return [
+        *(_accel_unit(felt) if felt and options.imu_accel_unit is None else ()),
+        *(_gyro_unit(measures) if options.imu_gyro_unit is None else ()),
+        *_axes(measures, options),
+        *(_delay(turn, options) if turn else ()),
+    ]
+
+
+def remedy(found: Sequence[Finding]) -> str:
+    """The flags that repair all of it."""
+    return " ".join(dict.fromkeys(finding.repair for finding in found))
+
+
+def _accel_unit(felt: Gravity) -> Iterator[Finding]:
+    fits = (name for name, unit in ACCEL_UNITS.items() if _near(felt.norm * unit, STANDARD_GRAVITY))
+    name = next(fits, None)
+    fact = f"the accelerometer shows gravity as {felt.norm:.4g}"
+    if name is None:
+        yield Finding(f"{fact}, which no unit explains (9.81 m/s², 1 g, 1000 milli-g)", "--imu-topic none")
+    elif name != "m/s2":
+        yield Finding(f"{fact}, so in {UNIT_NAMES[name]} and not in m/s²", f"--imu-accel-unit {name}")
+
+
+def _gyro_unit(measures: Measures) -> Iterator[Finding]:
+    for agreement, reference in ((measures.turn, "the scans show"), (measures.tilt, "gravity shows")):
+        if agreement and _near(agreement.ratio, math.degrees(1.0)):
+            fact = f"the gyroscope turns {agreement.ratio:.0f} times as far as {reference}, so in degrees a second"
+            yield Finding(fact, "--imu-gyro-unit deg/s")
+            return
+
+
+def _axes(measures: Measures, options: SourceOptions) -> Iterator[Finding]:
+    """Three that should agree: where gravity is, how the gyroscope turns, how the scans turn."""
+    sign = _sign(measures) if options.scan_mirrored is None and options.imu_inverted is None else None
+    if sign:
+        yield sign
+    if options.imu_rotation is None and (sign is None or sign.repair != "--imu-inverted accel"):
+        yield from _mounting(measures)
+
+
+def _sign(measures: Measures) -> Finding | None:
+    """Which of the three has the wrong sign, by whom the other two side with."""
+    turn, tilt, wheels = measures.turn, measures.tilt, measures.wheels
+    opposed = turn is not None and turn.correlation < 0.0
+    if tilt and tilt.correlation < 0.0:
+        fact = f"the gyroscope turns against the way gravity moves ({_score(tilt)})"
+        return Finding(fact, "--imu-inverted gyro")
+    if turn and opposed and measures.gravity and _hangs(measures.gravity):
+        fact = f"gravity points down while the gyroscope turns against the scans ({_score(turn)})"
+        return Finding(f"{fact}, so accelerations have the wrong sign", "--imu-inverted accel")
+    if turn and opposed:
+        fact = f"scans and gyroscope turn opposite ways ({_score(turn)})"
+        return Finding(f"{fact}, so the beams run the wrong way round", "--scan-mirrored true")
+    if wheels and wheels.correlation < 0.0:
+        fact = f"scans and odometry turn opposite ways ({_score(wheels)})"
+        return Finding(fact, "--odometry-topic none" if turn else "--scan-mirrored true")
+    return None
+
+
+def _mounting(measures: Measures) -> Iterator[Finding]:
+    """Sure only once the robot has turned: until then somebody may not have set it up yet."""
+    felt = measures.gravity
+    if felt is None or felt.steadiness < STEADY or felt.up[2] > LEANING:
+        return
+    roll, pitch, _ = geometry.to_euler(upright(felt.up))
+    toward = ", ".join(f"{part:.2f}" for part in felt.up)
+    how = "upside down" if _hangs(felt) else "on its side"
+    yield Finding(
+        f"up is ({toward}) in the axes of the base, so the IMU is mounted {how}",
+        f"--imu-rotation {_snapped(roll):.5g} {_snapped(pitch):.5g} 0",
+        grave=measures.turn is not None,
+    )
+
+
+def _delay(turn: Agreement, options: SourceOptions) -> Iterator[Finding]:
+    if abs(turn.lag) < LATE_S or turn.explained < EXPLAINED:
+        return
+    flag, name, known_s = (
+        ("--scan-delay", "the scans are", options.scan_delay)
+        if turn.lag > 0.0
+        else ("--imu-delay", "the inertial data is", options.imu_delay)
+    )
+    total_s = (known_s or 0.0) + abs(turn.lag)
+    yield Finding(f"{name} stamped {abs(turn.lag):.2f} s late", f"{flag} {total_s:.2f}", grave=False)
+
+
+def _hangs(felt: Gravity) -> bool:
+    return felt.steadiness >= STEADY and bool(felt.up[2] < -LEANING)
+
+
+def _near(value: float, expected: float) -> bool:
+    return expected / UNIT_BAND < value < expected * UNIT_BAND
+
+
+def _snapped(angle: float) -> float:
+    """Mounts are square mostly: what is within 15 degrees of a right angle is meant to be one."""
+    square = round(angle / (math.pi / 2)) * math.pi / 2
+    if abs(angle - square) > math.radians(15.0):
+        return angle
+    return math.pi if abs(square) == math.pi else square
+
+
+def _score(agreement: Agreement) -> str:
+    return f"correlation {agreement.correlation:.2f}"

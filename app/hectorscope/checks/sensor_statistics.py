@@ -1,0 +1,128 @@
+"""What a source's data shows of its devices: gravity, and the turns that its sensors felt at the same time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hectorscope.checks.contradictions import Agreement, Gravity, compare_tilts, compare_turns, gravity, yaw_rates
+from hectorscope.inputs import Item
+from hectorscope.run.warmup import warm_up
+from slam_core.config import SlamConfig
+from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry
+from slam_core.slam import HectorSlam
+
+LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
+SCAN_PERIOD_NS = 80_000_000  # more scans a second tell no more about turns
+FEWEST_SAMPLES = 20
+FEWEST_SPANS = 12
+SURE = 0.7  # correlation
+TURNED = 0.005  # rad in a span of turning: less is a robot that drives straight on
+TILTED = 0.03  # rad in a span of tilting, likewise
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """What could be measured; None where the data cannot tell.
+
+    turn: the gyroscope's turn about the vertical, against that of the scans. wheels: the odometry's, likewise.
+    tilt: the gyroscope against the way gravity moves through the IMU.
+    """
+
+    gravity: Gravity | None = None
+    turn: Agreement | None = None
+    wheels: Agreement | None = None
+    tilt: Agreement | None = None
+
+
+class Evidence:
+    """Takes the items of a source as they come."""
+
+    def __init__(self) -> None:
+        self._begin_ns: int | None = None
+        self._imu: list[tuple[float, ...]] = []
+        self._wheels: list[tuple[float, ...]] = []
+        self._scans: list[LaserScan] = []
+        self._slam: HectorSlam | None = None
+        self._headings: list[tuple[float, float]] = []
+
+    def take(self, item: Item) -> float:
+        """Remember what matters; seconds since the first item."""
+        if self._begin_ns is None:
+            self._begin_ns = item.stamp_ns
+        time = self._seconds(item.stamp_ns)
+        if abs(time) > LONGEST_S:
+            return time
+        if isinstance(item, Imu):
+            _keep(self._imu, time, *item.angular_velocity, *item.linear_acceleration)
+        elif isinstance(item, Odometry):
+            _keep(self._wheels, time, item.yaw_rate)
+        elif isinstance(item, LaserScan):
+            self._add_scan(item)
+        return time
+
+    def _add_scan(self, scan: LaserScan) -> None:
+        if not self._scans or scan.stamp_ns - self._scans[-1].stamp_ns >= SCAN_PERIOD_NS:
+            self._scans.append(scan)
+
+    @property
+    def comparable(self) -> bool:
+        """Whether anything but the scans tells of turns."""
+        return bool(self._imu or self._wheels)
+
+    def at_rest(self) -> Measures:
+        """What can be told before anything turns, and without matching a scan."""
+        forces = np.array(self._imu)[:, 4:7] if len(self._imu) >= FEWEST_SAMPLES else None
+        return Measures() if forces is None else Measures(gravity=gravity(forces))
+
+    def measures(self) -> Measures:
+        """All that can be told so far. Scans are matched as they are, without the sensors that are in doubt."""
+        headings = self._turns_of_scans()
+        imu, wheels = np.array(self._imu), np.array(self._wheels)
+        if len(imu) < FEWEST_SAMPLES:
+            return Measures(wheels=_sure(_turns(headings, wheels), TURNED))
+        times, rates, forces = imu[:, 0], imu[:, 1:4], imu[:, 4:7]
+        felt = np.column_stack([times, yaw_rates(times, rates, forces)])
+        return Measures(
+            gravity=gravity(forces),
+            turn=_sure(_turns(headings, felt), TURNED),
+            wheels=_sure(_turns(headings, wheels), TURNED),
+            tilt=_sure(compare_tilts(times, rates, forces), TILTED),
+        )
+
+    def _turns_of_scans(self) -> Float64s:
+        """(n, 2) seconds and heading, unwrapped; NaN where the pose was lost."""
+        if self.comparable and len(self._scans) > len(self._headings):
+            if self._slam is None:
+                warm_up()
+                self._slam = HectorSlam(SlamConfig())
+            for scan in self._scans[len(self._headings) :]:
+                result = self._slam.step(scan)
+                found = result is not None and result.tracking == "tracking"
+                heading = float(result.planar[2]) if result is not None and found else np.nan
+                self._headings.append((self._seconds(scan.mid_ns), heading))
+        headings = np.array(self._headings).reshape(-1, 2)
+        known = np.isfinite(headings[:, 1])
+        headings[known, 1] = np.unwrap(headings[known, 1])
+        return headings
+
+    def _seconds(self, stamp_ns: int) -> float:
+        return (stamp_ns - (self._begin_ns or 0)) * 1e-9
+
+
+def _keep(samples: list[tuple[float, ...]], time: float, *values: float) -> None:
+    """Of what a damaged message holds nothing: one such value would be all that is left of a mean."""
+    if all(abs(value) < PLAUSIBLE for value in values):
+        samples.append((time, *values))
+
+
+def _turns(headings: Float64s, rates: Float64s) -> Agreement | None:
+    if len(headings) < FEWEST_SAMPLES or len(rates) < FEWEST_SAMPLES:
+        return None
+    return compare_turns(headings[:, 0], headings[:, 1], rates[:, 0], rates[:, 1])
+
+
+def _sure(agreement: Agreement | None, moved: float) -> Agreement | None:
+    """The agreement if there was motion enough to believe it."""
+    if agreement is None or agreement.spans < FEWEST_SPANS or agreement.moved < moved:
+        return None
+    return agreement if abs(agreement.correlation) >= SURE else None

@@ -1,0 +1,212 @@
+"""The command line: hectorscope demo, view, live, run, inspect, simulate."""
+
+import gc
+import os
+import sys
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from hectorscope.cli.interruption import delivered_later, ended_by_interruption, undisturbed
+from hectorscope.cli.options import (
+    MapArgs,
+    MapFlags,
+    PageArgs,
+    PageFlags,
+    SettingArgs,
+    SettingFlags,
+    SourceArgs,
+    source_options,
+)
+from hectorscope.common.kernel_cache import keep_compiled, user_cache
+from hectorscope.common.resources import resource_folder
+from hectorscope.common.terminal import printable
+from hectorscope.inputs import Source, SourceOptions
+from hectorscope.sources import open_source
+from slam_core.errors import SlamError
+
+# What takes long to import (viser, numba, rosbags) is imported by the command that needs it: help comes at once.
+
+Scene = Literal["arena", "littoral", "handheld"]
+Bag = Annotated[
+    Path,
+    tyro.conf.Positional,
+    tyro.conf.arg(help="A .bag, .mcap, .db3, a rosbag2 folder, or a CARMEN or tinySLAM log."),
+]
+
+MISTAKE = 2
+INTERRUPTED = 130
+
+
+class DemoError(SlamError):
+    """The recordings that come with the program are not there."""
+
+
+def demo(
+    scene: Annotated[Scene, tyro.conf.Positional, tyro.conf.arg(help="Which of the paper's scenarios.")] = "arena",
+    *,
+    settings: SettingArgs,
+    saved: MapArgs,
+    page: PageArgs,
+) -> None:
+    """Show one of the simulated recordings that come with the program."""
+    _show(open_source(str(demo_bag(scene)), SourceOptions()), settings, saved, page)
+
+
+def view(bag: Bag, *, settings: SettingArgs, saved: MapArgs, source: SourceArgs, page: PageArgs) -> None:
+    """Show a recording in the browser."""
+    _show(_examined(str(bag), source), settings, saved, page)
+
+
+def live(
+    address: Annotated[
+        str, tyro.conf.Positional, tyro.conf.arg(metavar="ws://HOST:PORT", help="A Foxglove bridge.")
+    ],
+    *,
+    settings: SettingArgs,
+    saved: MapArgs,
+    source: SourceArgs,
+    page: PageArgs,
+) -> None:
+    """Show the stream of a running robot in the browser."""
+    _show(_examined(address, source), settings, saved, page)
+
+
+def run(
+    bag: Bag,
+    *,
+    out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
+    settings: SettingArgs,
+    saved: MapArgs,
+    source: SourceArgs,
+) -> None:
+    """Process a recording as fast as it goes; leave trajectory, map, settings and figures."""
+    from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
+    from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
+
+    chosen = settings.settings()
+    given = saved.given(chosen)
+    recording = _examined(str(bag), source)
+    _get_ready()
+    with show_progress(recording) as progress:
+        figures = run_to_files(recording, chosen, out, truth=source.truth_topic, progress=progress, given=given)
+    summary(recording.name, figures, out)
+
+
+def inspect(bag: Bag, *, source: SourceArgs) -> None:
+    """Say what a recording holds and what would be used for what."""
+    from hectorscope.checks.inspect import inspect_bag  # noqa: PLC0415
+
+    print(inspect_bag(bag, source_options(source)))
+
+
+def _examined(uri: str, flags: Any) -> Source:
+    """The source behind a path or address; SlamError if it cannot be used, or contradicts its own messages."""
+    from hectorscope.checks.sensor_check import examined  # noqa: PLC0415
+
+    options = source_options(flags)
+    return examined(open_source(uri, options), options)
+
+
+def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
+    from hectorscope.exporters import prepare  # noqa: PLC0415
+    from hectorscope.session.engine import Engine  # noqa: PLC0415
+    from hectorscope.web.server import serve  # noqa: PLC0415
+
+    chosen = settings.settings()
+    if page.out is not None:
+        prepare(page.out)
+    engine = Engine(source, chosen, saved.given(chosen), prepare=_get_ready, out=page.out)
+    try:
+        serve(engine, engine.start, host=page.host, port=page.port, token=page.token)
+    except KeyboardInterrupt:  # once more, while the page was being closed
+        pass
+    finally:
+        with undisturbed():
+            engine.stop()
+            told = engine.save() if engine.started and page.out is not None else ""
+    if told:
+        print(printable(told))
+    sys.exit(INTERRUPTED)  # nothing else ends the serving
+
+
+def _get_ready(tell: Callable[[str], None] = lambda _: None) -> None:
+    """Load or compile the kernels."""
+    from hectorscope.run.warmup import warm_up  # noqa: PLC0415
+
+    warm_up(tell)
+    gc.enable()
+
+
+def demo_bag(scene: Scene) -> Path:
+    """The recording of a scene, in a checkout or in an installed package; DemoError if it is in neither."""
+    folder = resource_folder("demo_bags")
+    for name in (f"{scene}.bag", f"{scene}.mcap", scene):
+        if (folder / name).exists():
+            return folder / name
+    raise DemoError(f"the recording of {scene!r} is missing: make one by `hectorscope simulate --help`")
+
+
+def _simulate_command(wanted: bool) -> Callable[..., None]:
+    """The simulator's command; its options are only known after a slow import, done when it is `wanted`."""
+
+    def described() -> None:
+        """Make a recording of a simulated robot, with its truth."""
+
+    if not wanted:
+        return described
+    from hectorscope.cli.report import show_simulation  # noqa: PLC0415
+    from hectorscope.simulation import SimulateOptions  # noqa: PLC0415
+
+    def simulate(options: Any) -> None:
+        show_simulation(options)
+
+    simulate.__doc__ = described.__doc__
+    simulate.__annotations__["options"] = Annotated[SimulateOptions, tyro.conf.arg(name="")]
+    return simulate
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; the exit code. Mistakes are one line on stderr and 2, an interruption is 130."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if list(arguments) == ["--version"]:
+        print(f"hectorscope {version('hectorscope')}")
+        return 0
+    keep_compiled(user_cache())
+    gc.disable()  # while the libraries come: it would go through all of them again and again
+    commands: dict[str, Callable[..., Any]] = {
+        "demo": demo,
+        "view": view,
+        "live": live,
+        "run": run,
+        "inspect": inspect,
+        "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
+    }
+    try:
+        with ended_by_interruption(), delivered_later():
+            tyro.extras.subcommand_cli_from_dict(
+                commands,
+                prog="hectorscope",
+                description="Watch a SLAM system think: Hector SLAM on a bag or a live stream."
+                " Alone, --version says which this is.",
+                args=arguments,
+                config=(tyro.conf.DisallowNone,),
+            )
+    except SlamError as error:
+        print(f"hectorscope: {printable(' '.join(str(error).split()))}", file=sys.stderr)
+        return MISTAKE
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    finally:
+        gc.enable()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,199 @@
+"""The command line's flags: every setting from its tree, the topics, the page's address."""
+
+from dataclasses import asdict, dataclass, field, fields, make_dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+import tyro
+
+from hectorscope.inputs import SourceOptions
+from hectorscope.run.settings import Mode, Settings
+from hectorscope.run.settings_file import read_toml
+from slam_core.config import Leaf, SlamConfig, leaves, with_values
+from slam_core.errors import SlamError
+from slam_core.measurements import Float64s
+
+if TYPE_CHECKING:
+    from slam_core.localization.prior_map import GivenMap  # takes long: loads the compiler
+
+
+class _Words(NamedTuple):
+    """What --help says of a flag about the source; default: what holds without it."""
+
+    help: str
+    default: str = "found by type"
+    metavar: str = "TOPIC"
+
+
+_BY_NAME = "found by type and name"
+_SOURCE = {
+    "scan_topic": _Words("Topic of the laser scans."),
+    "imu_topic": _Words("Topic of the inertial data; none leaves it out, as with every topic."),
+    "attitude_topic": _Words(
+        "Topic of an attitude that somebody else estimated (tf:PARENT>CHILD for tf).",
+        "none; without inertial data by tf, if the base leans there",
+    ),
+    "odometry_topic": _Words("Topic of the wheel odometry."),
+    "height_topic": _Words("Topic of the height or the air pressure.", "found by type, a point by its name too"),
+    "ground_topic": _Words("Topic of the distance to the ground.", _BY_NAME),
+    "magnetic_topic": _Words("Topic of the magnetic field."),
+    "gps_topic": _Words("Topic of the satellite fixes."),
+    "gps_velocity_topic": _Words("Topic of the velocity by satellites.", _BY_NAME),
+    "truth_topic": _Words(
+        "Topic of the true poses (tf:PARENT>CHILD for tf): shown and scored, never used.", _BY_NAME
+    ),
+    "base_frame": _Words("Frame of the robot's base.", "by tf and the messages", "FRAME"),
+    "laser_pose": _Words(
+        "The laser in the base, metres and radians; overrides tf.",
+        "by tf, else at the base",
+        "X Y Z ROLL PITCH YAW",
+    ),
+    "imu_accel_unit": _Words("Unit of the accelerations.", "m/s2", "{m/s2,g,mg}"),
+    "imu_gyro_unit": _Words("Unit of the angular rates.", "rad/s", "{rad/s,deg/s}"),
+    "imu_inverted": _Words("Which of its vectors the IMU gives with the wrong sign.", "neither", "{accel,gyro}"),
+    "imu_rotation": _Words("How the IMU is turned in the base, radians; on top of tf.", "0 0 0", "ROLL PITCH YAW"),
+    "imu_delay": _Words("How late the stamps of the inertial data are, seconds.", "0", "SECONDS"),
+    "scan_mirrored": _Words(
+        "Whether the beams run the other way round than the scan says.", "false", "{true,false}"
+    ),
+    "scan_delay": _Words("How late the stamps of the scans are, seconds.", "0", "SECONDS"),
+}
+_SWITCH: dict[Any, bool] = {"true": True, "false": False}
+
+
+def _optional(help_text: str, default: str = "none") -> Any:
+    """A flag that may be left out, with words for what holds then."""
+    return tyro.conf.arg(help=help_text, help_behavior_hint=f"(default: {default})")
+
+
+def _flag(leaf: Leaf) -> Any:
+    kind: Any = Literal["true", "false"] if leaf.type is bool else leaf.type
+    default = str(leaf.value).lower() if leaf.type is bool else leaf.value
+    param = leaf.param
+    limits = "" if param.low is None else f"{param.low:g} to {param.high:g} {param.unit}".rstrip()
+    words = ", ".join(leaf.choices or (("true", "false") if leaf.type is bool else ()))
+    return Annotated[
+        kind | None,
+        tyro.conf.arg(
+            help=param.help,
+            metavar="{" + words.replace(" ", "") + "}" if words else kind.__name__.upper(),
+            help_behavior_hint=f"({'; '.join(filter(None, (f'default: {default}', limits)))})",
+        ),
+    ]
+
+
+@dataclass
+class SettingFlags:
+    """What was given on the command line; a group for every group of the settings is added below."""
+
+    config: Annotated[Path | None, _optional("Settings file (TOML); flags win over it.")] = None
+
+    def settings(self) -> Settings:
+        """The file's settings with the flags on top; SlamError for a bad file or value."""
+        settings = read_toml(self.config) if self.config else Settings()
+        given = {
+            f"{group}.{key}": _SWITCH.get(value, value)
+            for group, flags in asdict(self).items()
+            if isinstance(flags, dict)
+            for key, value in flags.items()
+            if value is not None
+        }
+        return Settings(with_values(settings.start, given), settings.changes)
+
+
+def _setting_flags() -> type[SettingFlags]:
+    groups: list[Any] = []
+    for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
+        flags = [(leaf.name.split(".")[1], _flag(leaf), None) for leaf in members]
+        group = make_dataclass(f"{name.title()}Flags", flags, namespace={"__doc__": None})
+        groups.append((name, group, field(default_factory=group)))
+    return make_dataclass("AllSettingFlags", groups, bases=(SettingFlags,))
+
+
+def _source_flags() -> type[Any]:
+    flags: list[Any] = []
+    for option in fields(SourceOptions):
+        kind: Any = Literal["true", "false"] | None if option.type == bool | None else option.type
+        words = _SOURCE[option.name]
+        hint = tyro.conf.arg(
+            help=words.help,
+            metavar=words.metavar,
+            aliases=["--truth"] if option.name == "truth_topic" else [],
+            help_behavior_hint=f"(default: {words.default})",
+        )
+        flags.append((option.name, Annotated[kind, hint], None))
+    return make_dataclass("SourceFlags", flags)
+
+
+@dataclass
+class PageFlags:
+    """Where the page is served, and what it leaves."""
+
+    host: Annotated[str, tyro.conf.arg(help="Address to serve; others than this machine need a token.")] = (
+        "127.0.0.1"
+    )
+    port: Annotated[int, tyro.conf.arg(help="Port to serve.")] = 8080
+    token: Annotated[str | None, _optional("Secret that a browser must bring.")] = None
+    out: Annotated[
+        Path | None,
+        _optional("Folder for the results of `run`: saved by a button of the page, and at the end."),
+    ] = None
+
+
+class StartError(SlamError):
+    """The flags about a saved map contradict each other."""
+
+
+@dataclass
+class MapFlags:
+    """A map that was there before."""
+
+    map: Annotated[
+        Path | None,
+        _optional("Saved map to begin with: a folder that --out left, its map.npz, or a map's yaml file."),
+    ] = None
+    mode: Annotated[
+        Mode | None,
+        _optional("Make a new map, localise in the saved one, or continue it.", "localise with --map, else map"),
+    ] = None
+    start: Annotated[
+        Literal["origin", "search"] | tuple[float, float, float],
+        tyro.conf.arg(
+            help="Where the robot is in the saved map: at its origin, anywhere, or at X Y YAW (m, rad).",
+            metavar="{origin,search}|X Y YAW",
+        ),
+    ] = "search"
+
+    def given(self, settings: Settings) -> "GivenMap | None":
+        """The saved map, if there is one; SlamError if it cannot be used, or the flags contradict each other."""
+        if self.map is None and self.mode in {None, "map"}:
+            return None
+        if self.map is None:
+            raise StartError(f"--mode {self.mode} needs a saved map: give --map DIR")
+        if self.mode == "map":
+            raise StartError(f"--mode map makes a new map, {self.map} is a saved one: choose localise or continue")
+        from hectorscope.maps.saved_map import load_map  # noqa: PLC0415
+
+        return load_map(self.map, settings.start.map, write=self.mode == "continue", start=self._start())
+
+    def _start(self) -> Float64s | None:
+        if self.start == "search":
+            return None
+        start = np.zeros(3) if isinstance(self.start, str) else np.array(self.start)
+        if not np.isfinite(start).all():
+            raise StartError(f"--start {self.start} is no pose: give X Y YAW in metres and radians")
+        return start
+
+
+SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor=_setting_flags())]
+SourceArgs = Annotated[Any, tyro.conf.arg(name="", constructor=_source_flags())]
+MapArgs = Annotated[MapFlags, tyro.conf.arg(name="")]
+PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
+
+
+def source_options(flags: Any) -> SourceOptions:
+    """The flags of `SourceArgs` as the sources take them."""
+    given = asdict(flags)
+    return SourceOptions(**{**given, "scan_mirrored": _SWITCH.get(given["scan_mirrored"])})

@@ -1,0 +1,1 @@
+"""What every part of the application may use: folders, registries, text, compiled code."""

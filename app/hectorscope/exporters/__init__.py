@@ -1,0 +1,120 @@
+"""Files that a run leaves, at its end or on the way. One file a format; each has `EXPORTER`, an `Exporter`."""
+
+import sys
+import tempfile
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hectorscope.common.registry import members
+from hectorscope.inputs import Source, SourceError, SourceReport
+from hectorscope.run.headless import Progress, run_headless
+from hectorscope.run.map_images import map_images
+from hectorscope.run.metrics import metrics
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.results import Run
+from hectorscope.run.settings import Settings
+from slam_core.errors import SlamError
+from slam_core.localization.prior_map import GivenMap, saved_levels
+
+# Bytes that must find room before the work is begun: about what the files of a very short run take.
+PROBE = 2**16
+
+
+@dataclass(frozen=True, slots=True)
+class Exporter:
+    """`write(run, folder)` leaves its files in `folder` (under a temporary name, then renamed).
+
+    `order` sorts the exporters: on a disk that fills up, what comes first is there.
+    """
+
+    files: tuple[str, ...]
+    write: Callable[[Run, Path], None]
+    order: int = 50
+
+
+def exporters() -> list[Exporter]:
+    """Every exporter of this folder, in order."""
+    return sorted(members(sys.modules[__name__], "EXPORTER"), key=lambda exporter: exporter.order)
+
+
+class OutputError(SlamError):
+    """The folder for the results cannot be used."""
+
+
+def prepare(folder: Path) -> None:
+    """Make the folder for the results, and try it, before the work is done; OutputError if it is of no use."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be made ({error.strerror}): give another --out") from error
+    try:
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".probe.") as probe:
+            probe.write(bytes(PROBE))
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written to ({error.strerror}): give another --out") from error
+    for name in _names():
+        if (folder / name).is_dir():
+            raise OutputError(
+                f"{folder / name} is a folder where a file is to be: remove it or give another --out"
+            )
+
+
+def _names() -> list[str]:
+    return [name for exporter in exporters() for name in exporter.files]
+
+
+def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
+    """Write every format, whatever becomes of the others; the files written. OutputError tells what is missing."""
+    run = Run(
+        pipeline.start_ns or 0,
+        pipeline.trajectory,
+        map_images(pipeline.slam.pyramid),
+        pipeline.settings,
+        figures,
+        saved_levels(pipeline.slam.pyramid),
+        pipeline.navigation,
+    )
+    missing: defaultdict[str, list[str]] = defaultdict(list)
+    for exporter in exporters():
+        try:
+            exporter.write(run, folder)
+        except OSError as error:
+            missing[error.strerror or str(error)] += exporter.files
+        except Exception as error:  # what one format chokes on must not cost the others
+            missing[f"{type(error).__name__}: {error}"] += exporter.files
+    if missing:
+        reasons = "; ".join(f"{reason}: {', '.join(files)}" for reason, files in missing.items())
+        raise OutputError(f"{folder} cannot be written to ({reasons}): give another --out")
+    return [folder / name for name in _names() if (folder / name).exists()]
+
+
+def save(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> str:
+    """Write every format of a run that need not be at its end, and say so; OutputError if that cannot be."""
+    if folder is None:
+        raise OutputError("there is no folder to save to: start the program with --out DIR")
+    if not pipeline.scans:
+        raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
+    files = export(pipeline, metrics(pipeline, report), folder)
+    return f"Saved {', '.join(file.name for file in files)} in {folder}"
+
+
+def run(
+    source: Source,
+    settings: Settings,
+    folder: Path,
+    *,
+    truth: str | None,
+    progress: Progress,
+    given: GivenMap | None = None,
+) -> dict[str, Any]:
+    """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
+    prepare(folder)
+    pipeline, effort = run_headless(source, settings, progress, given)
+    figures = metrics(pipeline, source.report, effort)
+    if truth is not None and figures["truth"] is None:
+        raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
+    export(pipeline, figures, folder)
+    return figures

@@ -1,0 +1,15 @@
+"""config.toml: every setting of the run, to be given to --config again."""
+
+from pathlib import Path
+
+from hectorscope.exporters import Exporter
+from hectorscope.exporters._files import write_whole
+from hectorscope.run.results import Run
+from hectorscope.run.settings_file import to_toml
+
+
+def _write(run: Run, folder: Path) -> None:
+    write_whole(folder / "config.toml", to_toml(run.settings).encode())
+
+
+EXPORTER = Exporter(("config.toml",), _write)

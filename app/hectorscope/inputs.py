@@ -1,0 +1,88 @@
+"""The words that sources and the readers of messages share: items, options, counters, errors."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal, Protocol
+
+from slam_core.errors import SlamError
+from slam_core.measurements import Measurement, TruthPose
+
+Item = Measurement | TruthPose
+
+
+class SourceError(SlamError):
+    """The input cannot be used: the message names it and the remedy."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceOptions:
+    """What a person may override; None lets the source find it by message type, or believe the message.
+
+    Of what is stated here nothing is doubted any more (see hectorscope.checks.findings).
+    """
+
+    scan_topic: str | None = None
+    imu_topic: str | None = None
+    attitude_topic: str | None = None
+    odometry_topic: str | None = None
+    height_topic: str | None = None
+    ground_topic: str | None = None
+    magnetic_topic: str | None = None
+    gps_topic: str | None = None
+    gps_velocity_topic: str | None = None
+    truth_topic: str | None = None
+    base_frame: str | None = None
+    laser_pose: tuple[float, float, float, float, float, float] | None = None  # x y z [m] roll pitch yaw [rad]
+    imu_accel_unit: Literal["m/s2", "g", "mg"] | None = None
+    imu_gyro_unit: Literal["rad/s", "deg/s"] | None = None
+    imu_inverted: Literal["accel", "gyro"] | None = None
+    imu_rotation: tuple[float, float, float] | None = None  # roll pitch yaw [rad] of the device, on top of tf
+    imu_delay: float | None = None  # s by which its stamps are late
+    scan_mirrored: bool | None = None
+    scan_delay: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SourceReport:
+    """Counters of a source: nothing is lost in silence.
+
+    skipped: reason (with the topic's name and the remedy) -> how often. dropped: scans given up to keep up with a
+    live stream. waiting: why nothing flows at this moment, and the remedy; empty while all is well.
+    notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file). warnings: sentences
+    on what is wrong, with the remedies.
+    """
+
+    read: Mapping[str, int] = field(default_factory=dict)
+    skipped: Mapping[str, int] = field(default_factory=dict)
+    dropped: int = 0
+    waiting: str = ""
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+class Source(Protocol):
+    """An open input."""
+
+    name: str
+    live: bool
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """First and last time of a recording; None for a stream."""
+
+    @property
+    def report(self) -> SourceReport:
+        """Counters so far, of the latest call of `items`."""
+
+    def items(self) -> Iterator[Item]:
+        """Every measurement in order of arrival, from the beginning; a stream never ends by itself."""
+
+    def close(self) -> None:
+        """Let go of files and sockets; `items` ends."""
+
+
+def merged(report: SourceReport, skipped: Counter[str], dropped: int) -> SourceReport:
+    """The source's counters with those of the queue and the core."""
+    counted = dict(Counter(report.skipped) + skipped)
+    return replace(report, skipped=counted, dropped=report.dropped + dropped)

@@ -1,0 +1,1 @@
+"""Saved maps: our own, and those of ROS map servers."""

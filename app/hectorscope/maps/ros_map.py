@@ -1,0 +1,149 @@
+"""Maps as the map servers of ROS share them: map.yaml and a grey image, from any tool."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from ruamel.yaml import YAML
+
+from slam_core.config import MapConfig
+from slam_core.localization.prior_map import MapError, SavedLevel
+
+FARTHEST = 1e5  # metres to an origin
+HAIR = 1e-6  # of a cell: a corner rounded in the yaml file falls on the cell that was meant
+OCCUPIED = 2  # class of a cell
+# Surer than one look, less sure than many: a map that goes on can still change its mind.
+LOG_ODDS = np.array([0.0, -3.0, 3.0], np.float32)  # of unknown, free, occupied
+
+
+@dataclass(frozen=True, slots=True)
+class Described:
+    """What the yaml file says. x, y, yaw: the lower left corner of the image, metres and radians."""
+
+    image: str
+    resolution: float
+    x: float
+    y: float
+    yaw: float
+    negate: bool = False
+    occupied_thresh: float = 0.65
+    free_thresh: float = 0.196
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be: ValueError."""
+        numbers = (self.resolution, self.x, self.y, self.yaw, self.occupied_thresh, self.free_thresh)
+        if not all(math.isfinite(number) for number in numbers) or not 0.0 < self.resolution < 100.0:
+            raise ValueError("resolution, origin or thresholds cannot be true")
+        if max(abs(self.x), abs(self.y)) > FARTHEST:
+            raise ValueError(f"its origin is more than {FARTHEST:g} m away")
+
+
+def read_ros_map(file: Path, config: MapConfig) -> tuple[SavedLevel, ...]:
+    """The image that a yaml file describes, and coarser levels built from it, as many as the settings have."""
+    said = _described(file)
+    if abs(said.resolution - config.resolution) > 1e-9:
+        raise MapError(
+            f"{file} has cells of {said.resolution:g} m, the settings {config.resolution:g} m: "
+            f"give --map.resolution {said.resolution:g}"
+        )
+    classes = _classes(read_pgm(file.parent / said.image), said)
+    if not (classes == OCCUPIED).any():
+        raise MapError(f"{file} has not one occupied cell: check its thresholds, negate and image")
+    corner, cells = _on_lattice(classes, said, 2 ** (config.levels - 1))
+    levels = [SavedLevel(said.resolution, corner, LOG_ODDS[cells])]
+    for _ in range(1, config.levels):
+        levels.append(coarser(levels[-1]))
+    return tuple(levels)
+
+
+def coarser(level: SavedLevel) -> SavedLevel:
+    """Half the resolution: a cell takes the most occupied of its four that are known."""
+    rows, columns = level.log_odds.shape
+    fours = level.log_odds.reshape(rows // 2, 2, columns // 2, 2)
+    known = np.where(fours == 0.0, np.float32(-np.inf), fours).max(axis=(1, 3))
+    return SavedLevel(2 * level.resolution, level.corner // 2, np.where(np.isinf(known), np.float32(0.0), known))
+
+
+def _described(file: Path) -> Described:
+    try:
+        said = YAML(typ="safe", pure=True).load(file.read_text(encoding="utf-8"))
+    except Exception as error:  # the parser's ways to stumble over words that are no value are many
+        raise MapError(f"{file} cannot be read ({error}): give a map's yaml file") from error
+    try:
+        if said.get("mode", "trinary") == "raw":
+            raise MapError(f"{file} is a map in raw mode: save it as trinary")
+        rest = {name: float(said[name]) for name in ("occupied_thresh", "free_thresh") if name in said}
+        x, y, yaw = map(float, said["origin"])
+        negate = bool(said.get("negate", 0))
+        return Described(str(said["image"]), float(said["resolution"]), x, y, yaw, negate, **rest)
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
+        raise MapError(
+            f"{file} describes no map ({error}): it needs image, resolution, origin [x, y, yaw]"
+        ) from error
+
+
+def _classes(grey: NDArray[np.uint8], said: Described) -> NDArray[np.uint8]:
+    """0 unknown, 1 free, 2 occupied; row 0 the lowest y."""
+    occupancy = (grey if said.negate else 255 - grey)[::-1] / 255.0
+    free = (occupancy < said.free_thresh).astype(np.uint8)
+    return np.where(occupancy > said.occupied_thresh, OCCUPIED, free).astype(np.uint8)
+
+
+def _on_lattice(
+    classes: NDArray[np.uint8], said: Described, block: int
+) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+    """Corner and cells of whole blocks of the lattice around an image, wherever it lies and however it is turned.
+
+    Each cell takes the pixel that its centre lies in: walls move by half a cell at most.
+    """
+    rows, columns = classes.shape
+    u, v = said.x / said.resolution, said.y / said.resolution
+    c, s = math.cos(said.yaw), math.sin(said.yaw)
+    corners = np.array([[u + c * a - s * b, v + s * a + c * b] for a in (0, columns) for b in (0, rows)])
+    low = (np.floor(corners.min(axis=0) / block) * block).astype(np.int64)
+    high = (np.ceil(corners.max(axis=0) / block) * block).astype(np.int64)
+    across, up = np.meshgrid(np.arange(low[0], high[0]) + 0.5 - u, np.arange(low[1], high[1]) + 0.5 - v)
+    column = np.floor(c * across + s * up + HAIR).astype(np.int64)
+    row = np.floor(c * up - s * across + HAIR).astype(np.int64)
+    inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+    cells = np.zeros(inside.shape, np.uint8)
+    cells[inside] = classes[row[inside], column[inside]]
+    return low, cells
+
+
+def read_pgm(file: Path) -> NDArray[np.uint8]:
+    """A grey image in the format PGM, binary (P5) or plain (P2), rows from the top; MapError for anything else."""
+    try:
+        content = file.read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        reason = getattr(error, "strerror", error)
+        raise MapError(f"{file} cannot be read ({reason}): the yaml file names it as its image") from error
+    kind, rest = content[:2], content[2:]
+    if kind not in {b"P5", b"P2"}:
+        raise MapError(f"{file} is no PGM image: convert it and name it in the yaml file")
+    try:
+        (columns, rows, most), rest = _header(rest)
+        values = np.frombuffer(rest[1:], np.uint8) if kind == b"P5" else np.array(rest.split(), np.int64)
+        if most != 255 or min(rows, columns) < 1 or rows * columns > len(values):
+            raise ValueError(f"{len(values)} pixels with values up to {most} for {columns} x {rows} up to 255")
+        if values.min() < 0 or values.max() > most:
+            raise ValueError(f"pixels from {values.min()} to {values.max()} in place of 0 to {most}")
+    except (ValueError, OverflowError) as error:
+        raise MapError(f"{file} is cut off or damaged ({error}): save the map again") from error
+    return values[: rows * columns].astype(np.uint8).reshape(rows, columns)
+
+
+def _header(content: bytes) -> tuple[list[int], bytes]:
+    """Width, height and largest value, and what follows them; comments begin with # and end the line."""
+    numbers: list[int] = []
+    while len(numbers) < 3:
+        content = content.lstrip()
+        if content.startswith(b"#"):
+            content = content.partition(b"\n")[2]
+            continue
+        word = content[:20].split(maxsplit=1)[0] if content else b""
+        numbers.append(int(word))
+        content = content[len(word) :]
+    return numbers, content

@@ -1,0 +1,57 @@
+"""The private parts of viser that the page's scene and GUI use (those of its server: `web.guarded_server`).
+
+viser is pinned exactly; tests pin each of these uses. Scripts fail soft: without them, and without those in
+static/, the page works with blurred cells and viser's own camera.
+"""
+
+import contextlib
+import logging
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import viser
+from viser import _icons, _messages
+
+log = logging.getLogger(__name__)
+
+INDEX = Path(viser.__file__).parent / "client" / "build" / "index.html"
+
+
+@contextlib.contextmanager
+def icons_at_hand() -> Iterator[None]:
+    """Hold viser's archive of icons open: for each icon it would read the names of all the thousands in it."""
+    names = vars(_icons)
+    original = names["zipfile"]
+    with zipfile.ZipFile(_icons.ICONS_DIR / "tabler-icons.zip") as archive:
+        names["zipfile"] = SimpleNamespace(ZipFile=lambda _: contextlib.nullcontext(archive))
+        try:
+            yield
+        finally:
+            names["zipfile"] = original
+
+
+def input_control(server: viser.ViserServer, uuid: str) -> Any:
+    """The control of the shared GUI with this uuid, or None."""
+    return server.gui._gui_input_handle_from_uuid.get(uuid)
+
+
+def uuid_of(control: Any) -> str:
+    """How a control of the shared GUI is called in messages; `input_control` finds it by that."""
+    uuid: str = control._impl.uuid
+    return uuid
+
+
+def run_script(client: viser.ClientHandle, source: str) -> None:
+    """Run JavaScript in one browser, now; nothing stays behind in the buffer that joiners are replayed."""
+    try:
+        client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))
+    except AttributeError as error:
+        log.warning("this viser cannot run scripts in the page: %s", error)
+
+
+def set_png(image: viser.ImageHandle, png: bytes) -> None:
+    """Give an image node bytes that are encoded already, instead of pixels that viser would encode slowly."""
+    image._format, image._data = "png", png

@@ -1,0 +1,48 @@
+"""Where panels live on the page: a bar at the top, a bar at the bottom, tabs and plots docked at the right.
+
+The bars are plain folders that static/hectorscope.css lifts out of the docked panel; without the style sheet they
+are the first things in it.
+"""
+
+from weakref import WeakKeyDictionary
+
+from viser import GuiFolderHandle, GuiTabGroupHandle, GuiTabHandle, IconName, ViserServer
+
+from hectorscope.page.scene import Stage
+
+WIDTH = 372  # pixels of the docked panels
+
+_tabs: WeakKeyDictionary[ViserServer, dict[str, GuiTabHandle]] = WeakKeyDictionary()
+_groups: WeakKeyDictionary[ViserServer, GuiTabGroupHandle] = WeakKeyDictionary()
+
+
+def bar(stage: Stage, name: str) -> GuiFolderHandle:
+    """A folder that the style sheet shows as the bar `name`."""
+    folder = stage.server.gui.add_folder(name.capitalize())
+    with folder:
+        mark(stage, f"bar hs-bar-{name}")
+    return folder
+
+
+def tab(stage: Stage, title: str, icon: IconName) -> GuiTabHandle:
+    """The tab `title` of the main panel, made on first use, for panels that share it too."""
+    tabs = _tabs.setdefault(stage.server, {})
+    if title not in tabs:
+        tabs[title] = _tab_group(stage).add_tab(title, icon)
+    return tabs[title]
+
+
+def _tab_group(stage: Stage) -> GuiTabGroupHandle:
+    """The group of tabs; the main panel that holds it is docked at the right on first use."""
+    group = _groups.get(stage.server)
+    if group is None:
+        group = _groups[stage.server] = stage.server.gui.add_tab_group()
+        stage.server.gui.set_panel_label(None)  # the header then tells the state of the connection
+        stage.server.gui.main_panel.dock_right()
+        stage.server.gui.main_panel.set_width(WIDTH)
+    return group
+
+
+def mark(stage: Stage, name: str) -> None:
+    """An invisible element that tells the style sheet what the container around it is."""
+    stage.server.gui.add_html(f'<i class="hs-mark hs-{name}"></i>')

@@ -1,0 +1,142 @@
+"""The configuration tree as controls: what is moved here acts from the next scan, in every browser."""
+
+from collections.abc import Callable
+from itertools import groupby
+from time import monotonic
+from typing import Any
+
+from viser import GuiApi, GuiEvent, Icon
+
+from hectorscope.page.scene import Stage
+from hectorscope.panels import _workspace
+from hectorscope.panels._controls import control_for
+from hectorscope.panels._format import label
+from hectorscope.session.commands import Configure
+from hectorscope.session.snapshot import Snapshot
+from slam_core.config import ConfigError, Leaf, SlamConfig, leaves
+
+TITLES = {
+    "scan": "Scan · section IV",
+    "map": "Map · IV-A, IV-C",
+    "matcher": "Matcher · IV-B",
+    "navigation": "Filter · V-A",
+    "motion": "Motion · without inertial data",
+    "fusion": "Fusion · V-B",
+}
+OPEN = {"fusion", "matcher", "map"}
+RESTART_SETTLE = 0.6  # seconds at rest before the map is rebuilt: one rebuild a drag, not one a pixel
+PATIENCE = 2.0  # seconds that a control waits for the run to take its value over
+
+
+class SettingsPanel:
+    """A folder for each group of the tree, a control for each leaf, and a way back to the run's first values."""
+
+    title = "Settings"
+    order = 50
+    rate = 5.0
+
+    def __init__(self, stage: Stage) -> None:
+        self._groups: list[Group] = []
+        with _workspace.tab(stage, self.title, Icon.ADJUSTMENTS_HORIZONTAL):
+            _workspace.mark(stage, "settings")
+            for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
+                self._groups.append(Group(stage, name, list(members)))
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Send what was touched, show what the run uses."""
+        if snapshot.sequence == 0:
+            return  # no run yet: nothing to go back to either
+        values = {leaf.name: leaf.value for leaf in leaves(snapshot.config)}
+        for group in self._groups:
+            group.draw(values, snapshot.playback.live)
+
+
+class Group:
+    """The settings of one part of the pipeline."""
+
+    def __init__(self, stage: Stage, name: str, members: list[Leaf]) -> None:
+        gui = stage.server.gui
+        self._first: dict[str, Any] = {}
+        self._values: dict[str, Any] = {}
+        self._send = stage.send
+        with gui.add_folder(TITLES.get(name, name.capitalize()), expand_by_default=name in OPEN):
+            self._settings = [Setting(gui, leaf, stage.send) for leaf in members]
+            self._reset = gui.add_button("Reset", icon=Icon.RESTORE, disabled=True)
+        self._reset.on_click(lambda _: self._reset_all())
+
+    def draw(self, values: dict[str, Any], live: bool) -> None:
+        """Bring controls and the reset button up to date."""
+        self._first = self._first or values
+        self._values = values
+        for setting in self._settings:
+            setting.draw(values[setting.name], live, monotonic())
+        changed = sum(values[s.name] != self._first[s.name] for s in self._settings)
+        label = f"Reset {changed} changed" if changed else "Nothing changed"
+        if self._reset.label != label:
+            self._reset.label, self._reset.disabled = label, changed == 0
+
+    def _reset_all(self) -> None:
+        for setting in self._settings:
+            if self._values[setting.name] != self._first[setting.name]:
+                self._send(Configure(setting.name, self._first[setting.name]))
+
+
+class Setting:
+    """One control. Touched, it speaks; else it shows what the run uses."""
+
+    def __init__(self, gui: GuiApi, leaf: Leaf, send: Callable[[Configure], None]) -> None:
+        self.name = leaf.name
+        self._gui, self._leaf, self._send = gui, leaf, send
+        if leaf.param.restart:
+            gui.add_html('<i class="hs-mark hs-restart"></i>')
+        self._control = control_for(gui, leaf, self._note)
+        self._shown = leaf.value
+        self._touched: float | None = None
+        self._asked: tuple[Any, float] | None = None
+
+    def _note(self, _: GuiEvent[Any]) -> None:
+        self._touched = monotonic()
+
+    def draw(self, value: Any, live: bool, now: float) -> None:
+        """value: what the run uses. now: seconds of a clock that only runs forward."""
+        if self._touched is not None:
+            if self._leaf.param.restart and now - self._touched < RESTART_SETTLE:
+                return
+            self._touched = None
+            self._ask(value, live, now)
+        if self._asked is not None:
+            wanted, since = self._asked
+            if value != wanted and now - since < PATIENCE:
+                return
+            self._asked, self._shown = None, None
+        if value != self._shown:
+            self._control.show(value)
+            self._shown = value
+
+    def _ask(self, value: Any, live: bool, now: float) -> None:
+        try:
+            wanted = self._leaf.check(self._control.read())
+        except ConfigError:
+            wanted = value  # a browser may send anything; the control falls back to what the run uses
+        self._asked = wanted, now
+        if wanted == value:
+            return
+        if live and self._leaf.param.restart:
+            self._confirm(wanted)
+        else:
+            self._send(Configure(self.name, wanted))
+
+    def _confirm(self, wanted: Any) -> None:
+        """Ask first, on every page: the map belongs to everybody, and a stream cannot bring it back."""
+        modal = self._gui.add_modal("Begin a new map?")
+        with modal:
+            self._gui.add_markdown(
+                f"**{label(self._leaf)}: {wanted}** needs a new map. The present one would be lost."
+            )
+            apply, keep = self._gui.add_button("Begin a new map"), self._gui.add_button("Keep the map")
+        for button in (apply, keep):
+            button.on_click(lambda _: modal.close())
+        apply.on_click(lambda _: self._send(Configure(self.name, wanted)))
+
+
+PANEL = SettingsPanel

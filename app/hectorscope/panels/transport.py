@@ -1,0 +1,166 @@
+"""The bar at the bottom: play, pause, step, restart, speed, the timeline, and the same as hotkeys."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from time import monotonic
+from typing import Any, cast
+
+from viser import GuiEvent, GuiSliderHandle, Icon, IconName
+
+from hectorscope.page import viser_private
+from hectorscope.page.scene import Stage
+from hectorscope.panels import _workspace
+from hectorscope.panels._format import clock
+from hectorscope.panels._handles import put, put_value
+from hectorscope.session.commands import PlayPause, Restart, Save, Seek, SetSpeed, StepScan
+from hectorscope.session.snapshot import PlaybackStatus, Snapshot
+
+SPEEDS = {"0.1×": 0.1, "0.25×": 0.25, "0.5×": 0.5, "1×": 1.0, "2×": 2.0, "5×": 5.0, "10×": 10.0, "max": math.inf}
+SETTLE = 0.25  # seconds that the timeline must rest before a jump: dragging is not a hundred jumps
+HOLD = 2.0  # seconds that the timeline waits for the run to arrive before it shows the run's own time again
+RUNNING = ("playing", "seeking", "waiting")
+STEP = 0.1  # seconds a nudge of the timeline
+
+
+class TransportPanel:
+    """Callbacks send commands or note a wish; `draw` follows what the run really does."""
+
+    title = "Transport"
+    order = 10
+    rate = 10.0
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._playback = PlaybackStatus()
+        self._speed_drawn = ""
+        gui = stage.server.gui
+        with _workspace.bar(stage, "transport"):
+            self._restart = gui.add_button("Restart · R", icon=Icon.PLAYER_SKIP_BACK_FILLED)
+            self._toggle = gui.add_button("Play · space", icon=Icon.PLAYER_PLAY_FILLED)
+            self._step = gui.add_button("Step one scan · .", icon=Icon.PLAYER_TRACK_NEXT_FILLED)
+            self._save = gui.add_button("Save the results", icon=Icon.DEVICE_FLOPPY, visible=False)
+            self._clock = gui.add_html("")
+            timeline = gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0)
+            # for static/log.js
+            gui.add_html(f'<i class="hs-mark" data-hs-timeline="{viser_private.uuid_of(timeline)}"></i>')
+            self._speed = gui.add_dropdown(
+                "Speed", tuple(SPEEDS), initial_value="1×", hint="Times real time. Keys [ and ]."
+            )
+        self._timeline = Timeline(timeline)
+        self._restart.on_click(lambda _: stage.send(Restart()))
+        self._toggle.on_click(lambda _: stage.send(PlayPause()))
+        self._step.on_click(lambda _: stage.send(StepScan()))
+        self._save.on_click(lambda _: stage.send(Save()))
+        self._speed.on_update(self._choose_speed)
+        self._add_hotkeys()
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Follow the run."""
+        self._playback = playback = snapshot.playback
+        running = playback.state in RUNNING
+        label = "Pause · space" if running else "Play · space"
+        if self._toggle.label != label:
+            self._toggle.label = label
+            self._toggle.icon = Icon.PLAYER_PAUSE_FILLED if running else Icon.PLAYER_PLAY_FILLED
+        if self._save.visible != snapshot.saves:
+            self._save.visible = snapshot.saves
+        self._draw_speed(name_of_speed(playback.speed))
+        self._timeline.draw(playback, self._stage.send, monotonic())
+        put(self._clock, clock_html(playback))
+
+    def _draw_speed(self, name: str) -> None:
+        """Follow the run's speed, but leave alone what a hand has just chosen and the run does not know yet."""
+        if name != self._speed_drawn:
+            self._speed_drawn = name
+            put_value(self._speed, name)
+
+    def nudge_speed(self, by: int) -> None:
+        """One notch slower (-1) or faster (+1)."""
+        speeds = list(SPEEDS.values())
+        at = speeds.index(SPEEDS[name_of_speed(self._playback.speed)])
+        speed = speeds[min(max(at + by, 0), len(speeds) - 1)]
+        self._playback = replace(self._playback, speed=speed)
+        self._stage.send(SetSpeed(speed))
+
+    def _choose_speed(self, event: GuiEvent[Any]) -> None:
+        if event.client is not None and event.target.value in SPEEDS:
+            self._stage.send(SetSpeed(SPEEDS[event.target.value]))
+
+    def _add_hotkeys(self) -> None:
+        send = self._stage.send
+        self._hotkey("Play or pause", "space", Icon.PLAYER_PLAY, lambda: send(PlayPause()))
+        self._hotkey("Step one scan", ".", Icon.PLAYER_TRACK_NEXT, lambda: send(StepScan()))
+        self._hotkey("Restart", "R", Icon.PLAYER_SKIP_BACK, lambda: send(Restart()))
+        self._hotkey("Slower", "[", Icon.MINUS, lambda: self.nudge_speed(-1))
+        self._hotkey("Faster", "]", Icon.PLUS, lambda: self.nudge_speed(+1))
+
+    def _hotkey(self, title: str, key: str, icon: IconName, act: Callable[[], None]) -> None:
+        # The page takes any key that a keyboard event names; the declared type lists letters and a few more.
+        command = self._stage.server.gui.add_command(title, hotkey=cast(Any, key), icon=icon)
+        command.on_trigger(lambda _: act())
+
+
+class Timeline:
+    """A slider that shows the run's time, except while a hand is on it or a jump is under way."""
+
+    def __init__(self, slider: GuiSliderHandle[float]) -> None:
+        self._slider = slider
+        self._touched: float | None = None
+        self._arriving: tuple[int, float] | None = None
+        slider.on_update(self._note)
+
+    def _note(self, event: GuiEvent[Any]) -> None:
+        if event.client is not None:
+            self._touched = monotonic()
+
+    def draw(self, playback: PlaybackStatus, send: Callable[[Seek], None], now: float) -> None:
+        """Send the jump once the slider rests; else show the time."""
+        self._fit(playback)
+        if self._touched is not None:
+            if now - self._touched >= SETTLE and not self._slider.disabled:
+                self._touched = None
+                target = playback.start_ns + round(min(max(self._slider.value, 0.0), self._slider.max) * 1e9)
+                self._arriving = target, now
+                send(Seek(target))
+        elif not self._on_the_way(playback, now):
+            seconds = (playback.time_ns - playback.start_ns) / 1e9
+            put_value(self._slider, round(min(max(seconds, 0.0), self._slider.max), 2))
+
+    def _on_the_way(self, playback: PlaybackStatus, now: float) -> bool:
+        if self._arriving is None:
+            return False
+        target, since = self._arriving
+        there = playback.state != "seeking" and abs(playback.time_ns - target) < 1e9
+        if there or (playback.state != "seeking" and now - since > HOLD):
+            self._arriving = None
+        return self._arriving is not None
+
+    def _fit(self, playback: PlaybackStatus) -> None:
+        """Take the recording's length; a stream has none."""
+        end = playback.end_ns
+        length = STEP if end is None else max(STEP, (end - playback.start_ns) / 1e9)
+        if self._slider.max != length:
+            self._slider.max = length
+        if self._slider.disabled != (end is None):
+            self._slider.disabled = end is None
+
+
+def name_of_speed(speed: float) -> str:
+    """The nearest speed on offer."""
+    if math.isinf(speed):
+        return "max"
+    return min(
+        (n for n, s in SPEEDS.items() if math.isfinite(s)),
+        key=lambda n: abs(math.log(SPEEDS[n] / max(speed, 1e-3))),
+    )
+
+
+def clock_html(playback: PlaybackStatus) -> str:
+    """Time now, and of how much."""
+    now = clock((playback.time_ns - playback.start_ns) / 1e9)
+    whole = "live" if playback.end_ns is None else clock((playback.end_ns - playback.start_ns) / 1e9)
+    return f'<div class="hs-clock"><b>{now}</b><span>/ {whole}</span></div>'
+
+
+PANEL = TransportPanel

@@ -1,0 +1,81 @@
+"""What a person states of devices that do not keep to the definition of their messages, put right."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from hectorscope.inputs import SourceError, SourceOptions
+from slam_core import geometry
+from slam_core.measurements import FARTHEST_LASER, Attitude, Float64s, Imu, LaserScan, MagneticField, Transform
+
+STANDARD_GRAVITY = 9.80665
+ACCEL_UNITS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY}
+GYRO_UNITS = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
+# Nothing is later than this: a number beyond it is in another unit.
+LONGEST_DELAY_S = 10.0
+
+
+class Repairs:
+    """Units, axes and delays of one recording or connection; SourceError for a value that cannot be meant."""
+
+    def __init__(self, options: SourceOptions) -> None:
+        self.imu_delay_ns = _delay_ns("imu", options.imu_delay)
+        self.scan_delay_ns = _delay_ns("scan", options.scan_delay)
+        self.laser_pose = _placed(options.laser_pose) if options.laser_pose else None
+        self._mirrored = options.scan_mirrored is True
+        sign = {vector: -1.0 if options.imu_inverted == vector else 1.0 for vector in ("accel", "gyro")}
+        self._accel = sign["accel"] * ACCEL_UNITS[options.imu_accel_unit or "m/s2"]
+        self._gyro = sign["gyro"] * GYRO_UNITS[options.imu_gyro_unit or "rad/s"]
+        self._turned = _turned("imu-rotation", options.imu_rotation or (0.0, 0.0, 0.0))
+        self._plain = self._accel == self._gyro == self._turned[0] == 1.0
+
+    def imu(self, imu: Imu) -> Imu:
+        """Inertial data in SI units, about the axes of the base."""
+        if self._plain:
+            return imu
+        both = np.stack([self._gyro * imu.angular_velocity, self._accel * imu.linear_acceleration])
+        rates, forces = geometry.rotate(self._turned, both)
+        return Imu(imu.stamp_ns, rates, forces)
+
+    def attitude(self, attitude: Attitude) -> Attitude:
+        """The orientation of the base by an IMU that sits on it turned."""
+        rotation = geometry.multiply(attitude.rotation, geometry.conjugate(self._turned))
+        return Attitude(attitude.stamp_ns, rotation)
+
+    def magnetic(self, magnetic: MagneticField) -> MagneticField:
+        """The field by the magnetometer of an IMU that sits turned."""
+        if self._turned[0] == 1.0:
+            return magnetic
+        return replace(magnetic, field=geometry.rotate(self._turned, magnetic.field))
+
+    def scan(self, scan: LaserScan) -> LaserScan:
+        """A scan with its beams the right way round."""
+        if not self._mirrored:
+            return scan
+        return replace(scan, angle_min=-scan.angle_min, angle_increment=-scan.angle_increment)
+
+
+def _placed(pose: tuple[float, ...]) -> Transform:
+    translation = np.array(pose[:3])
+    if not np.abs(translation).max() <= FARTHEST_LASER:  # so, too, where one is no number
+        raise SourceError(f"--laser-pose is {_words(pose)}: give metres up to {FARTHEST_LASER:g}, then radians")
+    return Transform(translation, _turned("laser-pose", pose[3:]))
+
+
+def _turned(flag: str, angles: tuple[float, ...]) -> Float64s:
+    if not all(map(math.isfinite, angles)):
+        raise SourceError(f"--{flag} turns by {_words(angles)}: give finite radians")
+    return geometry.from_euler(*angles)
+
+
+def _words(values: tuple[float, ...]) -> str:
+    return " ".join(f"{value:g}" for value in values)
+
+
+def _delay_ns(device: str, seconds: float | None) -> int:
+    if seconds is None:
+        return 0
+    if not abs(seconds) <= LONGEST_DELAY_S:
+        raise SourceError(f"--{device}-delay is {seconds:g} s: give -{LONGEST_DELAY_S:g} to {LONGEST_DELAY_S:g}")
+    return round(seconds * 1e9)

@@ -1,0 +1,99 @@
+"""The figures of a run, as plain values for metrics.json."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hectorscope.inputs import SourceReport
+from hectorscope.run.map_images import map_images
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.series import SERIES_DTYPE
+from slam_core.evaluation.trajectory import Trajectory, evaluate
+from slam_core.results import StepResult
+
+PARTS = ("stabilise", "match", "update", "filter")
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """What a run took: seconds of the recording, seconds of the wall clock."""
+
+    recording_s: float
+    wall_s: float
+
+
+def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = None) -> dict[str, Any]:
+    """Everything that is worth a number. report: the source's own counters. effort: unless a hand played it."""
+    maps = map_images(pipeline.slam.pyramid)
+    return {
+        "scans": {
+            "read": pipeline.scans_read,
+            "used": pipeline.scans,
+            "skipped": dict(pipeline.skipped),
+        },
+        "tracking": dict(pipeline.states),
+        "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
+        "filter_unused": dict(pipeline.slam.unused),
+        "filter_sources": sources(pipeline.result),
+        "notes": [*report.notes, *pipeline.slam.notes, *pipeline.warned],
+        **(spent(effort) if effort else {}),
+        "median_us": medians(pipeline.series.view(SERIES_DTYPE).reshape(-1)),
+        "map_updates": pipeline.slam.pyramid.updates,
+        "occupied_cells": int(np.count_nonzero(maps[0].cells == 2)) if maps else 0,
+        "map_in_world": map_in_world(pipeline.result),
+        "truth": truth_errors(pipeline),
+    }
+
+
+def spent(effort: Effort) -> dict[str, float]:
+    """Lengths, and how many times faster than it was recorded."""
+    factor = effort.recording_s / max(effort.wall_s, 1e-9)
+    return {
+        "recording_s": round(effort.recording_s, 6),
+        "wall_s": round(effort.wall_s, 3),
+        "realtime_factor": round(factor, 2),
+    }
+
+
+def sources(result: StepResult | None) -> dict[str, dict[str, Any]]:
+    """What became of the measurements of each source that corrects the filter, the match among them."""
+    return {
+        status.source: {"used": status.used, "rejected": status.rejected, "dropped": dict(status.dropped)}
+        for status in (result.aiding if result else ())
+    }
+
+
+def map_in_world(result: StepResult | None) -> dict[str, float] | None:
+    """Where the map's origin lies and its x axis points in the plane of the satellites; None if not known."""
+    if result is None or result.world is None:
+        return None
+    east, north, turn = result.world.mean.tolist()
+    sigma_east, sigma_north, sigma_turn = np.sqrt(np.diag(result.world.covariance)).tolist()
+    figures = {"east_m": east, "north_m": north, "from_east_deg": math.degrees(turn)}
+    figures |= {"sigma_m": max(sigma_east, sigma_north), "sigma_deg": math.degrees(sigma_turn)}
+    return {name: round(value, 3) for name, value in figures.items()}
+
+
+def medians(series: NDArray[np.void]) -> dict[str, float]:
+    """Median microseconds of each part of a scan's step; of the map update, where there was one."""
+    updated = np.diff(series["map_updates"], prepend=0.0) > 0
+    columns = {part: series[f"{part}_ms"] for part in PARTS}
+    columns["update"] = columns["update"][updated]
+    return {part: round(1e3 * float(np.median(ms)), 1) if len(ms) else 0.0 for part, ms in columns.items()}
+
+
+def truth_errors(pipeline: Pipeline) -> dict[str, float] | None:
+    """Errors against the truth in metres and degrees; None without a truth that overlaps the run."""
+    error = evaluate(Trajectory.from_rows(pipeline.trajectory), Trajectory.from_rows(pipeline.truth))
+    if error is None:
+        return None
+    figures = {"poses": error.poses, "raw_rmse_m": error.raw, "aligned_rmse_m": error.aligned}
+    if error.height is not None:
+        figures["height_rms_m"] = error.height
+    if error.roll is not None and error.pitch is not None:
+        figures["roll_rms_deg"] = math.degrees(error.roll)
+        figures["pitch_rms_deg"] = math.degrees(error.pitch)
+    return {name: round(value, 6) for name, value in figures.items()}

@@ -1,0 +1,31 @@
+"""What a run leaves: the value that exporters write."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hectorscope.run.map_images import MapImage
+from hectorscope.run.settings import Settings
+from slam_core.localization.prior_map import SavedLevel
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What a run has to tell.
+
+    trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
+    is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of
+    the same levels. navigation: (n, 11) the columns of the trajectory and the velocity in the map, a hundred times
+    a second.
+    """
+
+    start_ns: int
+    trajectory: NDArray[np.float64]
+    maps: tuple[MapImage, ...]
+    settings: Settings
+    metrics: Mapping[str, Any]
+    levels: tuple[SavedLevel, ...] = ()
+    navigation: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 11)))

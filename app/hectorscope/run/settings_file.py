@@ -1,0 +1,102 @@
+"""Settings as a TOML file: one table a group, and `[[changes]]` with their times."""
+
+import difflib
+import json
+import tomllib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from hectorscope.run.settings import Change, Setting, Settings
+from slam_core.config import ConfigError, Leaf, SlamConfig, leaves, with_values
+
+_CHANGES = "changes"
+_CHANGE_KEYS = {"time_ns": (int,), "name": (str,), "value": (bool, int, float, str)}
+
+
+class SettingsError(ConfigError):
+    """A settings file cannot be used: the message names the file, the entry and the remedy."""
+
+
+def to_toml(settings: Settings) -> str:
+    """Every setting, grouped, with its unit and range beside it."""
+    lines: list[str] = []
+    group = ""
+    for leaf in leaves(settings.start):
+        table, key = leaf.name.split(".")
+        if table != group:
+            lines += ["", f"[{table}]"]
+            group = table
+        lines.append(f"{key} = {_literal(leaf.value)}{_remark(leaf)}")
+    for change in settings.changes:
+        lines += ["", f"[[{_CHANGES}]]", f"time_ns = {change.time_ns}"]
+        lines += [f"name = {_literal(change.name)}", f"value = {_literal(change.value)}"]
+    return "\n".join(lines[1:]) + "\n"
+
+
+def _literal(value: Setting) -> str:
+    # JSON writes numbers, true, false and plain words just as TOML does
+    return json.dumps(value)
+
+
+def _remark(leaf: Leaf) -> str:
+    if leaf.choices:
+        return f"  # {' | '.join(leaf.choices)}"
+    if leaf.param.low is None or leaf.param.high is None:
+        return ""
+    return f"  # {leaf.param.low:g} to {leaf.param.high:g} {leaf.param.unit}".rstrip()
+
+
+def read_toml(path: Path) -> Settings:
+    """The settings of a file; what it does not name keeps its default. SettingsError for anything amiss."""
+    try:
+        return _settings(tomllib.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise SettingsError(f"{path} cannot be read ({error.strerror}): give an existing TOML file") from error
+    except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, tables without end
+        raise SettingsError(f"{path} is not valid TOML ({error}): correct it there") from error
+    except ConfigError as error:
+        raise SettingsError(f"{path}: {error}") from error
+
+
+def _settings(tree: dict[str, Any]) -> Settings:
+    changes = tree.pop(_CHANGES, [])
+    if not isinstance(changes, list):
+        raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")
+    values = dict(_entries(tree))
+    for name in values:
+        _check_name(name)
+    config = with_values(SlamConfig(), values)
+    return Settings(config, tuple(sorted(map(_change, changes), key=lambda change: change.time_ns)))
+
+
+def _entries(tree: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    for group, table in tree.items():
+        if not isinstance(table, dict):
+            raise SettingsError(f"{group} stands outside of a group: put it below one, as in [matcher]")
+        for key, value in table.items():
+            yield f"{group}.{key}", value
+
+
+@cache
+def _names() -> tuple[str, ...]:
+    return tuple(leaf.name for leaf in leaves(SlamConfig()))
+
+
+def _check_name(name: str) -> None:
+    names = _names()
+    if name not in names:
+        near = difflib.get_close_matches(name, names, n=1, cutoff=0.75)
+        remedy = f"did you mean {near[0]}?" if near else "see `hectorscope run --help` for the names"
+        raise SettingsError(f"{name} is no setting: {remedy}")
+
+
+def _change(entry: Any) -> Change:
+    if not isinstance(entry, dict) or entry.keys() != _CHANGE_KEYS.keys():
+        raise SettingsError(f"the change {entry!r} is incomplete: give time_ns, name and value")
+    for key, kinds in _CHANGE_KEYS.items():
+        if type(entry[key]) not in kinds:
+            raise SettingsError(f"the change {entry!r} has a bad {key}: give a whole number, a name and a value")
+    _check_name(entry["name"])
+    return Change(**entry)

@@ -1,0 +1,1 @@
+"""What happens live: engine, playback, source thread, publisher, snapshots."""

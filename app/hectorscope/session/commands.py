@@ -1,0 +1,63 @@
+"""What the page asks of the engine: immutable values, put into a queue by the callbacks of the page."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Play:
+    """Go on from here."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Stop before the next scan."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlayPause:
+    """Pause if it runs, else go on: decided where the state is known, not by a drawing that may be late."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepScan:
+    """Process exactly one more scan, then pause."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetSpeed:
+    """Playback speed, times real time; inf for as fast as it goes."""
+
+    speed: float
+
+
+@dataclass(frozen=True, slots=True)
+class Restart:
+    """Begin the recording again with an empty map (a live stream keeps flowing, the map starts anew)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seek:
+    """Go to this time of the recording, by running up to it."""
+
+    time_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Configure:
+    """Change one setting, by its dotted name; acts from the next scan."""
+
+    name: str
+    value: float | int | bool | str
+
+
+@dataclass(frozen=True, slots=True)
+class Save:
+    """Leave the results so far in the folder that the program was started with."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quit:
+    """End the engine."""
+
+
+Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | Save | Quit

@@ -1,0 +1,344 @@
+"""The one owner of a running pipeline: drains commands, steps, publishes snapshots."""
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from queue import Empty, SimpleQueue
+
+from hectorscope.exporters import save
+from hectorscope.inputs import Source, SourceReport, merged
+from hectorscope.run.pipeline import Pipeline, nothing_used
+from hectorscope.run.settings import Setting, Settings, value_of
+from hectorscope.session.commands import (
+    Command,
+    Configure,
+    Pause,
+    Play,
+    PlayPause,
+    Quit,
+    Restart,
+    Save,
+    Seek,
+    SetSpeed,
+    StepScan,
+)
+from hectorscope.session.feeder import Feeder
+from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking
+from hectorscope.session.snapshot import LogEntry, Snapshot
+from hectorscope.session.transport import Transport, valid_speed
+from slam_core.config import MapConfig, needs_restart
+from slam_core.errors import SlamError
+from slam_core.localization.prior_map import GivenMap
+from slam_core.mapping.pyramid import check_room
+from slam_core.measurements import LaserScan, Measurement
+
+FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
+
+_logger = logging.getLogger("hectorscope")
+
+
+class Engine:
+    """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
+
+    given: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
+    before anything is read, with what shows on the page how far it is (from any thread, until it returns).
+    A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
+    The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
+    or Seek begin again.
+    """
+
+    _settings: Settings
+    _pipeline: Pipeline
+    _sought: bool
+
+    def __init__(
+        self,
+        source: Source,
+        settings: Settings | None = None,
+        given: GivenMap | None = None,
+        *,
+        autoplay: bool = True,
+        speed: float = 1.0,
+        out: Path | None = None,
+        prepare: Callable[[Callable[[str], None]], None] = lambda _: None,
+    ) -> None:
+        self._source = source
+        self._given = given
+        self._out = out
+        self._prepare = prepare
+        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._sending = threading.Lock()
+        self._sent = self._obeyed = 0
+        self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
+        self._publisher = Publisher(source)
+        self._transport = Transport(source.live, autoplay, speed)
+        self._feeder: Feeder | None = None
+        self._epoch = -1
+        self._begin(settings or Settings())
+
+    @property
+    def mailbox(self) -> Mailbox[Snapshot]:
+        """Where the newest snapshot lies."""
+        return self._publisher.mailbox
+
+    def start(self) -> None:
+        """Begin to read and to step."""
+        self._thread.start()
+
+    @property
+    def sent(self) -> int:
+        """How many commands were sent so far: all are obeyed once `Snapshot.obeyed` is as many."""
+        return self._sent
+
+    @property
+    def started(self) -> bool:
+        """Whether it ever began."""
+        return self._thread.ident is not None
+
+    def send(self, command: Command) -> None:
+        """Enqueue a command; returns at once, from any thread."""
+        with self._sending:
+            self._commands.put(command)
+            self._sent += 1
+
+    def stop(self) -> None:
+        """End the threads, close the source, and wait for it."""
+        self.send(Quit())
+        if self.started:
+            self._thread.join(timeout=10.0)
+
+    def save(self) -> str:
+        """Leave the results so far, and say so; SlamError if that cannot be. Only once it has stopped."""
+        return save(self._pipeline, self._source.report, self._out)
+
+    # ------------------------------------------------------------------------------------ the engine's thread
+
+    def _run(self) -> None:
+        self._guard(partial(self._publish, resting=True))
+        self._guard(self._get_ready)
+        while not isinstance(command := self._next_command(), Quit):
+            if command is None:
+                self._guard(self._advance)
+            else:
+                self._guard(partial(self._obey, command))
+                self._obeyed += 1
+                self._publisher.touch()
+        self._source.close()
+        if self._feeder is not None:
+            self._feeder.close()
+
+    def _get_ready(self) -> None:
+        self._prepare(self._preparing)
+        self._preparing("")
+
+    def _preparing(self, how_far: str) -> None:
+        self._transport.preparing = how_far
+        self._publisher.touch()
+        self._publish(resting=True)
+
+    def _guard(self, action: Callable[[], None]) -> None:
+        try:
+            action()
+        except SlamError as error:
+            self._fail(str(error))
+        except Exception as error:  # a bug or a broken input must not take the page away
+            _logger.exception("the run stopped at an unexpected error")
+            self._fail(f"{type(error).__name__}: {error}; restart, or look at the terminal for the details")
+
+    def _next_command(self) -> Command | None:
+        """The next command, or None when it is time to advance."""
+        head = self._ready[0] if self._ready else None
+        patience = self._transport.patience(head.stamp_ns if isinstance(head, LaserScan) else None)
+        self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
+        if patience == 0.0 and self._commands.empty():
+            return None
+        try:
+            return self._commands.get(timeout=patience)
+        except Empty:
+            return None
+
+    def _advance(self) -> None:
+        """One item read, or one measurement stepped."""
+        if not self._ready:
+            self._fetch()
+        elif isinstance(self._ready[0], LaserScan):
+            self._scan(self._ready[0])
+        else:
+            self._pipeline.step(self._ready.popleft())
+
+    def _fetch(self) -> None:
+        if self._feeder is None:
+            self._feeder = Feeder(self._source)
+        item = self._feeder.get(FETCH_S)
+        if item is not None:
+            self._ready.extend(self._pipeline.admit(item))
+        elif self._feeder.done:
+            self._ready.extend(self._pipeline.flush())
+            if not self._ready:
+                self._end(self._feeder)
+
+    def _scan(self, scan: LaserScan) -> None:
+        self._publisher.touch()
+        if self._transport.arrives(scan.stamp_ns):
+            return
+        self._ready.popleft()
+        if self._transport.unwanted:
+            self._pipeline.skip("scan while the stream was paused")
+        else:
+            self._step(scan)
+        self._transport.passed(scan.stamp_ns)
+
+    def _step(self, scan: LaserScan) -> None:
+        before = self._pipeline.result
+        result = self._pipeline.step(scan)
+        if result is None and self._pipeline.slam.searching and not self._sought:
+            self._sought = True
+            self._log(f"The robot is not found in the map yet: {self._pipeline.slam.searching}", "warning")
+        if change := change_of_tracking(before, result):
+            self._log(*change)
+
+    def _end(self, feeder: Feeder) -> None:
+        feeder.check()
+        if not self._pipeline.scans:
+            raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam)
+        self._transport.end()
+        self._log(f"The recording ended after {self._pipeline.scans} scans")
+
+    def _fail(self, reason: str) -> None:
+        self._transport.fail(reason)
+        self._log(reason, "error")
+
+    # --------------------------------------------------------------------------------------------- commands
+
+    def _obey(self, command: Command) -> None:
+        match command:
+            case Play():
+                if self._transport.stopped:
+                    self._restart()
+                self._transport.play()
+            case Pause():
+                self._transport.pause()
+            case PlayPause():
+                self._obey(Pause() if self._transport.running else Play())
+            case StepScan():
+                self._transport.step()
+            case SetSpeed(speed):
+                self._set_speed(speed)
+            case Restart():
+                self._restart()
+            case Seek(time_ns):
+                self._seek(time_ns)
+            case Configure(name, value):
+                self._configure(name, value)
+            case Save():
+                self._save()
+
+    def _set_speed(self, speed: float) -> None:
+        if valid_speed(speed):
+            self._transport.speed = speed
+        else:
+            self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning", answer=True)
+
+    def _save(self) -> None:
+        try:
+            self._log(self.save(), answer=True)
+        except SlamError as error:
+            self._log(str(error), "warning", answer=True)
+
+    def _restart(self) -> None:
+        self._begin(self._settings_again())
+        self._log(f"Started again with {'the saved' if self._given else 'an empty'} map")
+
+    def _seek(self, time_ns: int) -> None:
+        span = self._source.span_ns
+        if span is None:
+            self._log("A live stream has no other times: nothing was sought", "warning", answer=True)
+            return
+        time_ns = min(max(time_ns, span[0]), span[1])
+        if self._transport.failure or time_ns < self._pipeline.time_ns:
+            rests = self._transport.stopped
+            self._begin(self._settings_again())
+            if rests:  # a jump from the end is to look there, not to go on to the end again
+                self._transport.pause()
+        self._transport.seek(time_ns)
+
+    def _settings_again(self) -> Settings:
+        """For the next run: as planned, or, once somebody has moved a slider, the present values throughout."""
+        return self._settings.flattened(self._now_ns) if self._by_hand else self._settings
+
+    def _configure(self, name: str, value: Setting) -> None:
+        before, now_ns = self._settings, self._now_ns
+        try:
+            old = value_of(before.at(now_ns), name)
+            after = before.changed(now_ns, name, value)
+            if name.startswith("map."):
+                self._check_map(after.at(now_ns).map)
+        except SlamError as error:
+            self._log(str(error), "warning", answer=True)
+            return
+        new = value_of(after.at(now_ns), name)
+        if new == old:
+            return
+        self._by_hand = True
+        if needs_restart(before.start, after.start):
+            self._rebuild(after.flattened(now_ns))
+        else:
+            self._settings = self._pipeline.settings = after
+        self._log(f"{name}: {old} → {new}")
+
+    def _check_map(self, config: MapConfig) -> None:
+        """Refuse what the next run could not begin with."""
+        check_room(config)
+        if self._given:
+            self._given.check(config)
+
+    def _rebuild(self, settings: Settings) -> None:
+        """The same instant with another map; a stream cannot go back, so its map begins anew."""
+        target_ns = self._transport.target_ns or self._pipeline.time_ns
+        self._begin(settings)
+        if self._source.live:
+            self._log("A new map was begun: a live stream cannot be run again", "warning")
+        else:
+            self._transport.seek(target_ns)
+
+    def _begin(self, settings: Settings) -> None:
+        """An empty or the given map at the beginning; a stream that still flows is left to flow."""
+        if self._feeder is not None and (not self._source.live or self._feeder.done):
+            self._feeder.close()
+            self._feeder = None
+        span = self._source.span_ns
+        now_ns = (self._pipeline.time_ns or None) if self._epoch >= 0 else None
+        # may want more memory than there is
+        self._pipeline = Pipeline(settings, span[0] if span else now_ns, self._given)
+        self._settings = settings
+        self._ready: deque[Measurement] = deque()
+        self._by_hand = False
+        self._sought = False
+        self._epoch += 1
+        self._transport.begin()
+        self._publisher.touch()
+
+    # ------------------------------------------------------------------------------------------- reporting
+
+    @property
+    def _now_ns(self) -> int:
+        """The time that a change made now belongs to: right after the last scan."""
+        return self._pipeline.time_ns + (self._pipeline.last_scan_ns is not None)
+
+    @property
+    def _report(self) -> SourceReport:
+        dropped = self._feeder.dropped if self._feeder else 0
+        return merged(self._source.report, self._pipeline.skipped, dropped)
+
+    def _log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
+        self._publisher.log(LogEntry(self._pipeline.time_ns, text, level, self._pipeline.scans, answer))
+
+    def _publish(self, resting: bool) -> None:
+        if self._publisher.due(resting):
+            config, saves = self._settings.at(self._now_ns), self._out is not None
+            run = Run(self._pipeline, self._transport, config, self._report, self._epoch, saves, self._obeyed)
+            self._publisher.publish(run, complete=resting)

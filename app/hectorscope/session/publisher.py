@@ -1,0 +1,154 @@
+"""Composes snapshots of a pipeline and leaves them in the mailbox, no more often than anybody can look."""
+
+import time
+from dataclasses import dataclass
+from typing import Literal
+
+from hectorscope.inputs import Source, SourceReport
+from hectorscope.run.map_images import MapImage, map_images
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.session.event_log import Journal
+from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.snapshot import LogEntry, PlaybackStatus, Snapshot
+from hectorscope.session.transport import Transport
+from slam_core.config import SlamConfig
+from slam_core.results import StepResult
+
+SNAPSHOT_S = 1 / 60
+MAPS_S = 1 / 5
+STREAM_S = 1 / 2  # a stream's counters are shown this often even when no scan comes
+
+LogLevel = Literal["info", "warning", "error"]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a snapshot is composed of. config: the one in force now. saves, obeyed: as in a `Snapshot`."""
+
+    pipeline: Pipeline
+    transport: Transport
+    config: SlamConfig
+    report: SourceReport
+    epoch: int
+    saves: bool
+    obeyed: int
+
+
+class Publisher:
+    """Keeps the log, the map images and the pace of the snapshots of one source."""
+
+    def __init__(self, source: Source) -> None:
+        self.mailbox: Mailbox[Snapshot] = Mailbox()
+        self._source = source
+        self._journal = Journal()
+        self._noted: set[str] = set()
+        self._news = True
+        self._sequence = 0
+        self._published = 0.0
+        self._maps: tuple[MapImage, ...] = ()
+        self._drawn: tuple[int, int] | None = None  # epoch and map updates that the images show
+        self._drawn_at = 0.0
+        self._revision = 0
+
+    def log(self, entry: LogEntry) -> None:
+        """One more line for the page."""
+        self._journal.add(entry)
+        self.touch()
+
+    def touch(self) -> None:
+        """There is something new to show."""
+        self._news = True
+
+    def due(self, resting: bool) -> bool:
+        """Whether to publish now: news wait for their turn, unless the engine is about to rest."""
+        age = time.monotonic() - self._published
+        return (self._news and (resting or age >= SNAPSHOT_S)) or (self._source.live and age >= STREAM_S)
+
+    def publish(self, run: Run, *, complete: bool) -> None:
+        """Put a snapshot into the mailbox. complete: show the map as it is now, however recently it was drawn."""
+        pipeline = run.pipeline
+        warnings = (*run.report.warnings, *pipeline.warnings())
+        self._log_notes(run)
+        self._published = time.monotonic()
+        self._news = False
+        self._sequence += 1
+        self._draw_maps(pipeline, run.epoch, complete)
+        snapshot = Snapshot(
+            sequence=self._sequence,
+            epoch=run.epoch,
+            source=self._source.name,
+            playback=status(self._source, pipeline, run.transport),
+            config=run.config,
+            result=pipeline.result,
+            trajectory=pipeline.trajectory,
+            navigation=pipeline.navigation,
+            truth=pipeline.truth,
+            truth_in_map=pipeline.truth_in_map,
+            series=pipeline.series.view(SERIES_DTYPE).reshape(-1),
+            maps=self._maps,
+            map_updates=pipeline.slam.pyramid.updates,
+            scans=pipeline.scans,
+            report=run.report,
+            log=self._journal.entries,
+            mode=pipeline.mode,
+            searching=pipeline.slam.searching,
+            warnings=warnings,
+            unused=dict(pipeline.slam.unused),
+            saves=run.saves,
+            obeyed=run.obeyed,
+        )
+        self.mailbox.put(snapshot)
+
+    def _log_notes(self, run: Run) -> None:
+        """What the source and the pipeline found, and what holds the pipeline back, each once."""
+        pipeline = run.pipeline
+        now = pipeline.time_ns, pipeline.scans
+        for note in (*run.report.notes, *pipeline.slam.notes):
+            self._note(*now, note, "info")
+        for warning in run.report.warnings:
+            self._note(*now, warning, "warning")
+        for warning, (time_ns, scans) in pipeline.warned.items():
+            self._note(time_ns, scans, warning, "warning")
+
+    def _note(self, time_ns: int, scans: int, text: str, level: LogLevel) -> None:
+        if text not in self._noted:
+            self._noted.add(text)
+            self.log(LogEntry(time_ns, text, level, scans))
+
+    def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
+        state = (epoch, pipeline.slam.pyramid.revision)
+        anew = self._drawn is None or epoch != self._drawn[0]
+        if state == self._drawn or not (anew or complete or self._published - self._drawn_at >= MAPS_S):
+            return
+        self._drawn, self._drawn_at = state, self._published
+        self._revision += 1
+        self._maps = map_images(pipeline.slam.pyramid, self._revision)
+
+
+def status(source: Source, pipeline: Pipeline, transport: Transport) -> PlaybackStatus:
+    """Where the run is."""
+    span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
+    detail = transport.failure or transport.preparing or source.report.waiting
+    if transport.target_ns is not None:
+        whole_ns = max(1, transport.target_ns - start_ns)
+        detail = f"running up to {whole_ns / 1e9:.1f} s: {100 * (time_ns - start_ns) // whole_ns} %"
+    return PlaybackStatus(
+        state=transport.state(pipeline.scans),
+        live=source.live,
+        time_ns=time_ns,
+        start_ns=start_ns,
+        end_ns=span[1] if span else None,
+        speed=transport.speed,
+        realtime_factor=transport.meter.realtime_factor,
+        scan_rate=transport.meter.scan_rate,
+        detail=detail,
+    )
+
+
+def change_of_tracking(before: StepResult | None, result: StepResult | None) -> tuple[str, LogLevel] | None:
+    """What to log when the pose is lost or found between two scans; None if that did not change."""
+    if before is None or result is None or result.tracking in {before.tracking, "tracking"}:
+        return None
+    because = f": {result.reason}" if result.reason else ""
+    return f"The pose is {result.tracking}{because}", "info" if result.tracking == "recovered" else "warning"

@@ -1,0 +1,88 @@
+"""The whole run at one moment: what the engine publishes for views and panels.
+
+Immutable values. The arrays are views of append-only buffers: safe to keep, never to write.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hectorscope.inputs import SourceReport
+from hectorscope.run.map_images import MapImage
+from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.run.settings import Mode
+from slam_core.config import SlamConfig
+from slam_core.results import StepResult
+
+PlaybackState = Literal["loading", "playing", "paused", "seeking", "ended", "waiting", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class PlaybackStatus:
+    """Where the run is. Times are of the recording; a live stream has no end (end_ns None)."""
+
+    state: PlaybackState = "loading"
+    live: bool = False
+    time_ns: int = 0
+    start_ns: int = 0
+    end_ns: int | None = None
+    speed: float = 1.0
+    realtime_factor: float = 0.0
+    scan_rate: float = 0.0
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class LogEntry:
+    """A line for the page's log, at a time of the recording, when so many scans had given a result.
+
+    answer: whether it answers what somebody asked for by hand, who may have no eye on the log.
+    """
+
+    time_ns: int
+    text: str
+    level: Literal["info", "warning", "error"] = "info"
+    scans: int = 0
+    answer: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """The whole run at one moment, for whoever draws it.
+
+    epoch: grows at every restart or backward seek; a view that sees it change forgets what it drew.
+    trajectory: (n, 8) stamp in seconds since the start, x, y, z, qw, qx, qy, qz of T_map_base, one row a scan.
+    navigation: (n, 11) the same columns and the velocity in the map, a hundred times a second.
+    truth: the columns of the trajectory. truth_in_map: (4,) x, y, z, yaw that carry truth into the map frame
+    (first pose on first pose). series: structured (n,) of SERIES_DTYPE, one row a scan. maps: finest level first.
+    mode: whether the map is new, given and left as it is, or given and going on. searching: why the robot's place
+    in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the remedies.
+    unused: what was not used of inertial data and aids as it came, by reason.
+    saves: whether there is a folder for Save. obeyed: how many commands have been carried out or refused so far.
+    """
+
+    sequence: int = 0
+    epoch: int = 0
+    source: str = ""
+    playback: PlaybackStatus = PlaybackStatus()
+    config: SlamConfig = field(default_factory=SlamConfig)
+    result: StepResult | None = None
+    trajectory: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 8)))
+    navigation: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 11)))
+    truth: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 8)))
+    truth_in_map: NDArray[np.float64] = field(default_factory=lambda: np.zeros(4))
+    series: NDArray[np.void] = field(default_factory=lambda: np.empty(0, SERIES_DTYPE))
+    maps: tuple[MapImage, ...] = ()
+    map_updates: int = 0
+    scans: int = 0
+    report: SourceReport = field(default_factory=SourceReport)
+    log: tuple[LogEntry, ...] = ()
+    mode: Mode = "map"
+    searching: str = ""
+    warnings: tuple[str, ...] = ()
+    unused: Mapping[str, int] = field(default_factory=dict)
+    saves: bool = False
+    obeyed: int = 0

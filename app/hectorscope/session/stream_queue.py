@@ -1,0 +1,81 @@
+"""The hand-over from the thread that reads a source to the thread that steps the pipeline."""
+
+import threading
+from collections import deque
+
+from hectorscope.inputs import Item
+from slam_core.measurements import LaserScan
+
+
+class StreamQueue:
+    """Bounded by its scans: a recording waits for room, a live stream gives up its oldest waiting scan.
+
+    Everything else is small and precious (the filter integrates it), so it is never given up; the order of
+    arrival is kept. One thread calls `put` and `finish`, one calls `get`; `close` may come from anywhere.
+    """
+
+    def __init__(self, live: bool, scans: int = 16) -> None:
+        self.dropped = 0
+        self._live = live
+        self._scans = scans
+        self._slots: deque[list[Item]] = deque()  # one item each; a slot emptied is a scan given up
+        self._waiting: deque[list[Item]] = deque()  # the slots that hold a scan
+        self._changed = threading.Condition()
+        self._finished = self._closed = False
+
+    def put(self, item: Item) -> bool:
+        """Append; a recording blocks while it is full. False after `close`: stop reading."""
+        slot = [item]
+        with self._changed:
+            if isinstance(item, LaserScan):
+                self._make_room()
+                self._waiting.append(slot)
+            if not self._closed:
+                self._slots.append(slot)
+                self._changed.notify_all()
+            return not self._closed
+
+    def _make_room(self) -> None:
+        while len(self._waiting) >= self._scans and not self._closed:
+            if self._live:
+                self._waiting.popleft().clear()
+                self.dropped += 1
+            else:
+                self._changed.wait()
+
+    def get(self, timeout: float | None = None) -> Item | None:
+        """The oldest item; None when nothing came within `timeout` seconds, or nothing will come any more."""
+        with self._changed:
+            while True:
+                while self._slots:
+                    slot = self._slots.popleft()
+                    if slot:
+                        return self._taken(slot)
+                if self._finished or self._closed or not self._changed.wait(timeout):
+                    return None
+
+    def _taken(self, slot: list[Item]) -> Item:
+        if self._waiting and self._waiting[0] is slot:
+            self._waiting.popleft()
+            self._changed.notify_all()
+        return slot[0]
+
+    def finish(self) -> None:
+        """Nothing more will come; what waits is still handed out."""
+        with self._changed:
+            self._finished = True
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """Forget what waits and let both sides go."""
+        with self._changed:
+            self._closed = True
+            self._slots.clear()
+            self._waiting.clear()
+            self._changed.notify_all()
+
+    @property
+    def done(self) -> bool:
+        """Whether `get` will never hand out anything again."""
+        with self._changed:
+            return self._closed or (self._finished and not any(self._slots))

@@ -1,0 +1,131 @@
+"""What a player's buttons mean: whether the next scan may go now, later, or not before a command."""
+
+import math
+import time
+
+from hectorscope.session.playback import Clock, Pacer, RateMeter
+from hectorscope.session.snapshot import PlaybackState
+
+SLOWEST = 0.1
+SILENCE_S = 1.0  # a live stream without a scan for so long is waited for
+
+
+class Transport:
+    """Play, pause, one step, a seek, the end or a failure, of a recording or a live stream.
+
+    A stream flows on while it is paused: its scans are `unwanted`. clock: seconds, monotonic.
+    """
+
+    def __init__(
+        self, live: bool, autoplay: bool = True, speed: float = 1.0, clock: Clock = time.monotonic
+    ) -> None:
+        self.live = live
+        self.preparing = ""
+        self.failure = ""
+        self.meter = RateMeter(clock)
+        self._clock = clock
+        self._pacer = Pacer(speed, clock)
+        self._paused = not autoplay
+        self.begin()
+
+    def begin(self) -> None:
+        """At the beginning again, playing or paused as before."""
+        self.failure, self._ended, self._single = "", False, False
+        self.target_ns: int | None = None
+        self._passed_at = self._clock()
+        self._rest()
+
+    def play(self) -> None:
+        """On from here."""
+        self._paused, self._single, self.target_ns = False, False, None
+        self._rest()
+
+    def pause(self) -> None:
+        """Nothing more."""
+        self._paused, self._single, self.target_ns = True, False, None
+        self._rest()
+
+    def step(self) -> None:
+        """One scan, then nothing more."""
+        self.pause()
+        self._single = not self.stopped
+
+    def seek(self, time_ns: int) -> None:
+        """As fast as it goes through every scan up to this time, then as before."""
+        self._single, self.target_ns = False, None if self.stopped else time_ns
+
+    def end(self) -> None:
+        """There is no more."""
+        self._ended, self._single, self.target_ns = True, False, None
+
+    def fail(self, reason: str) -> None:
+        """It cannot go on."""
+        self.failure, self._single, self.target_ns = reason, False, None
+
+    @property
+    def speed(self) -> float:
+        """Times real time."""
+        return self._pacer.speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._pacer.speed = max(SLOWEST, speed)
+
+    @property
+    def stopped(self) -> bool:
+        """Ended or failed: only a new beginning helps."""
+        return self._ended or bool(self.failure)
+
+    @property
+    def running(self) -> bool:
+        """Playing, or on the way to another time."""
+        return not self.stopped and (not self._paused or self.target_ns is not None)
+
+    @property
+    def unwanted(self) -> bool:
+        """Whether scans go by unprocessed."""
+        return self.live and self._paused and not self._single
+
+    def patience(self, scan_ns: int | None) -> float | None:
+        """Seconds to wait (None: for ever) before going on with a scan of this time, or with other data (None)."""
+        if self.stopped:
+            return None
+        if scan_ns is None or self.live or self._single or self.target_ns is not None:
+            return 0.0
+        return None if self._paused else self._pacer.delay(scan_ns)
+
+    def arrives(self, scan_ns: int) -> bool:
+        """Whether a seek ends before this scan; if so it has ended now."""
+        if self.target_ns is None or scan_ns <= self.target_ns:
+            return False
+        self.target_ns = None
+        self._rest()
+        return True
+
+    def passed(self, scan_ns: int) -> None:
+        """A scan went by."""
+        self._single = False
+        self._passed_at = self._clock()
+        self.meter.count(scan_ns)
+
+    def state(self, scans: int) -> PlaybackState:
+        """The one word for all this, after so many scans."""
+        playing: PlaybackState = "playing" if scans else "loading"
+        if self.live and self._clock() - self._passed_at > SILENCE_S:
+            playing = "waiting"
+        choices: list[tuple[bool, PlaybackState]] = [
+            (bool(self.failure), "failed"),
+            (self._ended, "ended"),
+            (self.target_ns is not None, "seeking"),
+            (self._paused and not self._single, "paused"),
+        ]
+        return next((state for holds, state in choices if holds), playing)
+
+    def _rest(self) -> None:
+        self._pacer.rest()
+        self.meter.reset()
+
+
+def valid_speed(speed: float) -> bool:
+    """Whether a number can be a speed at all."""
+    return not math.isnan(speed) and speed > 0

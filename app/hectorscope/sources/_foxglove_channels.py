@@ -1,0 +1,98 @@
+"""The channels of a Foxglove server: what it offers, what is wanted of it, and how that is decoded."""
+
+import re
+from dataclasses import fields, replace
+
+from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.ros.decode import Decode, Generation, decoder
+from hectorscope.ros.roles import ROLE_TYPES, TF_TYPES, Roles, Topic, check_overrides, choose_roles
+from hectorscope.sources._foxglove_wire import Offer
+
+# Names and definitions end up in generated code, so nothing but names may pass.
+_TYPE_NAME = re.compile(r"([A-Za-z]\w*)/(?:msg/)?([A-Za-z]\w*)", re.ASCII)
+LONGEST_DEFINITION = 200_000
+_USABLE_TYPES = frozenset(name for names in (*ROLE_TYPES.values(), TF_TYPES) for name in names)
+
+
+class ChannelError(Exception):
+    """A channel that is wanted cannot be decoded; the text says why."""
+
+
+class Channels:
+    """What one connection offers. A topic that was given a part keeps it, whatever is offered later."""
+
+    def __init__(self, options: SourceOptions) -> None:
+        self.roles = Roles()
+        self._options = options
+        self.reset()
+
+    def reset(self) -> None:
+        """A new connection: its channels are numbered anew."""
+        self._offers: dict[int, Offer] = {}
+        self._decoders: dict[int, tuple[str, Decode]] = {}
+        self._seen: set[int] = set()
+
+    def add(self, offer: Offer) -> None:
+        """A channel is there."""
+        self._offers[offer.id] = offer
+
+    def remove(self, channel: int) -> None:
+        """A channel is gone; messages of it that are on their way are still decoded."""
+        self._offers.pop(channel, None)
+        self._seen.discard(channel)
+
+    def decode(self, channel: int) -> tuple[str, Decode] | None:
+        """The topic of a channel and the function for its messages; None if it was not asked for."""
+        return self._decoders.get(channel)
+
+    def choose(self) -> list[Offer]:
+        """Give out the parts that are still vacant; the wanted channels that were not seen before."""
+        self.roles = _filled(self.roles, choose_roles(self._topics(), self._options))
+        topics = self.roles.topics()
+        unseen = [offer for offer in self._offers.values() if offer.id not in self._seen]
+        wanted = [o for o in unseen if o.topic in topics and message_type(o) in _USABLE_TYPES]
+        self._seen.update(offer.id for offer in wanted)
+        return wanted
+
+    def prepare(self, offer: Offer) -> None:
+        """Make ready for the messages of a wanted channel; ChannelError if they cannot be decoded."""
+        if len(offer.schema) > LONGEST_DEFINITION:
+            raise ChannelError(f"its definition of {offer.schema_name} is too long to be one")
+        generation: Generation = "ros2" if offer.encoding == "cdr" else "ros1"
+        try:
+            decode = decoder(generation, message_type(offer), offer.schema)
+        except Exception as error:  # text from a stranger has many ways to be no definition
+            raise ChannelError(f"its definition of {offer.schema_name} cannot be read") from error
+        if decode is None:
+            raise ChannelError(f"its {offer.schema_name} is not the one that everybody knows")
+        self._decoders[offer.id] = offer.topic, decode
+
+    def missing(self) -> str:
+        """What has to be offered yet before there is anything to see, with the remedy; empty if all is there."""
+        topics = self._topics()
+        try:
+            check_overrides(topics, self._options)
+        except SourceError as error:
+            return str(error)
+        if self.roles.scan is None:
+            return f"none of the {len(topics)} topics is a LaserScan: start the laser's driver"
+        if all(topic.name != self.roles.scan for topic in topics):
+            return f"{self.roles.scan} was withdrawn: start the laser's driver again"
+        return ""
+
+    def _topics(self) -> list[Topic]:
+        offers = list(self._offers.values())
+        return [Topic(offer.topic, name) for offer in offers if (name := message_type(offer))]
+
+
+def message_type(offer: Offer) -> str:
+    """The ROS 2 style name of a channel's messages; empty for what is no ROS message."""
+    name = _TYPE_NAME.fullmatch(offer.schema_name)
+    return f"{name[1]}/msg/{name[2]}" if name and offer.encoding in ("cdr", "ros1") else ""
+
+
+def _filled(held: Roles, new: Roles) -> Roles:
+    """`new`, where nobody holds the part; transforms are all welcome."""
+    parts = {f.name: getattr(held, f.name) for f in fields(held) if isinstance(getattr(held, f.name), str)}
+    transforms = (*held.transforms, *(topic for topic in new.transforms if topic not in held.transforms))
+    return replace(new, **parts, transforms=transforms)

@@ -1,0 +1,150 @@
+"""A connection to a Foxglove server that is made again whenever it is lost."""
+
+import socket
+import ssl
+import threading
+from collections.abc import Iterator
+
+from websockets.exceptions import (
+    ConnectionClosed,
+    InvalidHandshake,
+    InvalidMessage,
+    InvalidStatus,
+    InvalidURI,
+    WebSocketException,
+)
+from websockets.sync.client import ClientConnection, connect
+from websockets.uri import parse_uri
+
+from hectorscope.inputs import SourceError
+from hectorscope.sources._foxglove_wire import SUBPROTOCOLS
+
+FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.25, 5.0
+CONNECT_TIMEOUT_S = 5.0
+# A robot with hundreds of topics sends megabytes of definitions in one frame; nothing honest is larger.
+LARGEST_FRAME = 32 * 2**20
+
+_FAILURES = (OSError, WebSocketException, UnicodeError)
+# What went wrong and what to do about it; the first kind that fits is told.
+_NEEDED = "it must be a Foxglove WebSocket server, such as foxglove_bridge (port 8765 unless told otherwise)"
+_REMEDIES: tuple[tuple[type[Exception], str], ...] = (
+    (InvalidURI, "{uri} is no WebSocket address: give ws://HOST:PORT or wss://HOST:PORT"),
+    (UnicodeError, "{uri} names no possible host: give ws://HOST:PORT or wss://HOST:PORT"),
+    (socket.gaierror, "the host of {uri} is not known: check its spelling, or give its number"),
+    (ConnectionRefusedError, "nothing listens at {uri}: start the bridge there (foxglove_bridge)"),
+    (TimeoutError, "{uri} does not answer: check that the host is up and the port is open"),
+    (
+        ssl.SSLCertVerificationError,
+        "the certificate of {uri} is not trusted ({error.verify_message}): name its issuer in SSL_CERT_FILE",
+    ),
+    (ssl.SSLError, "{uri} does not speak TLS: give ws:// in place of wss://"),
+    (InvalidStatus, "{uri} answers with HTTP status {error.response.status_code}: " + _NEEDED),
+    (InvalidMessage, "{uri} does not greet like a WebSocket server (with a certificate: wss://): " + _NEEDED),
+    (InvalidHandshake, "{uri} speaks another protocol: " + _NEEDED),
+)
+_REMEDY = "{uri} cannot be reached ({error}): check the network"
+
+
+class Link:
+    """One connection after another to the same address, until `close`.
+
+    status: why nothing flows right now; empty while connected.
+    """
+
+    def __init__(self, uri: str) -> None:
+        """Try once: SourceError if waiting would not help, as with a wrong address or another protocol."""
+        self.uri = uri
+        self.status = ""
+        self._closed = threading.Event()
+        self._connection: ClientConnection | None = None
+        try:
+            self._connection = _connect(uri)
+        except _FAILURES as error:
+            if _is_final(error):
+                raise SourceError(_explain(uri, error)) from error
+            self.status = _explain(uri, error)
+
+    def connections(self) -> Iterator[Iterator[str | bytes]]:
+        """The frames of every connection that is made; between two of them the pauses grow up to a limit."""
+        pause = 0.0
+        while not self._closed.wait(pause):
+            connection = self._connection or self._reconnect(pause)
+            if connection is None:
+                pause = min(max(FIRST_PAUSE_S, 2.0 * pause), LONGEST_PAUSE_S)
+                continue
+            pause = FIRST_PAUSE_S
+            yield self._frames(connection)
+            self._connection = None
+
+    def _reconnect(self, waited: float) -> ClientConnection | None:
+        try:
+            self._connection = _connect(self.uri)
+        except _FAILURES as error:
+            self.status = _explain(self.uri, error)
+            return None
+        if self._closed.is_set():  # while it was being made, when there was nothing to close yet
+            self._connection.close()
+        return self._connection
+
+    def _frames(self, connection: ClientConnection) -> Iterator[str | bytes]:
+        self.status = ""
+        with connection:
+            try:
+                while True:
+                    yield connection.recv()
+            except ConnectionClosed as error:
+                self.status = f"lost the connection to {self.uri} ({_reason(error)}): trying again"
+
+    def send(self, text: str) -> None:
+        """Ask something of the server; a connection that is just being lost will be noticed by its reader."""
+        if self._connection is not None:
+            try:
+                self._connection.send(text)
+            except ConnectionClosed:
+                return
+
+    def close(self) -> None:
+        """End `connections`, from any thread."""
+        self._closed.set()
+        if self._connection is not None:
+            self._connection.close()
+
+
+def _connect(uri: str) -> ClientConnection:
+    try:
+        parse_uri(uri)
+    except ValueError as error:  # a port that is no number
+        raise InvalidURI(uri, str(error)) from error
+    connection = connect(
+        uri,
+        subprotocols=SUBPROTOCOLS,
+        compression=None,  # a robot's processor has better things to do
+        proxy=None,  # a robot is a neighbour, not a web site
+        open_timeout=CONNECT_TIMEOUT_S,
+        ping_interval=5.0,
+        ping_timeout=10.0,
+        close_timeout=1.0,
+        max_size=LARGEST_FRAME,
+    )
+    if connection.subprotocol is None:
+        connection.close()
+        raise InvalidHandshake("the server chose none of the sub-protocols offered")
+    return connection
+
+
+def _is_final(error: Exception) -> bool:
+    """Whether only a person can help."""
+    if isinstance(error, InvalidStatus):
+        return error.response.status_code < 500
+    if isinstance(error, InvalidMessage):  # cut off while greeting: perhaps it is just starting
+        return not isinstance(error.__cause__, EOFError)
+    return isinstance(error, InvalidURI | UnicodeError | InvalidHandshake | socket.gaierror | ssl.SSLError)
+
+
+def _explain(uri: str, error: Exception) -> str:
+    text = next((text for kind, text in _REMEDIES if isinstance(error, kind)), _REMEDY)
+    return text.format(uri=uri, error=error)
+
+
+def _reason(error: ConnectionClosed) -> str:
+    return error.rcvd.reason or "closed by the server" if error.rcvd else "broken off"

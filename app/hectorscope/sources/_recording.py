@@ -1,0 +1,90 @@
+"""What every container of recorded messages looks like once it is open, whatever wrote it."""
+
+import heapq
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from hectorscope.ros.decode import DefinitionFormat, Generation
+
+
+class Channel(NamedTuple):
+    """One topic in one type, as the container describes it; definition is empty where it carries none."""
+
+    topic: str
+    msgtype: str
+    generation: Generation
+    definition: str = ""
+    form: DefinitionFormat = "msg"
+
+
+@dataclass(slots=True, eq=False)
+class Raw:
+    """One serialised message and when it was recorded."""
+
+    channel: Channel
+    log_ns: int
+    data: bytes
+
+
+Read = Callable[[Collection[Channel]], Iterator[Raw]]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """An open container. `read` gives the messages of some channels by time; every call starts anew.
+
+    container: what it is, for people. span_ns: times of the first and the last message.
+    damage: why it is known not to be whole; empty if it is. close: let go of the files.
+    """
+
+    path: Path
+    container: str
+    messages: Counter[Channel]
+    span_ns: tuple[int, int]
+    read: Read
+    damage: str = ""
+    close: Callable[[], None] = lambda: None
+
+
+def by_scanning(path: Path, container: str, scan: Callable[[], Iterator[Raw]], damage: str) -> Recording:
+    """A recording without a usable index: read through once for its contents, and sorted at every reading."""
+    messages: Counter[Channel] = Counter()
+    first_ns, last_ns = 2**63, 0
+    for raw in scan():
+        messages[raw.channel] += 1
+        first_ns, last_ns = min(first_ns, raw.log_ns), max(last_ns, raw.log_ns)
+
+    def read(channels: Collection[Channel]) -> Iterator[Raw]:
+        wanted = frozenset(channels)
+        yield from sorted((raw for raw in scan() if raw.channel in wanted), key=_log_time)
+
+    return Recording(path, container, messages, (first_ns, last_ns), read, damage)
+
+
+def joined(path: Path, parts: Iterable[Recording], damage: str) -> Recording:
+    """Several files of one recording as one."""
+    pieces = list(parts)
+    messages: Counter[Channel] = Counter()
+    for piece in pieces:
+        messages.update(piece.messages)
+
+    def read(channels: Collection[Channel]) -> Iterator[Raw]:
+        return heapq.merge(*(piece.read(channels) for piece in pieces), key=_log_time)
+
+    full = [piece.span_ns for piece in pieces if piece.messages]
+    span_ns = (min((s[0] for s in full), default=0), max((s[1] for s in full), default=0))
+    damages = [damage, *(piece.damage for piece in pieces)]
+
+    def close() -> None:
+        for piece in pieces:
+            piece.close()
+
+    damage = "; ".join(filter(None, damages))
+    return Recording(path, pieces[0].container, messages, span_ns, read, damage, close)
+
+
+def _log_time(raw: Raw) -> int:
+    return raw.log_ns

@@ -1,0 +1,152 @@
+"""Logs of text that hold a laser and the wheels, a line an instant; what a line means is told by each format."""
+
+import gzip
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from hectorscope.common.paths import absence
+from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport
+from hectorscope.ros.repairs import Repairs
+from hectorscope.ros.roles import ODOMETRY, SCAN, Topic, check_overrides, choose_roles
+from hectorscope.ros.stamps import AHEAD, Stamps
+from slam_core import geometry
+from slam_core.measurements import Float64s, LaserScan, Odometry, Transform, TruthPose
+
+# Over a longer step than this the velocity of the wheels is anybody's guess.
+LONGEST_STEP_NS = 2_000_000_000
+
+
+SCANS, WHEELS = "scan", "wheels"
+
+
+class BadLine(Exception):
+    """One line that is left out; the text is the reason."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instant:
+    """A scan, and where the wheels have taken the robot by then: (3,) x, y, yaw in a frame that drifts."""
+
+    scan: LaserScan
+    wheels: Float64s
+
+
+class TextLog:
+    """The measurements of a log, in its order; the wheels come as the velocity up to the scan behind them.
+
+    parse: a line's instant, None for a line that holds something else. truth: poses by the times of scans.
+    """
+
+    live = False
+
+    def __init__(self, path: Path, container: str, parse: Callable[[str], Instant | None], options: SourceOptions):
+        self.name, self.container = path.name, container
+        self.truth: dict[int, Transform] = {}
+        self._skipped: Counter[str] = Counter()
+        lines, self._notes = read_lines(path)
+        self.instants = list(self._parsed(lines, parse))
+        if not self.instants:
+            why = "; ".join(f"{count} x {reason}" for reason, count in self._skipped.items()) or "no line is one"
+            raise SourceError(f"{path} holds no scan of a {container} ({why}): give a recording")
+        times = [instant.scan.stamp_ns for instant in self.instants]
+        self.span_ns = min(times), max(times)  # a clock may have been set back in between
+        self.topics = [Topic(name, kind, len(self.instants)) for name, kind in ((SCANS, SCAN), (WHEELS, ODOMETRY))]
+        check_overrides(self.topics, replace(options, truth_topic=None))
+        self.roles = choose_roles(self.topics, options)
+        self._repairs = Repairs(options)
+        self._read = 0
+        self._closed = False
+
+    @property
+    def report(self) -> SourceReport:
+        """Scans read so far, and lines left out."""
+        return SourceReport({SCANS: self._read}, dict(self._skipped), notes=self._notes)
+
+    def log_times_ns(self) -> dict[str, list[int]]:
+        """When each topic has something to say."""
+        times = sorted(instant.scan.stamp_ns for instant in self.instants)
+        return dict.fromkeys((SCANS, WHEELS), times)
+
+    def items(self) -> Iterator[Item]:
+        """Wheels, scan and truth of each line."""
+        before: Instant | None = None
+        for count, instant in enumerate(self.instants, start=1):
+            if self._closed:
+                return
+            self._read = count
+            if before is not None and self.roles.odometry is not None:
+                yield from _velocity(before, instant)
+            scan = self._repaired(instant.scan)
+            yield scan
+            if instant.scan.stamp_ns in self.truth:
+                yield TruthPose(scan.stamp_ns, self.truth[instant.scan.stamp_ns])
+            before = instant
+
+    def close(self) -> None:
+        """End `items`; no file is open."""
+        self._closed = True
+
+    def _repaired(self, scan: LaserScan) -> LaserScan:
+        stamp_ns = scan.stamp_ns - self._repairs.scan_delay_ns
+        mount = self._repairs.laser_pose or scan.T_base_laser
+        return self._repairs.scan(replace(scan, stamp_ns=stamp_ns, T_base_laser=mount))
+
+    def _parsed(self, lines: Iterable[str], parse: Callable[[str], Instant | None]) -> Iterator[Instant]:
+        """What the lines hold, in their order; a line that cannot be used is counted."""
+        stamps = Stamps(repeats=False)
+        for line in lines:
+            try:
+                instant = parse(line)
+                fault = stamps.fault(instant.scan.stamp_ns) if instant is not None else ""
+                if fault:
+                    raise BadLine(fault if fault == AHEAD else "scan that is not later than the one before")
+            except (ValueError, IndexError, OverflowError):
+                self._skipped["line cut off or without numbers"] += 1
+            except BadLine as reason:
+                self._skipped[str(reason)] += 1
+            else:
+                if instant is not None:
+                    yield instant
+
+
+def read_lines(path: Path) -> tuple[list[str], tuple[str, ...]]:
+    """The lines of a file, unpacked, up to where it is damaged; a note if it is. SourceError without a file."""
+    if why := absence(path):
+        raise SourceError(f"{path} {why}: check the path")
+    lines: list[str] = []
+    try:
+        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+            lines.extend(line.decode("ascii", "replace") for line in file)
+    except (OSError, EOFError, zlib.error) as error:
+        return lines, (f"{path.name} is cut off or damaged ({error}): read as far as it goes",)
+    return lines, ()
+
+
+def floats(words: Sequence[str], count: int) -> Float64s:
+    """(count,) finite numbers; ValueError if there are fewer."""
+    values = np.array(words[:count], np.float64)
+    if len(values) < count or not np.isfinite(values).all():
+        raise ValueError("numbers are missing")
+    return values
+
+
+def _velocity(before: Instant, now: Instant) -> Iterator[Odometry]:
+    """The mean velocity between two instants: it holds from the first one on."""
+    step_ns = now.scan.stamp_ns - before.scan.stamp_ns
+    if not 0 < step_ns <= LONGEST_STEP_NS:
+        return
+    forward, left, turn = _mean_twist(before.wheels, now.wheels) / (step_ns * 1e-9)
+    yield Odometry(before.scan.stamp_ns, np.array([forward, left]), float(turn))
+
+
+def _mean_twist(a: Float64s, b: Float64s) -> Float64s:
+    """Metres forward and left, and radians, from pose a to pose b, seen from the heading half way."""
+    turn = geometry.wrap(b[2] - a[2])
+    c, s = np.cos(a[2] + 0.5 * turn), np.sin(a[2] + 0.5 * turn)
+    dx, dy = b[:2] - a[:2]
+    return np.array([c * dx + s * dy, c * dy - s * dx, turn])

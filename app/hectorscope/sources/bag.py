@@ -1,0 +1,168 @@
+"""Recordings of either ROS generation: .bag, rosbag2 folders, bare .mcap and .db3."""
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from hectorscope.common.paths import absence
+from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport
+from hectorscope.ros.converter import Converter
+from hectorscope.ros.decode import Decode, decoder
+from hectorscope.ros.messages import BadMessage, stamp_ns
+from hectorscope.ros.roles import (
+    ROLE_TYPES,
+    SCAN,
+    TF_TYPES,
+    Topic,
+    check_overrides,
+    choose_roles,
+    is_static_tf,
+)
+from hectorscope.sources import SourceKind
+from hectorscope.sources._containers import SUFFIXES, open_recording
+from hectorscope.sources._recording import Channel, Raw, Recording
+
+USABLE_TYPES = frozenset(name for names in (*ROLE_TYPES.values(), TF_TYPES) for name in names)
+
+
+class BagSource:
+    """A recording from its beginning to its end. Every call of `items` reads it anew, with new counters."""
+
+    live = False
+
+    def __init__(self, recording: Recording, options: SourceOptions) -> None:
+        self.name = recording.path.name
+        self.recording = recording
+        self.container = recording.container
+        self._options = options
+        self._closed = False
+        self._failure = ""
+        self._decoders = _decoders(recording)
+        scans = self._first_scans()
+        self.topics = _topics(recording, {topic: len(m.ranges) for topic, (m, _) in scans.items()})
+        check_overrides(self.topics, options)
+        self.roles = choose_roles(self.topics, options)
+        self.has_scans = self.roles.scan in scans
+        self.span_ns = self._span_ns(scans)
+        self._converter = Converter(self.roles, options)
+
+    @property
+    def report(self) -> SourceReport:
+        """Counters of the latest reading; what is wrong with the file is among the notes."""
+        report = self._converter.report
+        damage = self._failure or self.recording.damage
+        if not damage:
+            return report
+        return replace(
+            report, notes=(f"{self.name} is cut off or damaged ({damage}): read as far as it goes", *report.notes)
+        )
+
+    @property
+    def damage(self) -> str:
+        """Why the recording is known not to be whole; empty if it is."""
+        return self._failure or self.recording.damage
+
+    def items(self) -> Iterator[Item]:
+        """Measurements in the order of recording. The static transforms go ahead: they hold for all times."""
+        self._failure = ""
+        converter = self._converter = Converter(self.roles, self._options)
+        wanted = [channel for channel in self._decoders if channel.topic in self.roles.topics()]
+        static = [channel for channel in wanted if is_static_tf(channel.topic)]
+        for channels in (static, [channel for channel in wanted if channel not in static]):
+            for raw, message in self._decoded(channels, converter):
+                yield from converter.convert(raw.channel.topic, message, raw.log_ns)
+        yield from converter.flush()
+
+    def close(self) -> None:
+        """End the readings that are under way; no file stays open."""
+        self._closed = True
+        self.recording.close()
+
+    def log_times_ns(self) -> dict[str, list[int]]:
+        """When the messages of each usable topic were recorded."""
+        times: dict[str, list[int]] = {}
+        for raw in self._raw(self._decoders):
+            times.setdefault(raw.channel.topic, []).append(raw.log_ns)
+        return times
+
+    def _decoded(self, channels: Collection[Channel], converter: Converter | None) -> Iterator[tuple[Raw, Any]]:
+        for raw in self._raw(channels):
+            if self._closed:
+                return
+            try:
+                message = self._decoders[raw.channel](raw.data)
+            except BadMessage as reason:
+                if converter is not None:
+                    converter.skip(raw.channel.topic, str(reason))
+                continue
+            yield raw, message
+
+    def _raw(self, channels: Collection[Channel]) -> Iterator[Raw]:
+        """Messages up to where the file can be read."""
+        try:
+            yield from self.recording.read(channels)
+        except Exception as error:  # the parsers' ways to stumble over a damaged file are many
+            self._failure = f"{type(error).__name__}: {error}".splitlines()[0]
+
+    def _first_scans(self) -> dict[str, tuple[Any, int]]:
+        """The first scan of each scanner that can be decoded, and when it was recorded."""
+        scans = {}
+        for channel in self._decoders:
+            if channel.msgtype == SCAN:
+                found = next(self._decoded([channel], None), None)
+                if found is not None:
+                    scans[channel.topic] = (found[1], found[0].log_ns)
+        return scans
+
+    def _span_ns(self, scans: dict[str, tuple[Any, int]]) -> tuple[int, int]:
+        """First and last time by the clock of the scans, which need not be that of the recorder."""
+        begin_ns, end_ns = self.recording.span_ns
+        message, log_ns = scans.get(self.roles.scan or "", (None, 0))
+        offset_ns = stamp_ns(message, log_ns) - log_ns
+        return begin_ns + offset_ns, end_ns + offset_ns
+
+
+def open_bag(path: Path, options: SourceOptions) -> BagSource:
+    """The recording at a path, whatever is in it; SourceError if it cannot be read."""
+    return BagSource(open_recording(path), options)
+
+
+def _open(uri: str, options: SourceOptions) -> BagSource:
+    """The recording at a path; SourceError if it cannot be used for mapping."""
+    source = open_bag(Path(uri), options)
+    if source.roles.scan is None:
+        held = ", ".join(f"{topic.name} ({topic.msgtype})" for topic in source.topics)
+        raise SourceError(f"{uri} has no laser scan (sensor_msgs/LaserScan): it holds {held}")
+    if not source.has_scans:
+        because = f" ({source.damage})" if source.damage else ""
+        raise SourceError(f"{uri}: no scan of {source.roles.scan} can be read{because}: record it again")
+    return source
+
+
+def _accepts(uri: str) -> bool:
+    """Paths that end like a recording or have no suffix, as folders; whether they exist is found on opening."""
+    path = Path(uri)
+    return "://" not in uri and (path.suffix in ("", *SUFFIXES) or (not absence(path) and path.is_dir()))
+
+
+def _decoders(recording: Recording) -> dict[Channel, Decode]:
+    """For the channels that can be of use."""
+    decoders: dict[Channel, Decode] = {}
+    for channel, messages in recording.messages.items():
+        if messages and channel.msgtype in USABLE_TYPES:
+            decode = decoder(channel.generation, channel.msgtype, channel.definition, channel.form)
+            if decode is not None:
+                decoders[channel] = decode
+    return decoders
+
+
+def _topics(recording: Recording, beams: dict[str, int]) -> list[Topic]:
+    return [
+        Topic(channel.topic, channel.msgtype, messages, beams.get(channel.topic, 0))
+        for channel, messages in recording.messages.items()
+        if messages
+    ]
+
+
+SOURCE = SourceKind(_accepts, _open)

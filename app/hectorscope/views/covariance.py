@@ -1,0 +1,95 @@
+"""What each estimate believes of itself: ellipses of match, filter and fused pose, ellipsoid of the position."""
+
+from hectorscope.page.scene import Stage
+from hectorscope.page.theme import Rgb, Theme, for_line
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.views._shapes import disc, ellipse, ellipsoid, ring
+from slam_core.results import PlanarGaussian, StepResult
+
+TITLES = {"prior": "Filter", "match": "Match", "fused": "Fused"}  # drawn in this order, upwards
+LIFT = 0.04  # metres over the floor, and between one ellipse and the next
+SEE_THROUGH = 0.22
+
+
+class CovarianceView:
+    """Unit shapes whose scale and attitude change: a few bytes an update."""
+
+    title = "Covariances"
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._ellipses = [_Ellipse(stage, key, LIFT * (1 + i)) for i, key in enumerate(TITLES)]
+        root = stage.layer("position", "Position (3D)", colour="position", shown=False).root.name
+        self._ellipsoid = stage.server.scene.add_icosphere(
+            f"{root}/ellipsoid", radius=1.0, subdivisions=3, opacity=SEE_THROUGH, cast_shadow=False, visible=False
+        )
+        self._drawn: object = None
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Scale them to the newest covariances."""
+        display = self._stage.display
+        state = (snapshot.sequence, display.ellipse_scale, display.dark)
+        if state == self._drawn:
+            return
+        self._drawn = state
+        planes = gaussians(snapshot.result)
+        with self._stage.server.atomic():
+            for item in self._ellipses:
+                item.draw(planes.get(item.key), display.ellipse_scale, display.theme)
+            self._draw_position(snapshot.result, display.ellipse_scale, display.theme.position)
+
+    def _draw_position(self, result: StepResult | None, sigmas: float, colour: Rgb) -> None:
+        state = result.navigation if result else None
+        self._ellipsoid.visible = state is not None
+        if state is not None:
+            self._ellipsoid.scale, self._ellipsoid.wxyz = ellipsoid(state.covariance[3:6, 3:6], sigmas)
+            self._ellipsoid.position = state.T_map_base.translation
+            self._ellipsoid.color = colour
+
+
+def gaussians(result: StepResult | None) -> dict[str, PlanarGaussian]:
+    """The planar estimates that this scan brought, by the name of their layer."""
+    if result is None:
+        return {}
+    found = {
+        "prior": result.prior,
+        "match": result.match.gaussian if result.match else None,
+        "fused": result.fused,
+    }
+    return {key: value for key, value in found.items() if value is not None}
+
+
+class _Ellipse:
+    """A see-through disc with a rim."""
+
+    def __init__(self, stage: Stage, key: str, height: float) -> None:
+        self.key = key
+        scene = stage.server.scene
+        root = stage.layer(key, TITLES[key], colour=key, on_floor=True).root.name
+        self._frame = scene.add_frame(f"{root}/pose", show_axes=False, visible=False)
+        self._height = height
+        self._rim = scene.add_line_segments(
+            f"{root}/pose/rim", ring(), (0, 0, 0), thickness=3.0, thickness_units="screen"
+        )
+        self._disc = scene.add_mesh_simple(
+            f"{root}/pose/disc",
+            *disc(),
+            opacity=SEE_THROUGH,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+
+    def draw(self, gaussian: PlanarGaussian | None, sigmas: float, theme: Theme) -> None:
+        """Show `gaussian`, `sigmas` large."""
+        self._frame.visible = gaussian is not None
+        if gaussian is None:
+            return
+        scale, self._frame.wxyz = ellipse(gaussian.covariance[:2, :2], sigmas)
+        self._frame.position = (*gaussian.mean[:2], self._height)
+        self._rim.scale = self._disc.scale = scale
+        colour: Rgb = getattr(theme, self.key)
+        self._rim.colors, self._disc.color = for_line(colour), colour
+
+
+VIEW = CovarianceView

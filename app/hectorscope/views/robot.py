@@ -1,0 +1,57 @@
+"""The robot: a small body with a nose, tilted as estimated, and its outline on the floor."""
+
+import numpy as np
+
+from hectorscope.page.scene import Stage
+from hectorscope.page.theme import for_line
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.views._shapes import prism, ring
+from slam_core.geometry import heading, yaw_quaternion
+
+HULL = np.array([[-0.3, -0.2], [0.1, -0.2], [0.36, 0.0], [0.1, 0.2], [-0.3, 0.2]])  # metres, nose at +x
+LIFT = 0.02  # metres over the floor
+LASER_COLOUR = (40, 44, 52)
+
+
+class RobotView:
+    """Body and laser in base_link, a ring in base_footprint."""
+
+    title = "Robot"
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        scene = stage.server.scene
+        self._body = stage.layer("robot", "Robot", colour="robot").root
+        name = self._body.name
+        self._hull = scene.add_mesh_simple(
+            f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True, visible=False
+        )
+        scene.add_cylinder(
+            f"{name}/hull/laser", radius=0.07, height=0.1, color=LASER_COLOUR, position=(0.08, 0.0, 0.21)
+        )
+        self._ring = scene.add_line_segments(
+            f"{stage.floor.name}/footprint", ring(32) * 0.45, (0, 0, 0), thickness=2.0, thickness_units="screen",
+            visible=False,
+        )  # fmt: skip
+        self._drawn: object = None
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Move it to the newest pose."""
+        theme, result = self._stage.theme, snapshot.result
+        state = (snapshot.sequence, theme.dark, self._body.visible)
+        if state == self._drawn:
+            return
+        self._drawn = state
+        with self._stage.server.atomic():
+            self._hull.visible = result is not None
+            self._ring.visible = result is not None and self._body.visible
+            self._hull.color = theme.robot
+            self._ring.colors = for_line(theme.robot)
+            if result is not None:
+                T = result.T_map_base
+                self._body.position, self._body.wxyz = T.translation, T.rotation
+                self._ring.position = (*T.translation[:2], LIFT)
+                self._ring.wxyz = yaw_quaternion(heading(T.rotation))
+
+
+VIEW = RobotView

@@ -1,0 +1,68 @@
+"""Where in the cells of the finest level the surfaces lie, which the match settles on: a piece of line a cell."""
+
+import numpy as np
+import viser
+
+from hectorscope.page.scene import Stage
+from hectorscope.page.theme import for_lines
+from hectorscope.run.map_images import MapImage
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.views._levels import placements
+from slam_core.mapping.surfels import pieces
+from slam_core.measurements import Float32s
+
+LIFT = 0.02  # metres over the floor
+PIXELS = 2.0
+
+
+class SurfelsView:
+    """Off until somebody asks for it, and nothing is sent until then. What counts little is hardly seen."""
+
+    title = "Surfels"
+    rate = 1.0
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._layer = stage.layer("surfels", "Surfels", colour="accent", on_floor=True, shown=False)
+        self._lines: viser.LineSegmentsHandle | None = None
+        self._drawn: object = None
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Send the lines of a map that changed."""
+        display, maps = self._stage.display, snapshot.maps
+        if self._layer.key in display.hidden:
+            return
+        finest = maps[0] if maps and placements(display, maps)[0].shown else None
+        state = (snapshot.epoch, finest and finest.revision, display.dark)
+        if state == self._drawn:
+            return
+        self._drawn = state
+        segments, colours = self._encoded(finest)
+        with self._stage.server.atomic():
+            self._show(segments, colours)
+
+    def _encoded(self, finest: MapImage | None) -> tuple[Float32s, np.ndarray]:
+        """Segments (n, 2, 3), and the colours of their ends."""
+        if finest is None:
+            return np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8)
+        ends, counts = pieces(finest.surfels, finest.resolution, finest.x, finest.y)
+        segments = np.concatenate([ends, np.full((len(ends), 2, 1), LIFT, np.float32)], axis=2)
+        theme = self._stage.theme
+        none, whole = np.array(theme.free), np.array(theme.accent)
+        colours = for_lines(none + counts[:, None] * (whole - none))
+        return segments, np.repeat(colours[:, None], 2, axis=1)
+
+    def _show(self, segments: Float32s, colours: np.ndarray) -> None:
+        if self._lines is not None:
+            self._lines.visible = len(segments) > 0
+        if not len(segments):  # without any there can be no node
+            return
+        if self._lines is None:
+            self._lines = self._stage.server.scene.add_line_segments(
+                f"{self._layer.root.name}/lines", segments, colours, thickness=PIXELS, thickness_units="screen"
+            )
+        else:
+            self._lines.points, self._lines.colors = segments, colours
+
+
+VIEW = SurfelsView

@@ -1,0 +1,142 @@
+"""Who may come in, and what they get.
+
+viser has no login, no check of Origin or Host, and believes every value a browser sends. The gate stands before
+it: it answers every HTTP request itself and lets a WebSocket through only from our own page (messages.py then
+passes on only what this page's controls need).
+"""
+
+import hmac
+import ipaddress
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from http import HTTPStatus
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs, unquote, urlsplit
+
+from hectorscope.page.static_files import File
+
+HOST = re.compile(r"(?P<name>[A-Za-z0-9.\-]+|\[[0-9A-Fa-f:.]+\])(:\d+)?")
+FORBIDDEN_QUERIES = ("websocket", "playbackPath")  # they make the page take scripts or scenes from elsewhere
+HEALTH = "/healthz"  # open to anybody: says only that the server runs
+FOREIGN_HOST = "Unknown host name: use the address that was printed when the program started.\n"
+FOREIGN_ORIGIN = "Requests from other sites are refused.\n"
+FOREIGN_SERVER = "This page shows its own server only.\n"
+NO_TOKEN = "This page needs the whole address, with its token: it was printed when the program started.\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """An HTTP answer."""
+
+    status: HTTPStatus
+    headers: Mapping[str, str] = field(default_factory=dict)
+    body: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Gate:
+    """Decides over HTTP requests. `files` is everything that is served, by path; "/" is the page.
+
+    token: None lets everybody in who can reach a loopback address. any_host: the server is reachable by names that
+    it cannot know, so the Host header is not checked (the token then is what protects it).
+    """
+
+    files: Mapping[str, File]
+    token: str | None = None
+    cookie: str = "hectorscope"
+    any_host: bool = False
+
+    def answer(self, target: str, headers: Mapping[str, str]) -> Reply | None:
+        """The reply to a request for `target`; None: a WebSocket may be opened. Header names in lower case."""
+        url = urlsplit(target)
+        path, query = unquote(url.path), parse_qs(url.query, keep_blank_values=True)
+        host = headers.get("host", "")
+        for refused, status, text in (
+            (not self.is_our_host(host), HTTPStatus.MISDIRECTED_REQUEST, FOREIGN_HOST),
+            (not is_same_origin(headers.get("origin"), host), HTTPStatus.FORBIDDEN, FOREIGN_ORIGIN),
+            (any(name in query for name in FORBIDDEN_QUERIES), HTTPStatus.BAD_REQUEST, FOREIGN_SERVER),
+        ):
+            if refused:
+                return plain(status, text)
+        if self.token is not None and "token" in query:
+            return self._exchange(path, query["token"][0])
+        if path != HEALTH and not self.is_admitted(headers.get("cookie", "")):
+            return plain(HTTPStatus.UNAUTHORIZED, NO_TOKEN)
+        if headers.get("upgrade", "").lower() == "websocket":
+            return None
+        return self._serve(path, headers)
+
+    def is_our_host(self, host: str) -> bool:
+        """Whether the Host header names this machine; a foreign name is another site's, bound to our address."""
+        name = host_name(host)
+        return name is not None and (self.any_host or is_loopback(name))
+
+    def is_admitted(self, cookies: str) -> bool:
+        """Whether the cookie carries the token."""
+        if self.token is None:
+            return True
+        try:
+            morsel = SimpleCookie(cookies).get(self.cookie)
+        except CookieError:
+            return False
+        return morsel is not None and hmac.compare_digest(morsel.value.encode(), self.token.encode())
+
+    def _exchange(self, path: str, token: str) -> Reply:
+        """Token for cookie: the token leaves the address bar, and scripts cannot read the cookie."""
+        if self.token is None or not hmac.compare_digest(token.encode(), self.token.encode()):
+            return plain(HTTPStatus.UNAUTHORIZED, NO_TOKEN)
+        cookie = f"{self.cookie}={self.token}; HttpOnly; SameSite=Lax; Path=/"
+        here = path.rsplit("/", 1)[-1] or "./"
+        return Reply(HTTPStatus.SEE_OTHER, {"Location": here, "Set-Cookie": cookie, **guards("")})
+
+    def _serve(self, path: str, headers: Mapping[str, str]) -> Reply:
+        found = self.files.get("/" if path == "/index.html" else path)
+        if found is None:
+            return plain(HTTPStatus.NOT_FOUND, "Not found.\n")
+        sent = {"Content-Type": found.kind, "Cache-Control": "no-cache", **guards(headers.get("host", ""))}
+        if "gzip" in headers.get("accept-encoding", ""):
+            return Reply(HTTPStatus.OK, {**sent, "Content-Encoding": "gzip"}, found.zipped)
+        return Reply(HTTPStatus.OK, sent, found.content)
+
+
+def host_name(host: str) -> str | None:
+    """The name in a Host header, without port and brackets; None when it is none."""
+    found = HOST.fullmatch(host)
+    return found["name"].strip("[]").lower() if found else None
+
+
+def is_loopback(name: str) -> bool:
+    """Whether a host name or address means this machine alone."""
+    if name == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(name).is_loopback
+    except ValueError:
+        return False
+
+
+def is_same_origin(origin: str | None, host: str) -> bool:
+    """Browsers send Origin on every WebSocket; programs that are no browsers need none."""
+    return origin is None or (origin.startswith(("http://", "https://")) and urlsplit(origin).netloc == host)
+
+
+def guards(host: str) -> dict[str, str]:
+    """The headers that keep the page to itself: own scripts, own socket, no frames around it."""
+    sockets = f"ws://{host} wss://{host}" if host else ""
+    policy = (
+        "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; worker-src 'self' blob:; "
+        "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
+        f"connect-src 'self' data: blob: {sockets}; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+    )
+    return {
+        "Content-Security-Policy": policy,
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",
+        "Cross-Origin-Resource-Policy": "same-origin",
+    }
+
+
+def plain(status: HTTPStatus, text: str) -> Reply:
+    """A line of text."""
+    return Reply(status, {"Content-Type": "text/plain; charset=utf-8", **guards("")}, text.encode())

@@ -1,0 +1,123 @@
+"""viser's server behind the access control, by private parts of viser.
+
+viser is pinned exactly; tests pin each of these uses. A page that cannot be guarded is not served.
+"""
+
+import contextlib
+import io
+import socket
+import threading
+import time
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import msgspec.msgpack
+import viser
+import websockets
+import websockets.asyncio.server
+import websockets.exceptions
+from viser.infra import _infra
+from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from hectorscope.page.viser_private import input_control
+from hectorscope.web.access_control import Gate
+from hectorscope.web.messages import admit
+from slam_core.errors import SlamError
+
+CAMERA_PERIOD = 0.5  # seconds between camera messages that reach viser: it sends 50 a second and nobody reads them
+MAX_MESSAGE = 64 * 1024  # bytes from a browser; a slider needs a hundred
+_starting = threading.Lock()
+
+
+class UnguardedError(SlamError):
+    """The gate cannot be put before the viser that is installed."""
+
+
+def open_server(listener: socket.socket, gate: Gate) -> viser.ViserServer:
+    """A viser server that accepts on `listener` only, behind `gate`. Takes over the socket."""
+    host, port = listener.getsockname()[:2]
+    guarded: list[bool] = []
+    controls: list[viser.ViserServer] = []
+
+    def find(uuid: str) -> Any:
+        return input_control(controls[0], uuid) if controls else None
+
+    def serve(handler: Any, _host: str, _port: int, **options: Any) -> Any:
+        guarded.append(True)
+        options |= {
+            "process_request": lambda _, request: answer(gate, request),
+            "create_connection": listening(find),
+            "max_size": MAX_MESSAGE,
+            "server_header": None,
+        }
+        return websockets.asyncio.server.serve(handler, sock=listener, **options)
+
+    stand_in = SimpleNamespace(**vars(websockets))
+    stand_in.asyncio = SimpleNamespace(server=SimpleNamespace(serve=serve, ServerConnection=ServerConnection))
+    with _starting, quiet():
+        names = vars(_infra)
+        original, names["websockets"] = names["websockets"], stand_in
+        try:
+            server = viser.ViserServer(host, port, label="Hectorscope", verbose=False)
+        finally:
+            names["websockets"] = original
+    controls.append(server)
+    if not guarded or server.get_port() != port:
+        stop_server(server)
+        raise UnguardedError(f"viser {viser.__version__} starts its server in another way: install viser 1.1.1")
+    return server
+
+
+def stop_server(server: viser.ViserServer) -> None:
+    """Close every connection and the port."""
+    with quiet():
+        server.stop()
+
+
+def quiet() -> contextlib.AbstractContextManager[Any]:
+    """Viser prints a banner of its own; ours says what to open."""
+    return contextlib.redirect_stdout(io.StringIO())
+
+
+def answer(gate: Gate, request: Request) -> Response | None:
+    """The gate's decision in the words of the WebSocket library."""
+    headers = {name.lower(): ", ".join(request.headers.get_all(name)) for name in request.headers}
+    reply = gate.answer(request.path, headers)
+    if reply is None:
+        return None
+    sent = Headers({**reply.headers, "Content-Length": str(len(reply.body)), "Connection": "close"})
+    return Response(reply.status.value, reply.status.phrase, sent, reply.body)
+
+
+def listening(find: Callable[[str], Any]) -> type[ServerConnection]:
+    """A connection class that hands on only what `admit` lets pass."""
+
+    class Listening(ServerConnection):
+        camera_seen = -CAMERA_PERIOD
+
+        async def recv(self, decode: bool | None = None) -> Any:
+            while True:
+                message = self.filtered(await super().recv(decode))
+                if message is not None:
+                    return message
+
+        def filtered(self, raw: Any) -> bytes | None:
+            try:
+                message = admit(msgspec.msgpack.decode(raw), find) if isinstance(raw, bytes) else None
+            except msgspec.DecodeError:
+                return None
+            if message is None or (message["type"] == "ViewerCameraMessage" and not self.wants_camera()):
+                return None
+            return msgspec.msgpack.encode(message)
+
+        def wants_camera(self) -> bool:
+            now = time.monotonic()
+            if now - self.camera_seen < CAMERA_PERIOD:
+                return False
+            self.camera_seen = now
+            return True
+
+    return Listening

@@ -1,0 +1,77 @@
+"""The display thread: brings the newest snapshot to the page at a fixed rate, within a budget of time."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from hectorscope.page.scene import Stage
+from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.snapshot import Snapshot
+
+log = logging.getLogger(__name__)
+
+RATE = 25.0  # Hz; a view or panel may ask for less by an attribute `rate`
+IDLE_RATE = 2.0  # Hz, while no browser looks
+BUDGET = 0.4 / RATE  # seconds a tick may draw; the rest waits for the next one, the longest waiting first
+
+
+@dataclass(slots=True)
+class Item:
+    """A view or panel: drawn every `period` seconds, next at `due`."""
+
+    title: str
+    draw: Callable[[Snapshot], None]
+    period: float
+    due: float = 0.0
+
+
+class Painter:
+    """Draws `items` (views and panels) until stopped. One that raises is left out and named on the page."""
+
+    def __init__(self, stage: Stage, mailbox: Mailbox[Snapshot], items: Iterable[Any]) -> None:
+        self._stage = stage
+        self._mailbox = mailbox
+        self._items = [Item(i.title, i.draw, 1.0 / getattr(i, "rate", RATE)) for i in items]
+        self._wake = threading.Event()
+        self._stopping = False
+        self._thread = threading.Thread(target=self._run, name="painter", daemon=True)
+        stage.server.on_client_connect(lambda _: self._wake.set())
+
+    def start(self) -> None:
+        """Begin to draw."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and wait for it."""
+        self._stopping = True
+        self._wake.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._stopping:
+            started = time.monotonic()
+            self.tick(started)
+            rate = RATE if self._stage.server.get_clients() else IDLE_RATE
+            self._wake.wait(max(0.0, started + 1.0 / rate - time.monotonic()))
+            self._wake.clear()
+
+    def tick(self, now: float) -> None:
+        """Draw what is due, the longest waiting first, until the budget is spent."""
+        snapshot = self._mailbox.latest or Snapshot()
+        ends = time.monotonic() + BUDGET
+        for item in sorted((item for item in self._items if item.due <= now), key=lambda item: item.due):
+            self._draw(item, snapshot)
+            item.due = now + item.period
+            if time.monotonic() > ends:
+                return
+
+    def _draw(self, item: Item, snapshot: Snapshot) -> None:
+        try:
+            item.draw(snapshot)
+        except Exception as error:  # one broken view must not take the others away
+            log.exception("%s cannot be drawn any more", item.title)
+            self._items.remove(item)
+            self._stage.failures[item.title] = type(error).__name__

@@ -1,0 +1,143 @@
+"""The page's server: port, gate, stage, views, panels and the display thread, put together."""
+
+import logging
+import re
+import socket
+import threading
+from collections.abc import Callable, Iterable
+from typing import Any, Protocol
+
+from hectorscope.common.resources import resource_folder
+from hectorscope.page import viser_private
+from hectorscope.page.scene import Stage
+from hectorscope.page.static_files import File, page, static_files
+from hectorscope.panels import panel_classes
+from hectorscope.session.commands import Command
+from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.views import view_classes
+from hectorscope.web.access_control import HEALTH, Gate, is_loopback
+from hectorscope.web.guarded_server import open_server, stop_server
+from hectorscope.web.heartbeat import Pulse
+from hectorscope.web.renderer import Painter
+from slam_core.errors import SlamError
+
+log = logging.getLogger(__name__)
+
+TOKEN = re.compile(r"[A-Za-z0-9_-]{8,128}")
+LAST_PORT = 65535
+
+
+class ServerError(SlamError):
+    """The page cannot be served at this address."""
+
+
+class Driver(Protocol):
+    """What the page needs of an engine."""
+
+    @property
+    def mailbox(self) -> Mailbox[Snapshot]:
+        """The newest snapshot."""
+
+    def send(self, command: Command) -> None:
+        """Enqueue a command."""
+
+
+class PageServer:
+    """Serves one engine's page from `start` to `stop`; ServerError when the address cannot be had.
+
+    port 0 takes any free one. An address that others on the network can reach needs a token (8 to 128 letters,
+    digits, _ or -), which then is part of `url`.
+    """
+
+    def __init__(self, engine: Driver, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None):
+        self._engine, self._host, self._port, self._token = engine, host, port, token
+        self._check()
+
+    def _check(self) -> None:
+        if not 0 <= self._port <= LAST_PORT:
+            raise ServerError(f"port {self._port} does not exist: give 1 to {LAST_PORT}, or 0 for any free one")
+        if self._token is None and not is_loopback(self._host):
+            raise ServerError(f"{self._host} is open to the network: give a token too, or serve 127.0.0.1")
+        if self._token is not None and not TOKEN.fullmatch(self._token):
+            raise ServerError(
+                f"the token has {len(self._token)} characters: give 8 to 128 letters, digits, _ or -"
+            )
+
+    @property
+    def url(self) -> str:
+        """What to open in a browser."""
+        name = f"[{self._host}]" if ":" in self._host else self._host
+        return f"http://{name}:{self._port}/" + (f"?token={self._token}" if self._token else "")
+
+    def start(self) -> None:
+        """Take the port, build the page and begin to draw; returns at once."""
+        listener = listen(self._host, self._port)
+        self._port = listener.getsockname()[1]
+        self._server = open_server(listener, self._gate())
+        self.stage = Stage(self._server, self._engine.send)
+        with viser_private.icons_at_hand():
+            views = made(view_classes(), self.stage)  # before the panels, which list the views' layers
+            panels = made(panel_classes(), self.stage)
+        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *panels, Pulse(self.stage)])
+        self._painter.start()
+
+    def stop(self) -> None:
+        """Close the page and give the port back."""
+        self._painter.stop()
+        stop_server(self._server)
+
+    def _gate(self) -> Gate:
+        static = static_files(resource_folder("static"))
+        files = {
+            "/": page(viser_private.INDEX.read_bytes(), static),
+            HEALTH: File("text/plain", b"ok\n"),
+            **static,
+        }
+        # Cookies are shared by the ports of a host: the name keeps two programs apart.
+        cookie = f"hectorscope_{self._port}"
+        return Gate(files, self._token, cookie, any_host=not is_loopback(self._host))
+
+
+def serve(
+    engine: Driver, up: Callable[[], None], *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None
+) -> None:
+    """Serve the page until interrupted; prints its address. ServerError when the port is taken.
+
+    up: called once the page is there. What the engine loads would only keep a browser waiting before.
+    """
+    server = PageServer(engine, host=host, port=port, token=token)
+    server.start()
+    print(f"Hectorscope is at {server.url}", flush=True)
+    try:
+        up()
+        threading.Event().wait()
+    except KeyboardInterrupt:
+        print("stopping")
+    finally:
+        server.stop()
+
+
+def made(kinds: Iterable[Any], stage: Stage) -> list[Any]:
+    """One of each view or panel; one that cannot be made is left out and named on the page."""
+    items = []
+    for kind in kinds:
+        try:
+            items.append(kind(stage))
+        except Exception as error:  # one broken view must not take the page away
+            log.exception("%s cannot be made", kind.title)
+            stage.failures[kind.title] = type(error).__name__
+    return items
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A listening socket on exactly this address; ServerError when it cannot be had."""
+    try:
+        family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        return socket.create_server(address[:2], family=family)
+    except socket.gaierror as error:
+        raise ServerError(f"host {host!r} is unknown here: give an address of this machine") from error
+    except OSError as error:
+        raise ServerError(
+            f"port {port} of {host} cannot be had ({error.strerror}): end the other program or give another --port"
+        ) from error

@@ -1,0 +1,1 @@
+"""Errors of a trajectory against the truth."""

@@ -1,0 +1,58 @@
+"""The loops of the wide search: how well endpoints hit a level at many poses. Cells are read, not blended."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.intrinsics import lane
+
+get, _ = lane(0)
+_, put = lane(1)
+
+
+@njit(cache=True, error_model="numpy")
+def count_hits(cells, corner, inverse, points, pose):
+    """How many endpoints lie on known cells, and how many of those on occupied ones."""
+    (rows, columns), flat, where = cells.shape, cells.reshape(-1), np.empty(len(points), np.int32)
+    cells_at(rows, columns, corner, inverse, points.reshape(-1), pose, 0, where)
+    known = hits = np.int32(0)
+    for i in range(len(where)):
+        if where[i] >= 0:
+            value = flat[where[i]]
+            known += np.int32(value != UNKNOWN)
+            hits += np.int32(value > UNKNOWN)
+    return known, hits
+
+
+@njit(cache=True, error_model="numpy")
+def cells_at(rows, columns, corner, inverse, ends, pose, edge, where):
+    """The cells of endpoints (2n,) at a pose into `where` (n,), -1 within `edge` cells of the edge and beyond it.
+
+    Without a branch.
+    """
+    c, s = math.cos(pose[2]) * inverse, math.sin(pose[2]) * inverse
+    shift_u, shift_v = pose[0] * inverse - corner[0], pose[1] * inverse - corner[1]
+    first, last_u, last_v = np.float64(edge), np.float64(columns - edge), np.float64(rows - edge)
+    for i in range(len(where)):
+        x, y = np.float64(get(ends, 2 * i)), np.float64(get(ends, 2 * i + 1))
+        u, v = c * x - s * y + shift_u, s * x + c * y + shift_v
+        inside = (u >= first) & (u < last_u) & (v >= first) & (v < last_v)
+        put(where, i, np.int32(v) * np.int32(columns) + np.int32(u) if inside else np.int32(-1))
+
+
+@njit(cache=True, error_model="numpy")
+def score(cells, origin_x, origin_y, inverse, points, poses, out):
+    """Mean of M over the endpoints at each pose (m, 3), into `out` (m,); 0.5 off the map."""
+    rows, columns = cells.shape
+    for k in range(len(poses)):
+        c, s = math.cos(poses[k, 2]) * inverse, math.sin(poses[k, 2]) * inverse
+        shift_u, shift_v = (poses[k, 0] - origin_x) * inverse, (poses[k, 1] - origin_y) * inverse
+        total = np.int64(0)
+        for i in range(len(points)):
+            u = c * points[i, 0] - s * points[i, 1] + shift_u
+            v = s * points[i, 0] + c * points[i, 1] + shift_v
+            inside = 0.0 <= u < columns and 0.0 <= v < rows
+            total += cells[int(v), int(u)] if inside else UNKNOWN
+        out[k] = total / (WHOLE * len(points))

@@ -1,0 +1,104 @@
+"""Section IV: every beam of a sweep placed by the motion at its own time."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from slam_core.kernels.intrinsics import lane
+from slam_core.kernels.rotations import cosines, product
+
+get, _ = lane(0)
+_, put = lane(1)
+
+
+@njit(cache=True, error_model="numpy")
+def place_beams(
+    ranges,
+    cosines,
+    sines,
+    poses,
+    mount,
+    level,
+    low,
+    high,
+    no_return,
+    clear_range,
+    z_min,
+    z_max,
+    points,
+    heights,
+    free,
+    laser,
+):
+    """Endpoints (n, 2) and heights (n,) in the stabilised frame, and free ends: returns how many of each.
+
+    poses: (k + 1, 7) or wider, attitude and position of the base in equal steps of time over the sweep, and last
+    the one of the stabilised frame. mount: (4, 4) laser -> base. level: whether roll and pitch count. A range in
+    [low, high) is an endpoint; one of at least `no_return` clears up to `clear_range`, unless that is 0. Heights
+    are over the middle of the laser's way, whose place `laser` (2,) takes, from z_min to z_max.
+    """
+    n = len(ranges)
+    way = _knots(poses, mount, level)
+    knot_step = max(n - 1, 1) / (len(way) - 1)
+    xs, ys, zs, flat = np.empty(n), np.empty(n), np.empty(n), points.reshape(-1)
+    laser[0], laser[1] = 0.5 * (way[0, 0, 3] + way[-1, 0, 3]), 0.5 * (way[0, 1, 3] + way[-1, 1, 3])
+    z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
+    z_low, z_high, over = z_laser + z_min, z_laser + z_max, np.float32(z_laser)
+    kept = cleared = end = 0
+    for knot in range(len(way) - 1):  # piece by piece, which stays in the nearest cache
+        begin, end = end, n if knot == len(way) - 2 else min(n, math.ceil((knot + 1) * knot_step))
+        _place(ranges, cosines, sines, low, high, clear_range, begin, end, way, knot, knot_step, xs, ys, zs)
+        for i in range(end - begin):
+            r, z = get(ranges, begin + i), zs[i]
+            if z < z_low or z > z_high:
+                continue
+            if low <= r < high:
+                put(flat, 2 * kept, np.float32(xs[i]))
+                put(flat, 2 * kept + 1, np.float32(ys[i]))
+                put(heights, kept, np.float32(z) - over)
+                kept += 1
+            elif clear_range > 0.0 and r >= no_return:
+                free[cleared, 0], free[cleared, 1] = xs[i], ys[i]
+                cleared += 1
+    return kept, cleared
+
+
+@njit(cache=True, error_model="numpy")
+def _knots(poses, mount, level):
+    """(k, 3, 4) transforms laser -> stabilised frame at all poses but the last, which is that frame's."""
+    out, here = np.zeros((len(poses) - 1, 3, 4)), poses[-1]
+    half = math.atan2(here[3], here[0])
+    turn = math.cos(half), 0.0, 0.0, -math.sin(half)
+    shift = cosines(turn)
+    for k in range(len(out)):
+        w, x, y, z = poses[k, 0], poses[k, 1], poses[k, 2], poses[k, 3]
+        if not level:
+            upright = np.hypot(w, z)
+            w, x, y, z = w / upright, 0.0, 0.0, z / upright
+        R = cosines(product(turn, (w, x, y, z)))
+        for i in range(3):
+            for j in range(4):
+                for m in range(3):
+                    out[k, i, j] += R[3 * i + m] * mount[m, j]
+            for m in range(3):
+                out[k, i, 3] += shift[3 * i + m] * (poses[k, 4 + m] - here[4 + m])
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def _place(ranges, cosines, sines, low, high, clear_range, begin, end, knots, k, knot_step, xs, ys, zs):
+    """The ends of the beams of one piece, or how far they clear, by the transforms (k, 3, 4) of the knots."""
+    a, b = knots[k], knots[k + 1]
+    for i in range(end - begin):
+        r, share = get(ranges, begin + i), (begin + i) / knot_step - k
+        reach = r if (low <= r) & (r < high) else clear_range
+        x, y = reach * get(cosines, begin + i), reach * get(sines, begin + i)
+        put(xs, i, _between(a[0, 0] * x + a[0, 1] * y + a[0, 3], b[0, 0] * x + b[0, 1] * y + b[0, 3], share))
+        put(ys, i, _between(a[1, 0] * x + a[1, 1] * y + a[1, 3], b[1, 0] * x + b[1, 1] * y + b[1, 3], share))
+        put(zs, i, _between(a[2, 0] * x + a[2, 1] * y + a[2, 3], b[2, 0] * x + b[2, 1] * y + b[2, 3], share))
+
+
+@njit(inline="always")
+def _between(a, b, share):
+    return a + share * (b - a)

@@ -1,0 +1,1 @@
+"""Tracking state, recovery, global localisation, and prior maps."""

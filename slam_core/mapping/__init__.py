@@ -1,0 +1,1 @@
+"""Sections IV-A and IV-C: occupancy grids, the pyramid, and what is written into them when."""

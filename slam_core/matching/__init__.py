@@ -1,0 +1,1 @@
+"""Section IV-B: scan matching by Gauss-Newton, and the correlative search."""

@@ -1,0 +1,131 @@
+"""Section IV-B: align a scan with the map by Gauss-Newton, coarse to fine, and say how sure that is."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from slam_core.config import MatcherConfig
+from slam_core.kernels import coarse_to_fine as climbing
+from slam_core.kernels import gauss_newton as matching
+from slam_core.kernels.coarse_to_fine import climb
+from slam_core.mapping.grid import GridLevel
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.measurements import Float32s, Float64s
+from slam_core.results import NOWHERE, Fit, MatchResult, PlanarGaussian
+from slam_core.scan.surfaces import Beams
+
+# The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
+SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+
+NO_TRACE = np.empty((0, 4))
+NOTHING_KNOWN = np.eye(3)  # in the place of a prior's covariance, with a weight of 0
+
+
+def coarse_to_fine(
+    pyramid: Pyramid,
+    points: Float32s,
+    start: Float64s,
+    config: MatcherConfig,
+    *,
+    prior: PlanarGaussian | None = None,
+    trace: bool = False,
+) -> MatchResult:
+    """xi* of eq. (7) from a start estimate: each level's result starts the next finer one (section IV-C).
+
+    points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
+    prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
+    config.prior_weight; R stays what the scan alone says. Where few beams fix some direction of the position, only
+    the map's gradient across the surfaces counts (config.weak_share); where next to none do, the pose stays there
+    as it was at the start (config.blind_share). Coarser levels see fewer beams (config.coarse_beams). A match far
+    from a sure prediction is tried from there as well (config.second_start). What the finest level found settles
+    where the ends lie on its surfels, too, as far as they count (config.surfel_weight).
+    """
+    levels = pyramid.levels
+    residuals = np.empty(len(points), np.float32)
+    kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
+    steps = np.empty((len(levels), kept, 3))
+    found, taken = np.empty((8, 3)), np.empty(len(levels), np.int64)
+    converged, known, hits = climb(
+        tuple([level.cells for level in levels]),
+        levels[0].corner,
+        levels[0].resolution,
+        levels[0].surfels,
+        points,
+        start,
+        start if prior is None else prior.mean,
+        NOTHING_KNOWN if prior is None else prior.covariance,
+        0.0 if prior is None else config.prior_weight,
+        config.iterations_coarse,
+        config.iterations_fine,
+        config.converged_step,
+        config.max_yaw_step,
+        config.coarse_beams,
+        config.second_start,
+        config.sigma,
+        config.surfel_weight,
+        config.weak_share,
+        config.blind_share,
+        found,
+        taken,
+        residuals,
+        steps,
+    )
+    pose, blind, hessian, covariance = found[0], found[1, :2], found[2:5], found[5:]
+    if config.covariance == "sampled":
+        covariance = sampled_covariance(levels[0], points, pose, config.sigma, blind)
+    iterations = tuple(taken.tolist())
+    iterates = _in_order(steps, iterations) if trace else NO_TRACE
+    return MatchResult(
+        pose, covariance, hessian, residuals, iterations, converged, iterates, blind, found.item(1, 2),
+        Fit.counted(len(points), known, hits),
+    )  # fmt: skip
+
+
+def _in_order(steps: Float64s, taken: Sequence[int]) -> Float64s:
+    """(k, 4) level and pose after each step, coarse to fine, from the poses of each level."""
+    levels = reversed(range(len(taken)))
+    return np.concatenate([np.insert(steps[i, : taken[i]], 0, float(i), axis=1) for i in levels])
+
+
+def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Float64s, Float64s, float]:
+    """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
+    h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = matching.normal_equations(
+        level.cells, level.corner, 1.0 / level.resolution, *beams.arrays, pose[0], pose[1], pose[2],
+        np.empty_like(beams.xs), *matching.notes(),
+    )  # fmt: skip
+    hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
+    return hessian, np.array([b0, b1, b2]), float(cost)
+
+
+def hessian_covariance(hessian: Float64s, sigma: float, blind: Float64s = NOWHERE) -> Float64s:
+    """R = sigma^2 H^-1, eq. (15), by LARGEST_SIGMA along `blind` (2,) and where H is (nearly) singular."""
+    covariance: Float64s = climbing.hessian_covariance(hessian, sigma, blind)
+    return covariance
+
+
+def sampled_covariance(
+    level: GridLevel, points: Float32s, pose: Float64s, sigma: float, blind: Float64s = NOWHERE
+) -> Float64s:
+    """The sampled alternative of section IV-B: poses near the match, weighted by how well they fit.
+
+    Samples lie on the axes of the Hessian's ellipsoid, as sigma points do; each weighs exp(-dE / (2 sigma^2)) with
+    dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more; a blind direction, in which
+    the cost tells nothing, is left as it is. (3, 3), metres and radians.
+    """
+    beams = Beams.plain(points)
+    hessian, _, best = normal_equations(level, beams, pose)
+    variances, axes = np.linalg.eigh(hessian_covariance(hessian, sigma, blind))
+    blinded = np.abs(blind @ axes[:2]) > 0.5
+    expected = np.exp(-0.5 * SAMPLED_SIGMAS**2)
+    wanted = np.sum(expected * SAMPLED_SIGMAS**2) / (1.0 + 2.0 * np.sum(expected)) * 2.0
+    scales = np.empty(3)
+    for j in range(3):
+        offsets = np.concatenate([-SAMPLED_SIGMAS, SAMPLED_SIGMAS])
+        poses = pose + offsets[:, None] * math.sqrt(variances[j]) * axes[:, j]
+        extra = np.array([normal_equations(level, beams, p)[2] for p in poses]) - best
+        weights = np.exp(-np.maximum(extra, 0.0) / (2.0 * sigma**2))
+        scales[j] = np.sum(weights * offsets**2) / (1.0 + np.sum(weights)) / wanted
+    scales[blinded] = 1.0
+    covariance: Float64s = (axes * (variances * scales)) @ axes.T
+    return covariance

@@ -1,0 +1,90 @@
+"""Whether a measurement is let into the filter, what is kept of each source, and how a rejected one comes back.
+
+The test: the normalised innovation squared, nu^T S^-1 nu, against the chi-square bound of its dimension. A filter
+that is surer of itself than it should be would reject the truth for good. So a source whose rejections agree with
+each other for a while comes back: the filter gives up what it believes about the states that this source measures
+and that no other has measured meanwhile. What others vouch for stays: a satellite position that contradicts the
+matches moves nothing, one that contradicts dead reckoning does.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from slam_core.measurements import Float64s
+from slam_core.navigation.aiding.corrections import Correction, Update
+from slam_core.results import AidingStatus
+
+Statuses = Mapping[str, AidingStatus]
+"""By source; replaced, never changed."""
+
+LEAST_STREAK = 3  # rejections in a row: fewer may be outliers
+# A sensor that repeats a value for so long, and over so much way, is frozen.
+FROZEN_NS = 5_000_000_000
+FROZEN_DISTANCE = 2.0  # m
+
+
+def fuse(
+    x: Float64s, P: Float64s, statuses: Statuses, stamp_ns: int, correction: Correction, patience_ns: int
+) -> tuple[Float64s, Float64s, Statuses]:
+    """The belief after a correction, or as it was if that is rejected, and what is known of every source then."""
+    old = statuses.get(correction.source) or AidingStatus(correction.source, correction.measures)
+    old = _read(old, stamp_ns, correction.reading, x)
+    if old.frozen:
+        return x, P, {**statuses, correction.source: old}
+    update = correction.update(x, P)
+    streak, streak_ns, returned = 0, 0, False
+    if not update.accepted:
+        streak, streak_ns = (old.streak + 1, old.streak_ns) if _agree(old, update) else (1, stamp_ns)
+        if streak >= LEAST_STREAK and stamp_ns - streak_ns >= patience_ns:
+            doubted = _unvouched(old, statuses.values(), stamp_ns - patience_ns)
+            update = correction.update(x, _doubting(P, *correction.observe(x)[:2], doubted))
+            returned = update.accepted
+    used = update.accepted
+    status = AidingStatus(  # by place, as it is made for every measurement: by name takes twice as long
+        old.source, old.measures, old.used + used, old.rejected + (not used), old.returns + returned,
+        stamp_ns, update.innovation, update.S, update.nis, update.bound,
+        stamp_ns if used else old.used_ns, 0 if used else streak, 0 if used else streak_ns,
+        old.reading, old.reading_ns, old.reading_at,
+    )  # fmt: skip
+    if used:
+        x, P = update.x, update.P
+    return x, P, {**statuses, correction.source: status}
+
+
+def _read(old: AidingStatus, stamp_ns: int, reading: tuple[float, ...], x: Float64s) -> AidingStatus:
+    """Whether a reading is frozen: to the last bit the same while the base went on, and for a while."""
+    if not reading:
+        return old
+    here = x[4:7]
+    if reading != old.reading:
+        return old._replace(reading=reading, reading_ns=stamp_ns, reading_at=tuple(here.tolist()), frozen=False)
+    lasting = stamp_ns - old.reading_ns >= FROZEN_NS
+    if lasting and math.dist(here, old.reading_at) >= FROZEN_DISTANCE:
+        return old._replace(stamp_ns=stamp_ns, rejected=old.rejected + 1, frozen=True)
+    return old
+
+
+def _agree(old: AidingStatus, update: Update) -> bool:
+    """Whether two innovations in a row were rejected and differ no more than one may differ from zero."""
+    if not old.streak or len(old.innovation) != len(update.innovation):
+        return False
+    apart = update.innovation - old.innovation
+    return float(apart @ np.linalg.solve(update.S, apart)) <= update.bound
+
+
+def _unvouched(status: AidingStatus, others: Iterable[AidingStatus], since_ns: int) -> list[int]:
+    """The states that a source measures and no other has been used for since then."""
+    vouched: set[int] = set()
+    for other in others:
+        if other.source != status.source and other.used and other.used_ns >= since_ns:
+            vouched.update(other.measures)
+    return [state for state in status.measures if state not in vouched]
+
+
+def _doubting(P: Float64s, innovation: Float64s, C: Float64s, doubted: list[int]) -> Float64s:
+    """P with the innovation as an error of the doubted states: as unsure as the contradiction is large."""
+    error = np.zeros(len(P))
+    error[doubted] = np.linalg.pinv(C[:, doubted]) @ innovation
+    return P + np.outer(error, error)

@@ -1,0 +1,253 @@
+"""Section V-A: the navigation filter, an error-state Kalman filter on attitude, position, velocity and biases.
+
+The attitude is a quaternion and its error a small rotation about the map's axes, so no attitude is special.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
+from slam_core.kernels.fusion import planar_belief
+from slam_core.kernels.imu_propagation import MAX_GAP_NS
+from slam_core.measurements import LEAP_NS, Float64s, Imu, Int64s, Transform
+from slam_core.navigation.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
+from slam_core.navigation.aiding.ledger import Ledger
+from slam_core.navigation.history import History
+from slam_core.navigation.imu_check import Intake
+from slam_core.navigation.initial_alignment import start_belief
+from slam_core.navigation.pose_reset import Placement
+from slam_core.results import NOWHERE, AidingStatus, NavigationState, PlanarGaussian
+
+WEIGHTLESS = "start without gravity in the accelerometers"
+SET_BACK = "clock set back"
+LEAPT = "clock leapt ahead"
+UNUSABLE = "correction without a usable value"
+TOO_OLD = "correction older than the history"
+TOO_EARLY = "correction before the attitude was known"
+AT_ONCE = np.zeros(1, np.int64)
+MOTION = np.array([4, 5, 6, 0, 1, 2, 3, 7, 8, 9])  # of a state: position, attitude and velocity
+
+
+class NavigationFilter:
+    """Predict with every inertial sample; correct with everything else, at its own time, in any order.
+
+    ready: whether the filter has found its attitude; before that, corrections are counted and dropped.
+    """
+
+    def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
+        self._ledger = Ledger()
+        self._config, self._platform = config, platform or PlatformConfig()
+        self._intake = Intake()
+        self._first: list[tuple[int, Float64s]] = []
+        self._history: History | None = None
+        self._doubted_ns = self._begin_ns = 0
+
+    def configure(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
+        """Change settings from the next measurement on."""
+        self._config, self._platform = config, platform or PlatformConfig()
+        if self._history is not None:
+            self._history.configure(self._config, self._platform)
+
+    def copy(self) -> "NavigationFilter":
+        """An independent copy."""
+        other = NavigationFilter(self._config, self._platform)
+        other._ledger = self._ledger.copy()
+        other._intake = self._intake.copy()
+        other._first = self._first.copy()
+        other._history = self._history.copy() if self._history else None
+        other._doubted_ns, other._begin_ns = self._doubted_ns, self._begin_ns
+        return other
+
+    @property
+    def counts(self) -> Counter[str]:
+        """What was not used as it came, by reason."""
+        return self._ledger.counts
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is a belief."""
+        return self._history is not None
+
+    @property
+    def weightless(self) -> bool:
+        """Whether it cannot begin, as the accelerometers say nothing."""
+        return self._history is None and self.counts[WEIGHTLESS] > 0
+
+    @property
+    def stamp_ns(self) -> int:
+        """Time of the newest belief; it must be `ready`."""
+        return self._belief.newest_ns
+
+    @property
+    def sample_ns(self) -> int:
+        """Time of the newest inertial sample; it must be `ready`."""
+        return self._belief.sample_ns
+
+    @property
+    def state(self) -> NavigationState:
+        """The newest belief; it must be `ready`."""
+        return self.at(self.stamp_ns)
+
+    def at(self, time_ns: int) -> NavigationState:
+        """The belief at exactly that instant, or the oldest that is kept if that is later (see its stamp)."""
+        belief = self._belief.at(time_ns)
+        return NavigationState(belief.stamp_ns, belief.x, belief.P)
+
+    def pose(self, time_ns: int) -> Transform:
+        """T_map_base at an instant, without the cost of its covariance."""
+        (x,) = self._belief.states_at(time_ns, AT_ONCE)
+        return Transform(x[4:7], x[:4])
+
+    def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
+        """Attitudes and positions at instants (k,) after `from_ns`, (k, 19) with what the state holds besides."""
+        return self._belief.states_at(from_ns, since_ns)
+
+    def motion_at(self, times_ns: Sequence[int]) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at k instants."""
+        from_ns = min(times_ns)
+        return self._belief.states_at(from_ns, np.array(times_ns) - from_ns).take(MOTION, axis=1)
+
+    def planar(self, time_ns: int) -> PlanarGaussian:
+        """The belief at an instant projected on the plane."""
+        return projected(self.at(time_ns))
+
+    def predict(self, imu: Imu) -> None:
+        """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
+        sample, fault = self._intake.check(imu, self._config)
+        if fault:
+            self.counts[fault] += 1
+        if sample is None:
+            return
+        if self._history is None:
+            self._level(imu.stamp_ns, sample)
+        else:
+            self._feel(imu.stamp_ns, sample, self._history)
+
+    def _feel(self, stamp_ns: int, sample: Float64s, history: History) -> None:
+        """A good sample once there is a belief: its stamp says whether it goes on from the last."""
+        sample_ns = history.sample_ns
+        if 0 < stamp_ns - sample_ns <= MAX_GAP_NS:
+            self._intake.goes_on()
+            history.add_sample(stamp_ns, sample)
+        elif self._intake.set_back(stamp_ns, sample_ns):
+            self.counts[SET_BACK] += 1
+            self._history = history.begin_again(stamp_ns, sample)
+        elif stamp_ns <= sample_ns:
+            self.counts["inertial sample not later than the one before"] += 1
+        elif not self._believes(stamp_ns):
+            self.counts["stamp far ahead"] += 1
+        else:
+            if stamp_ns - self.sample_ns > MAX_GAP_NS:
+                self.counts["gap in the inertial data"] += 1
+            self._belief.add_sample(stamp_ns, sample)
+
+    def place(self, pose: PlanarGaussian) -> None:
+        """Put the newest belief at a planar pose that somebody else has kept so far; it must be `ready`."""
+        self._history = self._belief.placed(pose)
+
+    def fuse_planar(
+        self,
+        time_ns: int,
+        xi: Float64s,
+        R: Float64s,
+        omega: float,
+        method: FusionMethod = "fixed",
+        gate: float = 0.0,
+        *,
+        blind: Float64s = NOWHERE,
+        widen_vertical: bool = True,
+    ) -> NavigationState:
+        """Eqs. (18)-(20) with a match at an instant: the belief there, as it was if the match is of no use.
+
+        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, widen_vertical: see PlanarPose. Arrays are kept
+        as they are, for as long as the history lasts.
+        """
+        self.correct(time_ns, PlanarPose(xi, R, omega, method, gate, blind, widen_vertical))
+        return self.at(time_ns)
+
+    def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:
+        """Be at a planar pose at an instant, wherever the base was believed to be before."""
+        self.correct(time_ns, Placement(pose))
+
+    def update_height(self, time_ns: int, height: float, sigma: float | None = None) -> bool:
+        """A height over the start, metres; sigma from the configuration if not given. See `correct`."""
+        config = self._config
+        return self.correct(time_ns, HeightAid(height, sigma or config.height_sigma, config.height_gate))
+
+    def update_velocity_body(self, time_ns: int, velocity: Float64s, sigma: float, gate: float = 0.0) -> bool:
+        """A velocity in the axes of the base, (2,) forward and left or (3,), m/s. See `correct`."""
+        return self.correct(time_ns, BodyVelocity(np.array(velocity), sigma, gate))
+
+    def correct(self, time_ns: int, correction: Correction) -> bool:
+        """Any other measurement, at its own time. Whether it came to its gate: what cannot be used is counted."""
+        reason = self._refusal(time_ns, correction)
+        if reason:
+            self.drop(correction.source, reason)
+        return not reason
+
+    def drop(self, source: str, reason: str) -> None:
+        """Count a measurement of a source that is of no use."""
+        self._ledger.drop(source, reason)
+
+    @property
+    def aiding(self) -> tuple[AidingStatus, ...]:
+        """What became of the measurements of every source that was heard, up to the newest belief."""
+        return self._ledger.told(self._history.statuses() if self._history else {})
+
+    @property
+    def _belief(self) -> History:
+        if self._history is None:
+            raise RuntimeError("the filter has no attitude yet: ask `ready` first")
+        return self._history
+
+    def _level(self, stamp_ns: int, sample: Float64s) -> None:
+        """Collect the first samples until they span the levelling time, then begin."""
+        since_ns = stamp_ns - self._first[-1][0] if self._first else MAX_GAP_NS
+        if abs(since_ns) > MAX_GAP_NS:
+            self._first.clear()
+        elif since_ns <= 0:
+            self.counts["inertial sample not later than the one before"] += 1
+            return
+        self._first.append((stamp_ns, sample.copy()))
+        if stamp_ns - self._first[0][0] < self._config.level_time * 1e9:
+            return
+        belief = start_belief(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
+        self._first.clear()
+        if belief is None:
+            self.counts[WEIGHTLESS] += 1
+        else:
+            self._begin_ns = stamp_ns
+            self._history = History(stamp_ns, sample, *belief)
+            self._history.configure(self._config, self._platform)
+
+    def _refusal(self, time_ns: int, correction: Correction) -> str:
+        """Why a correction cannot be applied; empty once it is."""
+        if self._history is None:
+            return TOO_EARLY
+        if not correction.usable:
+            return UNUSABLE
+        if not self._believes(time_ns):
+            return "stamp far ahead"
+        if not self._belief.add_correction(time_ns, correction):
+            return TOO_EARLY if time_ns < self._begin_ns else TOO_OLD
+        return ""
+
+    def _believes(self, stamp_ns: int) -> bool:
+        """Whether a stamp may be true: one far ahead could carry the filter off for good, a second confirms it."""
+        if stamp_ns - self.stamp_ns <= LEAP_NS:
+            return True
+        confirmed = 0 <= stamp_ns - self._doubted_ns <= LEAP_NS
+        self._doubted_ns = stamp_ns
+        if confirmed:
+            self.counts[LEAPT] += 1
+            self._history = self._belief.begin_again(stamp_ns - 1)
+        return confirmed
+
+
+def projected(state: NavigationState) -> PlanarGaussian:
+    """A belief projected on the plane: C x and C P C^T."""
+    seen = PlanarGaussian(np.empty(3), np.empty((3, 3)))
+    planar_belief(state.x, state.covariance, *seen)
+    return seen

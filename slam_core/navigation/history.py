@@ -1,0 +1,178 @@
+"""The last seconds of the filter: a late measurement is applied at its own time, and all after it again.
+
+The belief is a function of what was measured, whatever order it came in. It is worked out when somebody asks: a
+correction that is always late costs no more than one in time, and samples are run through in one piece.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from slam_core.config import NavigationConfig, PlatformConfig
+from slam_core.measurements import Float64s, Int64s
+from slam_core.navigation.aiding.corrections import Correction
+from slam_core.navigation.aiding.gates import fuse
+from slam_core.navigation.imu_buffer import Samples
+from slam_core.navigation.initial_alignment import turned_to
+from slam_core.navigation.state_buffer import Stages
+from slam_core.navigation.strapdown import Strapdown
+from slam_core.results import AidingStatus, PlanarGaussian
+
+MOST_CORRECTIONS = 2048
+UNKNOWN_SPAN = 1.0  # s: after a clock was set, the base may have moved for about this long
+
+
+class Belief(NamedTuple):
+    """State, covariance, and what became of every source's measurements, at one instant."""
+
+    stamp_ns: int
+    x: Float64s
+    P: Float64s
+    statuses: Mapping[str, AidingStatus]
+
+
+class History:
+    """Samples and corrections in order of time, and beliefs: the oldest, and after each correction worked out.
+
+    Since one of them is carried on again and again, its beliefs at the samples after it are kept as `stages`; the
+    last one that was asked for is kept, too.
+    """
+
+    def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
+        self._samples = Samples()
+        self._samples.append(stamp_ns, sample)
+        self._corrections: list[tuple[int, Correction]] = []
+        self._beliefs = [Belief(stamp_ns, x, P, {})]
+        self._staged = self._asked = self._beliefs[0]
+        self._stages = Stages(stamp_ns, x, P)
+
+    def configure(self, config: NavigationConfig, platform: PlatformConfig) -> None:
+        """The settings that hold from now on; needed before anything else."""
+        self._model = Strapdown(config, platform)
+        self._patience_ns = round(config.gate_patience * 1e9)
+        self._kept_ns = round(config.history * 1e9)
+
+    def copy(self) -> "History":
+        """An independent copy; beliefs are never changed, so they are shared."""
+        other = History.__new__(History)
+        other.__dict__.update(self.__dict__)
+        other._samples = self._samples.copy()
+        other._corrections, other._beliefs = self._corrections.copy(), self._beliefs.copy()
+        other._stages = self._stages.copy()
+        return other
+
+    @property
+    def sample_ns(self) -> int:
+        """Time of the latest sample."""
+        return self._samples.last_ns
+
+    @property
+    def newest_ns(self) -> int:
+        """Time of the latest measurement of any kind."""
+        return max(self.sample_ns, self._corrections[-1][0]) if self._corrections else self.sample_ns
+
+    def at(self, time_ns: int) -> Belief:
+        """The belief at an instant; the oldest one for an instant before it."""
+        return self._predicted(self._after(self._corrections_until(time_ns)), time_ns)
+
+    def states_at(self, from_ns: int, since_ns: Int64s) -> Float64s:
+        """The x alone at instants (k,) after `from_ns`, (k, 19); later corrections than that are left out.
+
+        What is believed at the last of them is kept.
+        """
+        base = self._after(self._corrections_until(from_ns))
+        self._stage(base)
+        time_ns = from_ns + since_ns.item(-1)
+        x, P, states = self._stages.belief(time_ns, self._model, self._samples, from_ns, since_ns)
+        self._asked = Belief(time_ns, x, P, base.statuses)
+        return states
+
+    def statuses(self) -> Mapping[str, AidingStatus]:
+        """What became of every source's measurements."""
+        return self._after(len(self._corrections)).statuses
+
+    def add_sample(self, stamp_ns: int, sample: Float64s) -> None:
+        """Go on with an inertial sample (7,) later than the last one."""
+        before_ns = self._samples.last_ns
+        self._samples.append(stamp_ns, sample)
+        # What was believed beyond the sample before had to guess the input.
+        while len(self._beliefs) > 1 and self._beliefs[-1].stamp_ns > before_ns:
+            self._beliefs.pop()
+        if self._asked.stamp_ns > before_ns:
+            self._asked = self._staged
+        if stamp_ns - self._beliefs[0].stamp_ns > 2 * self._kept_ns:
+            self._forget(stamp_ns - self._kept_ns)
+
+    def add_correction(self, stamp_ns: int, correction: Correction) -> bool:
+        """Apply a correction at its time; False if it is too old."""
+        if stamp_ns < self._beliefs[0].stamp_ns:
+            return False
+        i = self._corrections_until(stamp_ns)
+        self._corrections.insert(i, (stamp_ns, correction))
+        del self._beliefs[i + 1 :]
+        if len(self._corrections) > MOST_CORRECTIONS:
+            self._forget(self._corrections[MOST_CORRECTIONS // 2][0])
+        return True
+
+    def placed(self, pose: PlanarGaussian) -> "History":
+        """A history that begins with the newest sample and its belief, but at this pose in the plane."""
+        last = self.at(self.sample_ns)
+        return self._begun(last.stamp_ns, self._samples.last, *turned_to(last.x, last.P, pose))
+
+    def begin_again(self, stamp_ns: int, sample: Float64s | None = None) -> "History":
+        """A history on a clock that was set: it begins with the newest belief, but is less sure of it."""
+        last = self.at(self.newest_ns)
+        sample = self._samples.last if sample is None else sample
+        other = self._begun(stamp_ns, sample, last.x, self._model.coast(last.x, last.P, UNKNOWN_SPAN))
+        statuses = {k: s._replace(stamp_ns=stamp_ns, used_ns=stamp_ns, streak=0) for k, s in last.statuses.items()}
+        other._beliefs = [other._beliefs[0]._replace(statuses=statuses)]
+        return other
+
+    def _begun(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> "History":
+        other = History(stamp_ns, sample, x, P)
+        other._model, other._patience_ns, other._kept_ns = self._model, self._patience_ns, self._kept_ns
+        return other
+
+    def _corrections_until(self, time_ns: int) -> int:
+        """How many are not later than an instant: from the newest on, as it is nearly always one of the last."""
+        i, corrections = len(self._corrections), self._corrections
+        while i and corrections[i - 1][0] > time_ns:
+            i -= 1
+        return i
+
+    def _after(self, count: int) -> Belief:
+        """The belief after so many corrections."""
+        while len(self._beliefs) <= count:
+            stamp_ns, correction = self._corrections[len(self._beliefs) - 1]
+            _, x, P, statuses = self._predicted(self._beliefs[-1], stamp_ns)
+            fused = fuse(x, P, statuses, stamp_ns, correction, self._patience_ns)
+            self._beliefs.append(Belief(stamp_ns, *fused))
+        return self._beliefs[count]
+
+    def _predicted(self, base: Belief, time_ns: int) -> Belief:
+        """A belief carried on through the samples; the last answer is kept, as a scan asks for its own thrice."""
+        if time_ns <= base.stamp_ns:
+            return base
+        if self._staged is not base or self._asked.stamp_ns != time_ns:
+            self._stage(base)
+            x, P, _ = self._stages.belief(time_ns, self._model, self._samples)
+            self._asked = Belief(time_ns, x, P, base.statuses)
+        return self._asked
+
+    def _stage(self, base: Belief) -> None:
+        """The stages are those of the belief that is carried on."""
+        if self._staged is not base:
+            self._staged = self._asked = base
+            self._stages.begin(base.stamp_ns, base.x, base.P)
+
+    def _forget(self, before_ns: int) -> None:
+        """Begin with the belief at the last sample or correction before an instant."""
+        count = self._corrections_until(before_ns)
+        oldest = self._after(count)
+        sample_ns = self._samples.until(before_ns)
+        if sample_ns > oldest.stamp_ns:
+            oldest = self._predicted(oldest, sample_ns)
+        if self._staged is self._beliefs[count]:
+            self._staged, self._stages = oldest, self._stages.since(oldest.stamp_ns, oldest.x, oldest.P)
+        self._beliefs[: count + 1] = [oldest]
+        del self._corrections[:count]
+        self._samples.drop_before(self._samples.until(oldest.stamp_ns))

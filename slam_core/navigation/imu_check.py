@@ -1,0 +1,53 @@
+"""What is wrong with an inertial sample before the filter sees it: no number, a clipped gyro, a clock set back."""
+
+import numpy as np
+
+from slam_core.config import NavigationConfig
+from slam_core.kernels.imu_check import BROKEN, GOOD, check
+from slam_core.kernels.imu_propagation import MAX_GAP_NS
+from slam_core.measurements import Float64s, Imu
+
+AT_RANGE = "gyro at the end of its range"
+NO_NUMBER = "inertial sample without a plausible value"
+BACK_FOR_NS = 200_000_000  # of samples in order, all of them in the past
+
+
+class Intake:
+    """Looks at one sample after the other; remembers just enough of those before."""
+
+    def __init__(self) -> None:
+        self._memory = np.zeros((3, 3))
+        self._sample = np.zeros(7)
+        self._behind: tuple[int, int] | None = None
+
+    def copy(self) -> "Intake":
+        """An independent copy."""
+        other = Intake()
+        other._memory, other._behind = self._memory.copy(), self._behind
+        return other
+
+    def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
+        """The sample as in `Samples` (None if it is broken), and what is wrong with it (empty if nothing).
+
+        It holds until the next one is checked.
+        """
+        sample = self._sample
+        found = check(imu.angular_velocity, imu.linear_acceleration, self._memory, config.gyro_range, sample)
+        if found == GOOD:
+            return sample, ""
+        return (None, NO_NUMBER) if found == BROKEN else (sample, AT_RANGE)
+
+    def goes_on(self) -> None:
+        """A sample was in order: none before it was of a clock that was set back."""
+        self._behind = None
+
+    def set_back(self, stamp_ns: int, newest_ns: int) -> bool:
+        """Whether samples of the past have come in order for so long that the clock must have been set."""
+        if newest_ns - stamp_ns < MAX_GAP_NS:
+            self.goes_on()
+            return False
+        first_ns, last_ns = self._behind or (stamp_ns, stamp_ns)
+        if not last_ns <= stamp_ns <= last_ns + MAX_GAP_NS:
+            first_ns = stamp_ns
+        self._behind = first_ns, stamp_ns
+        return stamp_ns - first_ns >= BACK_FOR_NS

@@ -1,0 +1,224 @@
+"""Where the robot is between scans when there is no IMU: a planar motion at nearly constant velocity.
+
+The same questions that the navigation filter answers: the pose at an instant, its uncertainty in the plane, and
+what a match changes. Roll and pitch come from somebody else's attitude if there is one, else they are zero.
+"""
+
+import math
+from bisect import bisect_left
+from collections import deque
+from collections.abc import Sequence
+from itertools import islice
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.config import FusionConfig, MotionConfig
+from slam_core.kernels.fusion import kalman
+from slam_core.kernels.imu_check import FASTEST
+from slam_core.kernels.navigation import SLIP_SIGMA
+from slam_core.measurements import Attitude, Float64s, Int64s, Odometry, Transform
+from slam_core.navigation.covariance_intersection import intersect
+from slam_core.results import NOWHERE, PlanarGaussian
+
+MEMORY = 256  # attitudes kept: some seconds
+YAW_RATE_SIGMA = 0.05  # rad/s, of a gyro with its bias
+OBSERVE_POSE = np.eye(3, 6)
+OBSERVE_TWIST = np.eye(3, 6, 3)
+# Nobody knows where a robot is that was last seen longer ago, nor how long a clock took to be set back.
+LONGEST_NS = 2_000_000_000
+SET_BACK_NS = 1_000_000_000
+
+
+class PlanarMotion:
+    """A Kalman filter on x, y, psi in the map and the body's velocity forward, left and about z; six states.
+
+    aided: whether anything but matches was heard of: somebody else's attitude, or wheels.
+    """
+
+    def __init__(self) -> None:
+        self.stamp_ns: int | None = None
+        self.aided = False
+        self._mean = np.zeros(6)
+        self._covariance = np.diag([0.01, 0.01, 0.01, 1.0, 1.0, 1.0]) ** 2.0
+        self._attitudes: deque[Attitude] = deque(maxlen=MEMORY)
+
+    def add_attitude(self, attitude: Attitude) -> None:
+        """Remember roll and pitch."""
+        self._attitudes.append(attitude)
+        self.aided = True
+
+    def add_yaw_rate(self, time_ns: int, rate: float, config: MotionConfig) -> None:
+        """Let a gyro correct the yaw rate, rad/s."""
+        if not abs(rate) < FASTEST:
+            return
+        self._advance(time_ns, config)
+        self._observe(OBSERVE_TWIST[2:], np.array([rate]), np.array([[YAW_RATE_SIGMA**2]]))
+
+    def grip(self) -> None:
+        """Section III: wheels that do not slip give no velocity to the left."""
+        self._observe(OBSERVE_TWIST[1:2], np.zeros(1), np.array([[SLIP_SIGMA**2]]))
+
+    def add_odometry(self, odometry: Odometry, config: MotionConfig) -> None:
+        """Let wheels correct the velocity."""
+        self._advance(odometry.stamp_ns, config)
+        self.aided = True
+        wanted = np.array([*odometry.velocity, odometry.yaw_rate])
+        self._observe(OBSERVE_TWIST, wanted, np.diag(odometry_sigmas(odometry, config) ** 2))
+
+    def pose(self, time_ns: int) -> Transform:
+        """T_map_base at an instant near the last one known."""
+        x, y, psi = self._extrapolated(time_ns)
+        rotation = geometry.yaw_quaternion(psi)
+        if self._attitudes:
+            rotation = geometry.multiply(rotation, geometry.split_heading(self._attitude(time_ns))[1])
+        return Transform(np.array([x, y, 0.0]), rotation)
+
+    def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
+        """Attitude and position at instants (k,) after `from_ns`: (k, 7)."""
+        poses = [self.pose(from_ns + time_ns) for time_ns in since_ns.tolist()]
+        return np.array([[*pose.rotation, *pose.translation] for pose in poses])
+
+    def motion_at(self, times_ns: Sequence[int]) -> Float64s:
+        """(k, 10) position, attitude, and velocity in the map at k instants."""
+        poses = self.poses(0, np.array(times_ns))
+        rotations, positions = poses[:, :4], poses[:, 4:]
+        forward, left = self._mean[3:5]
+        headings = np.array([geometry.heading(q) for q in rotations])
+        c, s = np.cos(headings), np.sin(headings)
+        return np.column_stack((positions, rotations, c * forward - s * left, s * forward + c * left, 0.0 * c))
+
+    def prior(self, time_ns: int, config: MotionConfig) -> PlanarGaussian:
+        """The predicted pose and its uncertainty; moves the filter on to that instant."""
+        self._advance(time_ns, config)
+        return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+
+    def belief(self, time_ns: int, config: MotionConfig) -> tuple[Float64s, Float64s]:
+        """Mean (6,) at an instant, also one a little before the last known; covariance (6, 6) of the later one."""
+        self._advance(time_ns, config)
+        return np.concatenate((self._extrapolated(time_ns), self._mean[3:])), self._covariance
+
+    def shift(self, step: Float64s, covariance: Float64s) -> None:
+        """Correct the last belief by a step (6,); its covariance (6, 6) after that."""
+        self._mean = self._mean + step
+        self._mean[2] = geometry.wrap(self._mean[2])
+        self._set_covariance(covariance)
+
+    def fuse(
+        self, match: PlanarGaussian, config: FusionConfig, blind: Float64s = NOWHERE, observed_only: bool = False
+    ) -> PlanarGaussian:
+        """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose.
+
+        blind: (2,) direction of the plane about which the match says nothing, or zero.
+        observed_only: see `intersect`.
+        """
+        innovation = match.mean - self._mean[:3]
+        innovation[2] = geometry.wrap(innovation[2])
+        c, s = math.cos(self._mean[2]), math.sin(self._mean[2])
+        held = np.zeros((2, 6))
+        held[0, :2] = blind
+        held[1, 3:5] = c * blind[0] + s * blind[1], c * blind[1] - s * blind[0]
+        step, covariance = intersect(
+            self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
+            blind=blind, held=held, observed_only=observed_only,
+        )  # fmt: skip
+        self.shift(step, covariance)
+        return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+
+    def place(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
+        """Be there at an instant, wherever the base was believed to be before; the body's velocity stays."""
+        self._advance(time_ns, config)
+        self._mean[:3] = pose.mean
+        covariance = np.zeros((6, 6))
+        covariance[:3, :3], covariance[3:, 3:] = pose.covariance, self._covariance[3:, 3:]
+        self._set_covariance(covariance)
+
+    @property
+    def twist(self) -> Float64s:
+        """(3,) velocity forward and left, m/s, and yaw rate, rad/s."""
+        return self._mean[3:].copy()
+
+    def copy(self) -> "PlanarMotion":
+        """An independent copy."""
+        other = PlanarMotion()
+        other.stamp_ns, other._mean, other._covariance = self.stamp_ns, self._mean.copy(), self._covariance.copy()
+        other.aided, other._attitudes = self.aided, self._attitudes.copy()
+        return other
+
+    def _advance(self, time_ns: int, config: MotionConfig) -> None:
+        if self.stamp_ns is None:
+            self.stamp_ns = time_ns
+        if time_ns < self.stamp_ns - SET_BACK_NS:
+            self.stamp_ns = time_ns
+            self._set_covariance(self._covariance + _noise(SET_BACK_NS * 1e-9, self._mean[2], config))
+        dt = self._lapse(time_ns)
+        if dt <= 0.0:
+            return
+        transition = self._transition(dt)
+        self._mean[:3] = self._extrapolated(time_ns)
+        self._set_covariance(transition @ self._covariance @ transition.T + _noise(dt, self._mean[2], config))
+        self.stamp_ns = time_ns
+
+    def _lapse(self, time_ns: int) -> float:
+        """Seconds since the belief, within reason."""
+        if self.stamp_ns is None or time_ns < self.stamp_ns - SET_BACK_NS:
+            return 0.0
+        return min(time_ns - self.stamp_ns, LONGEST_NS) * 1e-9
+
+    def _observe(self, C: Float64s, values: Float64s, R: Float64s) -> None:
+        """A Kalman update."""
+        step, covariance = kalman(self._covariance, C, R, values - C @ self._mean)
+        self._mean = self._mean + step
+        self._set_covariance(covariance)
+
+    def _extrapolated(self, time_ns: int) -> Float64s:
+        dt = self._lapse(time_ns)
+        x, y, psi, forward, left, rate = self._mean.tolist()
+        middle = psi + 0.5 * rate * dt
+        c, s = math.cos(middle), math.sin(middle)
+        return np.array(
+            [x + dt * (c * forward - s * left), y + dt * (s * forward + c * left), geometry.wrap(psi + rate * dt)]
+        )
+
+    def _transition(self, dt: float) -> Float64s:
+        _, _, psi, forward, left, rate = self._mean.tolist()
+        middle = psi + 0.5 * rate * dt
+        c, s = math.cos(middle), math.sin(middle)
+        transition = np.eye(6)
+        transition[0, 3:5], transition[1, 3:5] = (c * dt, -s * dt), (s * dt, c * dt)
+        transition[0, 2], transition[1, 2] = -dt * (s * forward + c * left), dt * (c * forward - s * left)
+        transition[:2, 5] = 0.5 * dt * transition[:2, 2]
+        transition[2, 5] = dt
+        return transition
+
+    def _set_covariance(self, covariance: Float64s) -> None:
+        self._covariance = 0.5 * (covariance + covariance.T)
+
+    def _attitude(self, time_ns: int) -> Float64s:
+        """Orientation between the two attitudes around an instant."""
+        i = bisect_left(self._attitudes, time_ns, key=lambda a: a.stamp_ns)
+        if i == 0 or i == len(self._attitudes):
+            return self._attitudes[min(i, len(self._attitudes) - 1)].rotation
+        before, after = islice(self._attitudes, i - 1, i + 1)
+        fraction = (time_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
+        return geometry.slerp(before.rotation, after.rotation, fraction)
+
+
+def odometry_sigmas(odometry: Odometry, config: MotionConfig) -> Float64s:
+    """(3,) standard deviations of a wheel velocity forward, left and about z: slip grows with the motion."""
+    speed = float(np.hypot(*odometry.velocity))
+    moving = np.array([speed, speed, odometry.yaw_rate])
+    sigmas: Float64s = np.hypot(config.odometry_sigma, config.odometry_slip * moving)
+    return sigmas
+
+
+def _noise(dt: float, psi: float, config: MotionConfig) -> Float64s:
+    """White acceleration over dt: covariance of pose and velocity, the same forward and left."""
+    density = np.array([config.acceleration, config.acceleration, config.yaw_acceleration]) ** 2.0
+    noise = np.zeros((6, 6))
+    c, s = math.cos(psi), math.sin(psi)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    noise.flat[::7] = *(density * dt**3 / 3.0), *(density * dt)
+    noise[:3, 3:] = turn * (density * dt**2 / 2.0)
+    noise[3:, :3] = noise[:3, 3:].T
+    return noise

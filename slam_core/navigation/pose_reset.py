@@ -1,0 +1,36 @@
+"""Setting the belief down somewhere else: a start in a given map, or a robot that was carried away."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from slam_core.kernels.fusion import planar_observer
+from slam_core.kernels.linear import is_measurement
+from slam_core.measurements import PLAUSIBLE, Float64s
+from slam_core.navigation.aiding.corrections import Correction, Update
+from slam_core.navigation.initial_alignment import turned_to
+from slam_core.results import PlanarGaussian
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placement(Correction):
+    """The base is at a planar pose, whatever was believed of its place and heading."""
+
+    pose: PlanarGaussian
+    gate: float = 0.0
+    source: ClassVar[str] = "scan"
+    measures: ClassVar[tuple[int, ...]] = (2, 3, 4)
+
+    @property
+    def usable(self) -> bool:
+        """Finite, with a sensible noise."""
+        return bool(is_measurement(self.pose.mean, self.pose.covariance, PLAUSIBLE))
+
+    def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
+        """Nothing is compared: what was believed of the place does not count."""
+        return np.zeros(3), planar_observer(x), self.pose.covariance
+
+    def update(self, x: Float64s, P: Float64s) -> Update:
+        """The belief turned and set down there."""
+        return Update(*turned_to(x, P, self.pose), np.zeros(3), self.pose.covariance, 0.0, np.inf)

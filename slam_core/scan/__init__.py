@@ -1,0 +1,1 @@
+"""Section IV: from a sweep to endpoints in the stabilised frame."""

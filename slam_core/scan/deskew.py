@@ -1,0 +1,53 @@
+"""Without inertial data a sweep is placed by a guess of the motion; the match says better how it was."""
+
+import numpy as np
+
+from slam_core.config import SlamConfig
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.matcher import coarse_to_fine
+from slam_core.measurements import LaserScan
+from slam_core.navigation.planar_motion import PlanarMotion
+from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.scan.stabilise import StabilisedScan, stabilise
+
+# Metres, metres, radians: a motion that moves the ends of the sweep by less is no other motion.
+SAME_SHIFT = np.array([0.002, 0.002, 0.001])
+
+
+def refine(
+    scan: LaserScan,
+    leveled: StabilisedScan,
+    match: MatchResult,
+    prior: PlanarGaussian | None,
+    pyramid: Pyramid,
+    motion: PlanarMotion,
+    config: SlamConfig,
+    *,
+    trace: bool = False,
+) -> tuple[StabilisedScan, MatchResult]:
+    """Place the beams by the motion fused with their match and match again, as long as eq. (7) becomes smaller.
+
+    motion: the belief before the match; it is left as it is. prior, trace: as in `coarse_to_fine`.
+    Returns the scan and match to go on with, at first those given.
+    """
+    half_sweep = 0.5e-9 * (scan.end_ns - scan.stamp_ns) if config.scan.deskew else 0.0
+    twist = motion.twist
+    for _ in range(config.motion.refinements):
+        seen = motion.copy()
+        seen.fuse(match.gaussian, config.fusion, observed_only=config.motion.observed_only)
+        if (np.abs(seen.twist - twist) * half_sweep < SAME_SHIFT).all():
+            break
+        twist = seen.twist
+        placed = stabilise(scan, seen.poses, config.scan)
+        if not len(placed.points):
+            break
+        again = coarse_to_fine(pyramid, placed.points, match.pose, config.matcher, prior=prior, trace=trace)
+        if _cost(again) >= _cost(match):
+            break
+        leveled, match = placed, again
+    return leveled, match
+
+
+def _cost(match: MatchResult) -> float:
+    """Eq. (7) a beam: the sweeps may differ in how many they keep."""
+    return float(np.mean(np.square(match.residuals)))

@@ -1,0 +1,29 @@
+"""Kernels that are compiled, a short drive through the simulated rooms, and what the headless run makes of it."""
+
+import numpy as np
+import pytest
+
+from hectorscope.inputs import Item
+from hectorscope.run.headless import run_headless
+from hectorscope.run.warmup import warm_up
+from hectorscope.simulation import SceneOptions, Simulation
+from tests.engines import START
+from tests.sources import MemoryRecording
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _compiled() -> None:
+    """A first start compiles for minutes on a busy machine: no test has to wait for that."""
+    warm_up()
+
+
+@pytest.fixture(scope="session")
+def drive() -> list[Item]:
+    """Four seconds through the simulated rooms, with inertial data and truth."""
+    return list(Simulation("rooms", SceneOptions(duration=4.0, scan_rate=20.0, beams=181)).items())
+
+
+@pytest.fixture(scope="session")
+def reference(drive: list[Item]) -> np.ndarray:
+    """The trajectory of the headless run."""
+    return run_headless(MemoryRecording(drive), START)[0].trajectory

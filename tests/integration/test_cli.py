@@ -1,0 +1,277 @@
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hectorscope.cli.options import _setting_flags
+from hectorscope.run.settings_file import read_toml
+from hectorscope.simulation import SceneOptions, Simulation
+from slam_core.config import SlamConfig, leaves
+from slam_core.measurements import Imu, LaserScan
+from tests.ros_messages import Messages, write_bag
+
+PATIENCE_S = 180.0
+MISTAKE, INTERRUPTED = 2, 130
+
+
+def hectorscope(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own."""
+    command = [sys.executable, "-m", "hectorscope.cli.main", *map(str, arguments)]
+    wide = {**os.environ, "COLUMNS": "100"}
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, env=wide, check=False)
+
+
+def refused(*arguments: object) -> str:
+    """The one line on stderr of a command that must exit with 2 and without a traceback."""
+    done = hectorscope(*arguments)
+    assert done.returncode == MISTAKE, done.stderr
+    assert "Traceback" not in done.stderr
+    lines = [line for line in done.stderr.splitlines() if line.startswith("hectorscope: ")]
+    assert len(lines) == 1, done.stderr
+    return lines[0]
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three simulated seconds as a ROS 1 bag, made by the command itself."""
+    path = tmp_path_factory.mktemp("cli") / "short.bag"
+    options = ["--duration", 3, "--beams", 181, "--scan-rate", 20]
+    done = hectorscope("simulate", "--scenario", "rooms", *options, "--out", path)
+    assert done.returncode == 0, done.stderr
+    assert str(path) in done.stdout
+    return path
+
+
+def test_help_names_every_command():
+    """A newcomer sees what there is."""
+    done = hectorscope("--help")
+    assert done.returncode == 0
+    for command in ("demo", "view", "live", "run", "inspect", "simulate"):
+        assert command in done.stdout
+
+
+def test_the_version_is_told():
+    """The one that a report of an error has to name."""
+    done = hectorscope("--version")
+    assert (done.returncode, done.stdout) == (0, f"hectorscope {version('hectorscope')}\n")
+
+
+def test_help_explains_every_setting_with_its_range():
+    """Every leaf of the settings is a flag with its help, default and range."""
+    shown = " ".join(hectorscope("run", "--help").stdout.replace("│", " ").split())
+    for leaf in leaves(SlamConfig()):
+        assert f"--{leaf.name.replace('_', '-')} " in shown
+        assert leaf.param.help in shown
+    assert f"default: {SlamConfig().fusion.omega}; 0.001 to 0.999" in shown
+
+
+def test_flags_and_file_make_the_settings(tmp_path: Path):
+    """The file changes the defaults, a flag wins over the file."""
+    path = tmp_path / "some.toml"
+    path.write_text("[fusion]\nomega = 0.3\n[scan]\ndeskew = false\n")
+    flags = _setting_flags()(config=path)
+    flags.fusion.omega = 0.7  # type: ignore[attr-defined]
+    flags.scan.stabilise = "false"  # type: ignore[attr-defined]
+    config = flags.settings().start
+    assert (config.fusion.omega, config.scan.deskew, config.scan.stabilise) == (0.7, False, False)
+
+
+def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path):
+    """All promised files are there, the metrics add up, the table has the error against the truth."""
+    done = hectorscope("run", bag, "--out", tmp_path / "new" / "folder", "--truth", "/ground_truth")
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "new" / "folder"
+    names = {"trajectory.tum", "map.npz", "map.pgm", "map.yaml", "config.toml", "metrics.json", "navigation.csv"}
+    assert {path.name for path in folder.iterdir()} == names
+    figures = json.loads((folder / "metrics.json").read_text())
+    scans = figures["scans"]
+    assert scans["read"] == 60
+    assert scans["used"] + sum(scans["skipped"].values()) == scans["read"]
+    assert scans["used"] == len((folder / "trajectory.tum").read_text().splitlines())
+    assert figures["recording_s"] == pytest.approx(3.0, abs=0.1)
+    assert set(figures["median_us"]) == {"stabilise", "match", "update", "filter"}
+    assert figures["truth"]["aligned_rmse_m"] <= figures["truth"]["raw_rmse_m"]
+    assert figures["map_updates"] > 0
+    assert figures["occupied_cells"] > 0
+    assert f"{figures['truth']['aligned_rmse_m']:.4f} m aligned" in done.stdout
+
+
+def test_a_run_is_repeated_by_its_own_settings(bag: Path, tmp_path: Path):
+    """config.toml of one run, given to another, makes the same trajectory to the last byte."""
+    first, second = tmp_path / "first", tmp_path / "second"
+    assert hectorscope("run", bag, "--out", first, "--fusion.omega", "0.4", "--map.levels", "2").returncode == 0
+    assert read_toml(first / "config.toml").start.fusion.omega == 0.4
+    assert hectorscope("run", bag, "--out", second, "--config", first / "config.toml").returncode == 0
+    assert (first / "trajectory.tum").read_bytes() == (second / "trajectory.tum").read_bytes()
+    assert (first / "config.toml").read_bytes() == (second / "config.toml").read_bytes()
+
+
+def test_a_run_is_localised_in_the_map_of_another(bag: Path, tmp_path: Path):
+    """The same map to the last byte afterwards, poses in its frame, and a note of where the robot was found."""
+    first, second = tmp_path / "first", tmp_path / "second"
+    assert hectorscope("run", bag, "--out", first).returncode == 0
+    done = hectorscope("run", bag, "--out", second, "--map", first, "--start", "origin")
+    assert done.returncode == 0, done.stderr
+    assert (first / "map.npz").read_bytes() == (second / "map.npz").read_bytes()
+    figures = json.loads((second / "metrics.json").read_text())
+    assert figures["map_updates"] == 0
+    assert any("the robot starts at" in note for note in figures["notes"])
+    assert figures["truth"]["raw_rmse_m"] < 0.05
+
+
+def test_a_map_that_cannot_be_used_is_refused_before_any_work(bag: Path, tmp_path: Path):
+    """Missing, contradicted by the mode, without the map that a mode needs, or a start that is no pose."""
+    out = ["--out", tmp_path / "out"]
+    assert "nowhere does not exist" in refused("run", bag, *out, "--map", tmp_path / "nowhere")
+    assert "makes a new map" in refused("run", bag, *out, "--map", tmp_path, "--mode", "map")
+    assert "needs a saved map" in refused("view", bag, "--mode", "continue")
+    assert "is no pose" in refused("run", bag, *out, "--map", tmp_path, "--start", "nan", "0", "-1")
+    assert not (tmp_path / "out").exists()
+
+
+def test_inspect_says_what_would_be_used(bag: Path):
+    """Topics and their parts."""
+    done = hectorscope("inspect", bag)
+    assert done.returncode == 0, done.stderr
+    assert "/scan" in done.stdout
+
+
+@pytest.fixture(scope="module")
+def lying_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Ten simulated seconds whose IMU gives milli-g and degrees a second."""
+    ros, entries = Messages("ros1"), []
+    items = list(Simulation("rooms", SceneOptions(duration=10.0, beams=181, scan_rate=10.0)).items())
+    for item in items:
+        ns = item.stamp_ns - items[0].stamp_ns
+        if isinstance(item, Imu):
+            rates, forces = np.degrees(item.angular_velocity), item.linear_acceleration / 9.80665e-3
+            entries.append(("/imu", ros.imu(ns, rates=rates, forces=forces), ns))
+        elif isinstance(item, LaserScan):
+            beams = {"angle_min": item.angle_min, "angle_increment": item.angle_increment}
+            timing = {"time_increment": item.time_increment}
+            entries.append(("/scan", ros.scan(ns, ranges=item.ranges, **beams, **timing), ns))
+    return write_bag(tmp_path_factory.mktemp("lying") / "lying.bag", entries)
+
+
+def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path: Path):
+    """`run` and `view` name the flags, and with them it runs."""
+    flags = ["--imu-accel-unit", "mg", "--imu-gyro-unit", "deg/s"]
+    for command in (["run", "--out", tmp_path / "out"], ["view", "--port", 0]):
+        line = refused(command[0], lying_bag, *command[1:])
+        assert "so in milli-g and not in m/s²" in line
+        assert f"run again with {' '.join(flags)}, or without the IMU by --imu-topic none" in line
+    assert not (tmp_path / "out").exists()
+    done = hectorscope("run", lying_bag, "--out", tmp_path / "out", *flags)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_missing_recording_is_named(tmp_path: Path):
+    """The path and what to do, for every command that takes one."""
+    for command in (["run", "--out", tmp_path / "out"], ["view"], ["inspect"]):
+        assert "none.bag" in refused(command[0], tmp_path / "none.bag", *command[1:])
+
+
+def test_a_value_out_of_range_is_refused_before_any_work(bag: Path, tmp_path: Path):
+    """The flag's name, its value and its range; nothing is written."""
+    line = refused("run", bag, "--out", tmp_path / "out", "--fusion.omega", "7")
+    assert "fusion.omega is 7: give 0.001 to 0.999" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_bad_settings_file_is_refused(bag: Path, tmp_path: Path):
+    """The file and the place in it; what a terminal would obey is replaced."""
+    path = tmp_path / "bad.toml"
+    path.write_text("[fusion\n")
+    assert "bad.toml is not valid TOML" in refused("run", bag, "--out", tmp_path / "out", "--config", path)
+    path.write_text("[fusion]\nomego = 1\n")
+    assert "did you mean fusion.omega?" in refused("run", bag, "--out", tmp_path / "out", "--config", path)
+    path.write_text('[fusion]\n"\\u001b[31mred" = 1\n')
+    line = refused("run", bag, "--out", tmp_path / "out", "--config", path)
+    assert "fusion.\N{REPLACEMENT CHARACTER}[31mred is no setting" in line
+
+
+def test_an_output_folder_that_cannot_be_is_refused(bag: Path, tmp_path: Path):
+    """A file stands where the folder should be."""
+    (tmp_path / "taken").write_text("")
+    assert "taken cannot be made" in refused("run", bag, "--out", tmp_path / "taken")
+
+
+def test_a_port_in_use_is_refused(bag: Path):
+    """The port's number, instead of silently another one."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert str(port) in refused("view", bag, "--port", port)
+
+
+def test_a_page_for_the_network_needs_a_token(bag: Path):
+    """Serving more than this machine without a secret is refused."""
+    assert "token" in refused("view", bag, "--host", "0.0.0.0", "--port", 0)
+
+
+def test_an_unknown_flag_exits_with_two(bag: Path, tmp_path: Path):
+    """The parser's own mistakes have the same exit code, and no traceback."""
+    done = hectorscope("run", bag, "--out", tmp_path / "out", "--no-such-flag", "1")
+    assert done.returncode == MISTAKE
+    assert "Traceback" not in done.stderr
+
+
+def interrupt(process: subprocess.Popen[str]) -> str:
+    """Ctrl-C until it ends; what it said on stderr. A compiler or a loader at work can miss one."""
+    deadline = time.monotonic() + PATIENCE_S
+    while process.poll() is None and time.monotonic() < deadline:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            continue
+    assert process.stderr is not None
+    return process.stderr.read()
+
+
+# The interpreter may end itself by the signal where generated code was running: a shell reads 130 from both.
+ENDED_BY_INTERRUPTION = (INTERRUPTED, -signal.SIGINT)
+
+
+def test_an_interruption_is_clean(tmp_path: Path):
+    """Ctrl-C in the middle of long work: exit code 130, a word, no traceback."""
+    command = [
+        sys.executable,
+        "-m",
+        "hectorscope.cli.main",
+        "simulate",
+        "--scenario",
+        "rooms",
+        "--duration",
+        "3600",
+    ]
+    work = subprocess.Popen([*command, "--out", str(tmp_path / "long.mcap")], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + PATIENCE_S
+    while not any(tmp_path.iterdir()) and time.monotonic() < deadline and work.poll() is None:
+        time.sleep(0.05)
+    errors = interrupt(work)
+    assert work.returncode in ENDED_BY_INTERRUPTION, errors
+    assert "interrupted" in errors
+    assert "Traceback" not in errors
+
+
+def test_a_page_is_served_until_interrupted(bag: Path):
+    """The command prints its address, answers there, and ends cleanly at Ctrl-C."""
+    command = [sys.executable, "-u", "-m", "hectorscope.cli.main", "view", str(bag), "--port", "0"]
+    page = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert page.stdout is not None
+    line = page.stdout.readline()
+    assert "http://127.0.0.1:" in line
+    with urllib.request.urlopen(f"{line.split()[-1]}healthz", timeout=PATIENCE_S) as answer:
+        assert answer.status == 200
+    errors = interrupt(page)
+    assert page.returncode in ENDED_BY_INTERRUPTION, errors
+    assert "Traceback" not in errors

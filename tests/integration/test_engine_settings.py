@@ -1,0 +1,118 @@
+"""Settings changed while the engine runs: from when on they act, and what is refused."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hectorscope.inputs import Item
+from hectorscope.run.headless import run_headless
+from hectorscope.run.settings import Change, Settings
+from hectorscope.session.commands import Configure, Play, Seek, SetSpeed
+from slam_core.config import with_value
+from tests.engines import START, after, running, state, until
+from tests.sources import MemoryRecording
+
+
+def test_a_change_acts_from_the_next_scan_and_is_logged(drive: list[Item], reference: np.ndarray):
+    """The past stays, the future differs, and the log says when, what, from what, to what."""
+    with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
+        until(engine, state("paused"))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        changed = after(engine, Configure("fusion.omega", 0.9))
+        engine.send(Play())
+        ended = until(engine, state("ended"))
+    entry = changed.log[-1]
+    assert entry.text == f"fusion.omega: {START.start.fusion.omega} → 0.9"
+    assert entry.time_ns == there.playback.time_ns
+    assert changed.config.fusion.omega == 0.9
+    assert ended.trajectory[: there.scans].tobytes() == reference[: there.scans].tobytes()
+    assert ended.trajectory[there.scans :].tobytes() != reference[there.scans :].tobytes()
+
+
+def test_a_run_with_changes_can_be_repeated_headless(drive: list[Item]):
+    """The logged change, planned at its time, gives the same trajectory without a hand."""
+    with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
+        until(engine, state("paused"))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        after(engine, Configure("fusion.omega", 0.9))
+        engine.send(Play())
+        ended = until(engine, state("ended"))
+    planned = replace(START, changes=(Change(there.playback.time_ns + 1, "fusion.omega", 0.9),))
+    repeated, _ = run_headless(MemoryRecording(drive), planned)
+    assert repeated.trajectory.tobytes() == ended.trajectory.tobytes()
+
+
+def test_a_new_run_takes_the_present_values_throughout(drive: list[Item]):
+    """After a slider was moved, going back runs with its value from the first scan on."""
+    with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
+        until(engine, state("paused"))
+        after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        after(engine, Configure("fusion.omega", 0.9))
+        after(engine, Seek(drive[0].stamp_ns + 10**9))
+        engine.send(Play())
+        ended = until(engine, state("ended"))
+    throughout = Settings(with_value(START.start, "fusion.omega", 0.9))
+    expected, _ = run_headless(MemoryRecording(drive), throughout)
+    assert ended.trajectory.tobytes() == expected.trajectory.tobytes()
+
+
+def test_a_setting_of_the_map_runs_again_to_the_same_instant(drive: list[Item]):
+    """The number of levels changes by a re-run up to here, as if it had been so from the start."""
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        until(engine, state("paused"))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        engine.send(Configure("map.levels", 2))
+        again = until(engine, lambda now: now.epoch == 1 and now.playback.state == "paused")
+    assert len(again.maps) == 2
+    assert again.playback.time_ns == there.playback.time_ns
+    assert again.scans == there.scans
+    assert f"map.levels: {START.start.map.levels} → 2" in [entry.text for entry in again.log]
+
+
+@pytest.mark.parametrize(("name", "value"), [("fusion.omega", 7.0), ("no.such", 1), ("matcher.sigma", math.nan)])
+def test_a_bad_setting_is_a_line_in_the_log(drive: list[Item], name: str, value: float):
+    """Nonsense from a browser changes nothing and stops nothing; who asked is told."""
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        until(engine, state("paused"))
+        refused = after(engine, Configure(name, value))
+        assert (refused.log[-1].level, refused.log[-1].answer) == ("warning", True)
+        assert name in refused.log[-1].text
+        assert refused.config == START.start
+        assert after(engine, Seek(10**20)).playback.state == "ended"
+
+
+def test_a_map_beyond_the_limit_is_refused_and_the_run_goes_on(drive: list[Item]):
+    """It would have failed the run: the map that is there stays."""
+    tight = Settings(with_value(START.start, "map.limit", 20.0))
+    with running(MemoryRecording(drive), tight, autoplay=False) as engine:
+        until(engine, state("paused"))
+        refused = after(engine, Configure("map.size", 4096))
+        assert "map.limit is 20 MB" in refused.log[-1].text
+        assert (refused.epoch, refused.playback.state) == (0, "paused")
+        smaller = after(engine, Configure("map.size", 1024))
+        assert smaller.config.map.size == 1024
+        refused = after(engine, Configure("map.limit", 10.0))
+        assert "takes 14 MB, map.limit is 10 MB" in refused.log[-1].text
+        assert refused.config.map.limit == 20.0
+
+
+def test_a_limit_that_was_planned_is_in_the_way_of_no_other_setting(drive: list[Item]):
+    """A settings file may stop the map's growth on the way, below the size that the next run would begin with."""
+    planned = replace(START, start=with_value(START.start, "map.size", 1024))
+    planned = planned.changed(drive[0].stamp_ns, "map.limit", 5.0)
+    with running(MemoryRecording(drive), planned, autoplay=False, speed=math.inf) as engine:
+        until(engine, state("paused"))
+        after(engine, Seek(drive[0].stamp_ns + 10**9))
+        assert after(engine, Configure("fusion.omega", 0.9)).config.fusion.omega == 0.9
+
+
+def test_a_bad_speed_is_refused(drive: list[Item]):
+    """Not a number, zero and negative speeds change nothing."""
+    with running(MemoryRecording(drive), autoplay=False, speed=2.0) as engine:
+        until(engine, state("paused"))
+        for speed in (math.nan, 0.0, -1.0):
+            refused = after(engine, SetSpeed(speed))
+            assert refused.playback.speed == 2.0
+            assert refused.log[-1].level == "warning"

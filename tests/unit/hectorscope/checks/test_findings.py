@@ -1,0 +1,274 @@
+"""Devices that lie, and what is said about them: a drive through the rooms with each lie put into it."""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from hectorscope.checks.findings import findings, remedy
+from hectorscope.checks.sensor_check import DeviceError, Watched, examined
+from hectorscope.checks.sensor_statistics import Evidence, Measures
+from hectorscope.inputs import Item, SourceOptions
+from hectorscope.ros.repairs import Repairs
+from hectorscope.simulation.options import SceneOptions
+from hectorscope.simulation.simulation import Simulation
+from slam_core.measurements import Imu, LaserScan, Odometry
+from tests.sources import MemoryRecording, MemoryStream
+
+Lie = Callable[[Item], Item]
+SECOND = 1_000_000_000
+
+
+@cache
+def honest() -> tuple[Item, ...]:
+    """Fifteen seconds with turns."""
+    options = SceneOptions(duration=15.0, beams=181, scan_rate=10.0, beam_timing=False)
+    return tuple(Simulation("rooms", options).items())
+
+
+def inertial(gyro: Iterable[float] = (1.0, 1.0, 1.0), accel: Iterable[float] = (1.0, 1.0, 1.0)) -> Lie:
+    """Factors on the three rates and on the three accelerations."""
+    rates, forces = np.array(gyro), np.array(accel)
+
+    def tell(item: Item) -> Item:
+        if not isinstance(item, Imu):
+            return item
+        return Imu(item.stamp_ns, rates * item.angular_velocity, forces * item.linear_acceleration)
+
+    return tell
+
+
+def mirrored(item: Item) -> Item:
+    """Beams that run the wrong way round."""
+    if not isinstance(item, LaserScan):
+        return item
+    return replace(item, angle_min=-item.angle_min, angle_increment=-item.angle_increment)
+
+
+def late(kind: type[Item], seconds: float) -> Lie:
+    """Stamps of one kind of measurement that come from the end of a pipe."""
+    return lambda item: (
+        replace(item, stamp_ns=item.stamp_ns + round(seconds * SECOND)) if isinstance(item, kind) else item
+    )
+
+
+def measures(items: Iterable[Item]) -> Measures:
+    evidence = Evidence()
+    for item in items:
+        evidence.take(item)
+    return evidence.measures()
+
+
+def repaired(items: Iterable[Item], options: SourceOptions) -> list[Item]:
+    """What the sources would yield with these options."""
+    repairs = Repairs(options)
+
+    def repair(item: Item) -> Item:
+        if isinstance(item, Imu):
+            return replace(repairs.imu(item), stamp_ns=item.stamp_ns - repairs.imu_delay_ns)
+        if isinstance(item, LaserScan):
+            return replace(repairs.scan(item), stamp_ns=item.stamp_ns - repairs.scan_delay_ns)
+        return item
+
+    return [repair(item) for item in items]
+
+
+def test_a_clock_that_is_set_after_the_start_costs_neither_memory_nor_the_rest() -> None:
+    """The first samples of an IMU whose board knew no time yet are years off: they are not looked at."""
+    items = list(honest())
+    first = next(item for item in items if isinstance(item, Imu))
+    astray = [replace(first, stamp_ns=first.stamp_ns - k * 365 * 86_400_000_000_000) for k in (1, 40)]
+    assert findings(measures([items[0], *astray, *items[1:]]), SourceOptions()) == []
+
+
+LIES: dict[str, tuple[Lie, str, SourceOptions]] = {
+    "milli-g": (
+        inertial(accel=[1000.0 / 9.80665] * 3),
+        "--imu-accel-unit mg",
+        SourceOptions(imu_accel_unit="mg"),
+    ),
+    "g": (inertial(accel=[1.0 / 9.80665] * 3), "--imu-accel-unit g", SourceOptions(imu_accel_unit="g")),
+    "degrees": (
+        inertial(gyro=[math.degrees(1.0)] * 3),
+        "--imu-gyro-unit deg/s",
+        SourceOptions(imu_gyro_unit="deg/s"),
+    ),
+    "upside down": (
+        inertial((1.0, -1.0, -1.0), (1.0, -1.0, -1.0)),
+        "--imu-rotation 3.1416 0 0",
+        SourceOptions(imu_rotation=(3.1416, 0.0, 0.0)),
+    ),
+    "mirrored scan": (mirrored, "--scan-mirrored true", SourceOptions(scan_mirrored=True)),
+    "gravity for force": (
+        inertial(accel=[-1.0] * 3),
+        "--imu-inverted accel",
+        SourceOptions(imu_inverted="accel"),
+    ),
+    "late scans": (late(LaserScan, 0.2), "--scan-delay 0.2", SourceOptions(scan_delay=0.2)),
+    "late imu": (late(Imu, 0.1), "--imu-delay 0.1", SourceOptions(imu_delay=0.1)),
+}
+
+
+def test_honest_devices_are_left_alone() -> None:
+    """Nothing is found, and what was measured is right: 9.8 m/s² upwards, the gyroscope turns as the scans do."""
+    seen = measures(honest())
+    assert findings(seen, SourceOptions()) == []
+    assert seen.gravity is not None
+    assert seen.gravity.norm == pytest.approx(9.81, abs=0.2)
+    assert seen.gravity.up[2] > 0.99
+    assert seen.turn is not None
+    assert seen.turn.correlation > 0.98
+    assert seen.turn.ratio == pytest.approx(1.0, abs=0.05)
+    assert abs(seen.turn.lag) <= 0.02
+
+
+@pytest.mark.parametrize("name", LIES)
+def test_a_lie_is_found_and_its_repair_named(name: str) -> None:
+    """One contradiction, one flag; and with that option nothing is left to find, however much it is doubted."""
+    lie, flag, options = LIES[name]
+    items = [lie(item) for item in honest()]
+    (found,) = findings(measures(items), SourceOptions())
+    assert found.repair.startswith(flag)
+    assert found.grave == ("late" not in name)
+    assert findings(measures(repaired(items, options)), SourceOptions()) == []
+
+
+def test_swaying_feigns_no_lie() -> None:
+    """Fifteen degrees of roll and pitch, scans that nothing puts level: no unit, no sign, no delay is made up."""
+    options = SceneOptions(duration=20.0, beams=181, scan_rate=10.0, sway=15.0, sway_frequency=1.2)
+    seen = measures(Simulation("rooms", options).items())
+    assert seen.turn is not None
+    assert findings(seen, SourceOptions()) == []
+
+
+def test_several_lies_are_told_together() -> None:
+    """Milli-g, degrees and a mirrored scan at once: three facts, and one line of flags."""
+    lies = [LIES[name][0] for name in ("milli-g", "degrees", "mirrored scan")]
+    items = list(honest())
+    for lie in lies:
+        items = [lie(item) for item in items]
+    flags = "--imu-accel-unit mg --imu-gyro-unit deg/s --scan-mirrored true"
+    assert remedy(findings(measures(items), SourceOptions())) == flags
+
+
+@pytest.mark.parametrize("name", ["milli-g", "degrees", "upside down", "mirrored scan"])
+def test_what_a_person_states_is_not_doubted(name: str) -> None:
+    """Stating the very thing that the data contradicts is the way to go on all the same."""
+    stated = SourceOptions(
+        imu_accel_unit="m/s2", imu_gyro_unit="rad/s", imu_rotation=(0.0, 0.0, 0.0), scan_mirrored=False
+    )
+    items = [LIES[name][0](item) for item in honest()]
+    assert findings(measures(items), stated) == []
+
+
+@pytest.mark.parametrize("factor", [0.0, 1.0])
+def test_gravity_removed_is_no_unit(factor: float) -> None:
+    """Accelerations without gravity, or none at all, cannot be used: the IMU is to be left out."""
+    items = [
+        replace(item, linear_acceleration=factor * (item.linear_acceleration - [0.0, 0.0, 9.8]))
+        if isinstance(item, Imu)
+        else item
+        for item in honest()
+    ]
+    found = findings(measures(items), SourceOptions())
+    assert found[0].repair == "--imu-topic none"
+    assert "which no unit explains" in found[0].fact
+
+
+def test_a_robot_that_stands_still_tells_nothing_of_its_gyroscope() -> None:
+    """The first scan over and over, with a gyroscope in degrees: nothing is said, gravity is still known."""
+    scan = next(item for item in honest() if isinstance(item, LaserScan))
+    noise = np.random.default_rng(4)
+    items: list[Item] = []
+    for tick in range(1500):
+        stamp_ns = scan.stamp_ns + tick * SECOND // 100
+        items.append(Imu(stamp_ns, noise.normal(0.0, 0.5, 3), noise.normal([0.0, 0.0, 9.8], 0.05)))
+        if tick % 10 == 0:
+            ranges = scan.ranges + noise.normal(0.0, 0.01, len(scan.ranges)).astype(np.float32)
+            items.append(replace(scan, stamp_ns=stamp_ns, ranges=ranges))
+    seen = measures(items)
+    assert seen.turn is None
+    assert seen.gravity is not None
+    assert findings(seen, SourceOptions()) == []
+
+
+@pytest.mark.parametrize(("sign", "flag"), [(1.0, None), (-1.0, "--scan-mirrored true")])
+def test_wheels_are_held_against_the_scans(sign: float, flag: str | None) -> None:
+    """Without an IMU the odometry's turn tells of a mirrored scan."""
+    items: list[Item] = [
+        Odometry(item.stamp_ns, np.zeros(2), sign * float(item.angular_velocity[2]))
+        if isinstance(item, Imu)
+        else item
+        for item in honest()
+    ]
+    assert [finding.repair for finding in findings(measures(items), SourceOptions())] == ([flag] if flag else [])
+
+
+def test_a_recording_is_refused_by_its_beginning() -> None:
+    """The name, the fact, the flags and the way without the IMU; with the flags it is taken."""
+    items = [LIES["degrees"][0](item) for item in honest()]
+    with pytest.raises(
+        DeviceError, match=r"memory: the gyroscope turns 5\d times .*--imu-gyro-unit deg/s, or .*none"
+    ):
+        examined(MemoryRecording(items), SourceOptions())
+    for options in (SourceOptions(imu_gyro_unit="deg/s"), SourceOptions()):
+        source = MemoryRecording(repaired(items, options) if options.imu_gyro_unit else honest())
+        assert examined(source, options) is source
+
+
+def test_a_delay_alone_refuses_nothing() -> None:
+    """A run with late scans is worse, not wrong."""
+    source = MemoryRecording([LIES["late scans"][0](item) for item in honest()])
+    assert examined(source, SourceOptions()) is source
+
+
+def test_a_stream_ends_when_its_devices_contradict_each_other() -> None:
+    """What came until then is handed on; the reason ends it."""
+    stream = MemoryStream()
+    stream.send([LIES["milli-g"][0](item) for item in honest()])
+    watched = examined(stream, SourceOptions())
+    assert isinstance(watched, Watched)
+    came = []
+    with pytest.raises(DeviceError, match="milli-g"):
+        came.extend(watched.items())
+    assert 0 < len(came) < len(honest())
+    watched.close()
+    assert came[-1].stamp_ns - came[0].stamp_ns < 2 * SECOND
+    honest_stream = MemoryStream()
+    honest_stream.send(honest())
+    honest_stream.close()
+    assert len(list(examined(honest_stream, SourceOptions()).items())) == len(honest())
+
+
+def test_a_stream_whose_imu_hangs_upside_down_is_warned_of_at_rest_and_ended_by_a_turn() -> None:
+    """Within two seconds the report says which way is up; once the scans turn too it is sure."""
+    stream = MemoryStream()
+    stream.send([LIES["upside down"][0](item) for item in honest()])
+    watched = examined(stream, SourceOptions())
+    warned = next(item.stamp_ns for item in watched.items() if watched.report.warnings)
+    assert warned - honest()[0].stamp_ns < 2 * SECOND
+    assert "mounted upside down: run again with --imu-rotation 3.1416 0 0" in watched.report.warnings[0]
+    with pytest.raises(DeviceError, match="upside down"):
+        list(watched.items())
+    watched.close()
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e200])
+def test_damaged_samples_say_nothing_of_the_device(value: float) -> None:
+    """One in fifty holds no plausible number, in a rate or a force: gravity and turns are what they were."""
+    samples, damaged = 0, []
+    for item in honest():
+        samples += isinstance(item, Imu)
+        rate, force = (value if samples % 100 == each else 1.0 for each in (0, 50))
+        damaged.append(inertial([rate] * 3, [force] * 3)(item))
+    found, whole = measures(damaged), measures(honest())
+    assert samples > 1000
+    assert found.gravity is not None
+    assert whole.gravity is not None
+    assert found.gravity.norm == pytest.approx(whole.gravity.norm, rel=0.01)
+    assert found.gravity.steadiness == pytest.approx(whole.gravity.steadiness, rel=0.01)
+    assert found.turn is not None
+    assert found.turn.correlation > 0.99

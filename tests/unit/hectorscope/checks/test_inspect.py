@@ -1,0 +1,75 @@
+"""The description of a recording."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from hectorscope.checks.inspect import inspect_bag
+from hectorscope.inputs import SourceError, SourceOptions
+from tests.ros_messages import SECOND, Messages, write_bag
+
+TENTH = SECOND // 10
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    """Scans at 10 Hz with one missing, one spoilt scan, a mount, and a topic of no use."""
+    ros = Messages("ros1")
+    text = ros.make("std_msgs/msg/String", data="hello")
+    entries = [("/scan", ros.scan(i * TENTH), i * TENTH) for i in (0, 1, 2, 4, 5)]
+    entries.append(("/scan", ros.scan(6 * TENTH, ranges=[]), 6 * TENTH))
+    entries.append(("/chatter", text, 6 * TENTH))
+    entries.append(("/tf_static", ros.tf(0, "base_link", "laser", (0.2, 0.0, 0.1)), 6 * TENTH))
+    return write_bag(tmp_path / "run.bag", entries)
+
+
+def test_topics_have_counts_rates_and_gaps(bag: Path) -> None:
+    """A missing scan shows as the longest gap; a type of no use has no gap."""
+    report = inspect_bag(bag, SourceOptions())
+    chatter, scan, tf = report.topics
+    assert (chatter.name, chatter.msgtype, chatter.messages) == ("/chatter", "std_msgs/msg/String", 1)
+    assert math.isnan(chatter.longest_gap_s)
+    assert (scan.messages, tf.messages) == (6, 1)
+    assert scan.rate_hz == pytest.approx(5 / 0.6)
+    assert scan.longest_gap_s == pytest.approx(0.2)
+    assert report.duration_s == pytest.approx(0.6)
+
+
+def test_parts_say_what_would_be_used(bag: Path) -> None:
+    """Five of six scans are usable, the mount comes from tf, and the sixth is named with its reason."""
+    report = inspect_bag(bag, SourceOptions())
+    scan = report.parts[0]
+    assert (scan.role, scan.topic, scan.measurements) == ("scan", "/scan", 5)
+    assert "3 beams over 57°" in scan.detail
+    assert "mount 0.200 0.000 0.100 m, 0.0 0.0 0.0°" in scan.detail
+    assert "tf places laser on base_link" in report.source.notes
+    assert report.source.skipped == {"/scan: scan without beams": 1}
+    assert {part.role: part.topic for part in report.parts[1:]} == dict.fromkeys(
+        ("imu", "attitude", "odometry", "height", "ground", "magnetic", "gps", "gps_velocity", "truth")
+    )
+
+
+def test_as_text_it_says_all_of_it(bag: Path) -> None:
+    """The lines for the terminal carry topics, parts, notes and skipped messages."""
+    text = str(inspect_bag(bag, SourceOptions()))
+    assert text.startswith("run.bag: ROS 1 bag, 0.6 s from 2023-11-14 22:13:20 UTC")
+    for words in ("8.3 Hz", "0.200 s", "std_msgs/msg/String", "notes", "skipped", "1 x /scan: scan without beams"):
+        assert words in text
+
+
+def test_names_cannot_give_a_terminal_orders(tmp_path: Path) -> None:
+    """What a terminal would obey is replaced, a newline too; the lines of the report stay lines."""
+    ros = Messages("ros1")
+    entries = [("/sc\x1b[31man\n/false", ros.scan(i * TENTH), i * TENTH) for i in range(3)]
+    text = str(inspect_bag(write_bag(tmp_path / "run.bag", entries), SourceOptions()))
+    assert "/sc\N{REPLACEMENT CHARACTER}[31man\N{REPLACEMENT CHARACTER}/false" in text
+    assert all(line.isprintable() for line in text.split("\n"))
+
+
+def test_overrides_are_obeyed(bag: Path) -> None:
+    """--laser-pose shows in the mount, an unknown topic is refused."""
+    report = inspect_bag(bag, SourceOptions(laser_pose=(1.0, 0.0, 0.0, 0.0, 0.0, math.pi)))
+    assert "mount 1.000 0.000 0.000 m, 0.0 0.0 180.0°" in report.parts[0].detail
+    with pytest.raises(SourceError, match="there is no topic '/imu'"):
+        inspect_bag(bag, SourceOptions(imu_topic="/imu"))

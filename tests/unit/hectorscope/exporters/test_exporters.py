@@ -1,0 +1,103 @@
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hectorscope.exporters import exporters
+from hectorscope.exporters.occupancy import GREYS, description, pgm
+from hectorscope.exporters.tum import tum_lines
+from hectorscope.run.map_images import MapImage
+from hectorscope.run.results import Run
+from hectorscope.run.settings import Settings
+from hectorscope.run.settings_file import read_toml
+from slam_core.localization.prior_map import SavedLevel
+
+START_NS = 1_700_000_000_123_456_789
+
+
+@pytest.fixture
+def finished() -> Run:
+    """Two poses and a map of two rows, the upper one occupied."""
+    trajectory = np.array([[0.0, 1, 2, 3, 1, 0, 0, 0], [0.000000001, 4, 5, 6, 0.5, 0.5, 0.5, -0.5]])
+    cells = np.array([[1, 1, 0], [2, 2, 2]], np.uint8)
+    level = SavedLevel(0.05, np.array([-30, 40]), np.array([[-1, -1, 0], [2, 2, 2]], np.float32))
+    return Run(START_NS, trajectory, (MapImage(0, 0.05, -1.5, 2.0, cells, 1),), Settings(), {"scans": 2}, (level,))
+
+
+def test_every_exporter_leaves_exactly_its_files(finished: Run, tmp_path: Path):
+    """The contract of the folder: the files that an exporter names, whole, and nothing temporary."""
+    for exporter in exporters():
+        exporter.write(finished, tmp_path)
+        for name in exporter.files:
+            assert (tmp_path / name).stat().st_size > 0
+    assert {path.name for path in tmp_path.iterdir()} == {name for e in exporters() for name in e.files}
+
+
+def test_the_trajectory_comes_first():
+    """It is small and all that a run was for: a disk that fills up with the map has it already."""
+    assert exporters()[0].files == ("trajectory.tum",)
+
+
+def test_an_older_file_is_replaced(finished: Run, tmp_path: Path):
+    """A second run into the same folder leaves its own files."""
+    for exporter in exporters():
+        for name in exporter.files:
+            (tmp_path / name).write_text("old")
+        exporter.write(finished, tmp_path)
+        assert all((tmp_path / name).read_bytes() != b"old" for name in exporter.files)
+
+
+def test_a_figure_that_is_no_number_is_null(finished: Run, tmp_path: Path):
+    """JSON has no word for it, and the rest of the run is worth keeping."""
+    run = replace(finished, metrics={"scans": 2, "truth": {"raw_rmse_m": math.nan, "poses": math.inf}})
+    for exporter in exporters():
+        exporter.write(run, tmp_path)
+    told = json.loads((tmp_path / "metrics.json").read_text())
+    assert told == {"scans": 2, "truth": {"raw_rmse_m": None, "poses": None}}
+
+
+def test_tum_lines_have_exact_times_and_the_scalar_last(finished: Run):
+    """T x y z qx qy qz qw, to the nanosecond although a float of the date could not hold it."""
+    first, second = tum_lines(finished).splitlines()
+    assert first.split()[0] == "1700000000.123456789"
+    assert second.split()[0] == "1700000000.123456790"
+    assert [float(v) for v in first.split()[1:]] == [1, 2, 3, 0, 0, 0, 1]
+    assert [float(v) for v in second.split()[1:]] == [4, 5, 6, 0.5, 0.5, -0.5, 0.5]
+
+
+def test_the_image_has_its_highest_y_on_top(finished: Run):
+    """Row 0 of the map is the last line of the picture."""
+    head, pixels = pgm(finished.maps[0].cells).split(b"255\n")
+    assert head == b"P5\n3 2\n"
+    assert list(pixels) == [0, 0, 0, 254, 254, 205]
+
+
+def test_a_map_reader_gets_the_classes_back(finished: Run):
+    """With the thresholds of map.yaml each grey falls into its own class."""
+    values = dict(line.split(": ") for line in description(finished.maps[0]).splitlines())
+    probability = (255 - GREYS.astype(float)) / 255
+    unknown, free, occupied = probability
+    assert occupied > float(values["occupied_thresh"])
+    assert free < float(values["free_thresh"])
+    assert float(values["free_thresh"]) <= unknown <= float(values["occupied_thresh"])
+    assert values["origin"] == "[-1.5, 2.0, 0.0]"
+    assert values["resolution"] == "0.05"
+
+
+def test_a_run_without_a_map_leaves_none(finished: Run, tmp_path: Path):
+    """No map, no empty picture."""
+    empty = Run(START_NS, finished.trajectory, (), Settings(), {})
+    for exporter in exporters():
+        exporter.write(empty, tmp_path)
+    assert not (tmp_path / "map.pgm").exists()
+
+
+def test_config_and_metrics_can_be_read_back(finished: Run, tmp_path: Path):
+    """config.toml goes back through --config, metrics.json is JSON."""
+    for exporter in exporters():
+        exporter.write(finished, tmp_path)
+    assert read_toml(tmp_path / "config.toml") == finished.settings
+    assert json.loads((tmp_path / "metrics.json").read_text()) == {"scans": 2}

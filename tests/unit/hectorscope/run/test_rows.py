@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+
+from hectorscope.run.rows import GrowingRows
+
+
+def test_rows_come_back_in_order_however_many():
+    """Growth beyond the first allocation loses nothing."""
+    rows = GrowingRows(2)
+    for i in range(5000):
+        rows.append((i, -i))
+    assert len(rows) == 5000
+    np.testing.assert_array_equal(rows.view[:, 0], np.arange(5000))
+    np.testing.assert_array_equal(rows.view[:, 1], -np.arange(5000))
+
+
+def test_many_rows_at_once_are_as_good_as_one_by_one():
+    """Also none, and more than there was room for."""
+    rows = GrowingRows(2)
+    block = np.arange(5000.0).reshape(-1, 2)
+    for part in (block[:1], block[1:1], block[1:]):
+        rows.extend(part)
+    rows.append((1.0, 2.0))
+    np.testing.assert_array_equal(rows.view, [*block, (1.0, 2.0)])
+
+
+def test_a_view_keeps_what_it_showed():
+    """What was handed out before neither grows nor changes, also across a growth."""
+    rows = GrowingRows(1)
+    for i in range(1024):
+        rows.append((i,))
+    before = rows.view
+    rows.append((-1.0,))
+    assert len(before) == 1024
+    assert before[-1, 0] == 1023
+
+
+def test_a_view_cannot_be_written():
+    """Readers in other threads must not be able to spoil the history."""
+    rows = GrowingRows(1)
+    rows.append((1.0,))
+    with pytest.raises(ValueError, match="read-only"):
+        rows.view[0, 0] = 2.0
+    rows.append((2.0,))
+    assert rows.view[:, 0].tolist() == [1.0, 2.0]

@@ -1,0 +1,69 @@
+"""What every view promises, found in the folder: a new one is held to it too."""
+
+from typing import Any
+
+import pytest
+
+from hectorscope.page.scene import Stage
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.views import View, view_classes
+from tests.page import restarted, room_snapshot, without_filter
+
+VIEWS = pytest.mark.parametrize("view", view_classes(), ids=lambda view: view.__name__)
+SETTINGS: list[dict[str, Any]] = [
+    {"layout": "side"},
+    {"layout": "one", "level": 2},
+    {"layout": "one", "level": 99},
+    {"layout": "stacked", "gap": 1.5},
+    {"dark": False},
+    {"points": "height"},
+    {"points": "plain", "ellipse_scale": 1000.0},
+]
+
+
+def messages(stage: Stage) -> int:
+    """How many messages were ever queued for browsers."""
+    return int(stage.server._websock_server._broadcast_buffer.message_counter)
+
+
+def whole(view: type[View], stage: Stage) -> View:
+    """The view with all of its layers switched on."""
+    made = view(stage)
+    for layer in stage.layers:
+        stage.show_layer(layer.key, True)
+    return made
+
+
+@VIEWS
+def test_it_draws_whatever_a_run_shows(view: type[View], stage: Stage) -> None:
+    """Nothing yet, a first scan, a full picture, a run begun again, and the picture once more: no error."""
+    made = whole(view, stage)
+    full = room_snapshot()
+    for snapshot in (Snapshot(), without_filter(full), full, restarted(full), full):
+        made.draw(snapshot)
+
+
+@VIEWS
+def test_it_follows_every_setting(view: type[View], stage: Stage) -> None:
+    """Every layout, theme and colouring can be chosen while nothing moves."""
+    made, snapshot = whole(view, stage), room_snapshot()
+    made.draw(snapshot)
+    for change in SETTINGS:
+        stage.show(**change)
+        made.draw(snapshot)
+
+
+@VIEWS
+def test_it_sends_nothing_when_nothing_changed(view: type[View], stage: Stage) -> None:
+    """Drawing the same snapshot again costs no bytes."""
+    made, snapshot = whole(view, stage), room_snapshot()
+    made.draw(snapshot)
+    before = messages(stage)
+    made.draw(snapshot)
+    assert messages(stage) == before
+
+
+@VIEWS
+def test_it_has_a_title(view: type[View], stage: Stage) -> None:
+    """The title names it on the page when it fails."""
+    assert view(stage).title

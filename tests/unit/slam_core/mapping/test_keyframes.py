@@ -1,0 +1,72 @@
+"""Which scans are written: by the way since the last, and where nothing tells the motion by how well they fit."""
+
+import numpy as np
+import pytest
+
+from slam_core.config import MapConfig
+from slam_core.mapping.keyframes import Updates
+
+CONFIG = MapConfig(update_distance=0.4, update_angle=0.06, patience=0.5)
+SECOND = 1_000_000_000
+WELL, BADLY = np.full(100, 0.10, np.float32), np.full(100, 0.13, np.float32)
+
+
+@pytest.fixture
+def updates():
+    """After scans that fitted well, the last of them written at the origin at time 0."""
+    updates = Updates()
+    assert updates.writes(np.zeros(3), 0, None, CONFIG)
+    for k in range(20):
+        assert not updates.writes(np.zeros(3), k, WELL, CONFIG)
+    return updates
+
+
+@pytest.mark.parametrize("pose", [(0.41, 0.0, 0.0), (0.0, -0.41, 0.0), (0.0, 0.0, 0.061), (0.0, 0.0, -0.061)])
+def test_a_scan_is_written_once_the_robot_moved_or_turned(updates, pose):
+    """As far as the settings say, in any direction, and then not again at the same place."""
+    pose = np.array(pose)
+    assert not updates.writes(0.9 * pose, SECOND, None, CONFIG)
+    assert updates.writes(pose, SECOND, None, CONFIG)
+    assert not updates.writes(pose, 2 * SECOND, None, CONFIG)
+
+
+def test_a_scan_that_fits_badly_waits_for_a_better_one(updates):
+    """The better one is written at once, though it was taken little further on."""
+    assert not updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
+    assert updates.writes(np.array([0.6, 0.0, 0.0]), SECOND + 1, WELL, CONFIG)
+
+
+def test_nothing_waits_longer_than_the_patience(updates):
+    """After half a second any scan will do, and the next wait begins anew."""
+    far, further = np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])
+    assert not updates.writes(far, SECOND, BADLY, CONFIG)
+    assert not updates.writes(far, SECOND + SECOND // 2 - 1, BADLY, CONFIG)
+    assert updates.writes(far, SECOND + SECOND // 2, BADLY, CONFIG)
+    assert not updates.writes(further, 2 * SECOND, 2.0 * BADLY, CONFIG)
+
+
+def test_a_clock_that_is_set_back_ends_the_wait(updates):
+    """Or the map would never be written again."""
+    assert not updates.writes(np.array([0.5, 0.0, 0.0]), 50 * SECOND, BADLY, CONFIG)
+    assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
+
+
+def test_what_is_new_does_not_count_as_a_bad_fit(updates):
+    """Ends on unknown map have a residual of one half each: such a scan is written."""
+    new = np.concatenate([WELL, np.full(300, 0.5, np.float32)])
+    assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, new, CONFIG)
+
+
+def test_a_scan_on_nothing_but_unknown_map_is_written_at_once(updates):
+    """Also at the place of the last one, if that is to be forgotten."""
+    nothing = np.full(100, 0.5, np.float32)
+    assert not updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
+    updates.forget()
+    assert updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
+    assert not updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
+
+
+def test_all_scans_are_alike_where_the_motion_is_known(updates):
+    """Without residuals there is no wait, nor with a patience of 0, the paper's way."""
+    assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, None, CONFIG)
+    assert updates.writes(np.array([1.0, 0.0, 0.0]), 2 * SECOND, BADLY, MapConfig(patience=0.0))

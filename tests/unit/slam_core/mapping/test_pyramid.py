@@ -1,0 +1,163 @@
+"""Section IV-C: the levels share one corner and one scan."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slam_core.config import ConfigError, MapConfig
+from slam_core.mapping.pyramid import Pyramid, megabytes
+from tests.worlds import same_map
+
+CONFIG = MapConfig(size=256, levels=3, start_x=0.25, start_y=0.75)
+
+
+def written(config=CONFIG):
+    """A pyramid with one scan of two walls in it."""
+    pyramid = Pyramid(config)
+    ys = np.linspace(-1.5, 1.5, 200, dtype=np.float32)
+    points = np.column_stack([np.full_like(ys, 2.0), ys])
+    pyramid.update(points, np.empty((0, 2), np.float32), np.zeros(2), np.array([0.3, -0.4, 0.2]), config)
+    return pyramid
+
+
+def test_each_level_has_half_the_resolution_and_the_same_extent():
+    """Cell length doubles, cells on a side halve, and the corner is the same for all."""
+    levels = Pyramid(CONFIG).levels
+    assert [level.resolution for level in levels] == pytest.approx([0.05, 0.1, 0.2])
+    assert [level.shape for level in levels] == [(256, 256), (128, 128), (64, 64)]
+    assert all((level.origin == levels[0].origin).all() for level in levels)
+
+
+def test_start_offset_places_the_origin():
+    """The map's start lies at the given fractions of its width and height."""
+    np.testing.assert_allclose(Pyramid(CONFIG).levels[0].origin, [-0.25 * 12.8, -0.75 * 12.8])
+
+
+def test_levels_are_updated_together_and_agree():
+    """A fine occupied cell lies in a coarse occupied cell, on every level."""
+    pyramid = written()
+    rows, columns = np.nonzero(pyramid.levels[0].log_odds > 0)
+    assert len(rows) > 30
+    for k, level in enumerate(pyramid.levels[1:], 1):
+        assert (level.log_odds[rows >> k, columns >> k] > 0).all()
+
+
+def test_copy_is_independent():
+    """Writing to a copy leaves the original alone: that is what checkpoints stand on."""
+    pyramid = written()
+    before = pyramid.levels[0].log_odds.copy()
+    other = pyramid.copy()
+    other.update(np.ones((5, 2), np.float32), np.empty((0, 2), np.float32), np.zeros(2), np.zeros(3), CONFIG)
+    np.testing.assert_array_equal(pyramid.levels[0].log_odds, before)
+    assert (pyramid.updates, other.updates) == (1, 2)
+
+
+SMALL = MapConfig(size=64, levels=3)
+NOTHING = np.empty((0, 2), np.float32)
+
+
+def beam(pyramid, x, y, config, start=(0.0, 0.0)):
+    """One beam from `start` to x, y, metres in the map."""
+    pose = np.array([*start, 0.0])
+    pyramid.update(
+        np.array([[x, y]], np.float32) - pose[:2].astype(np.float32), NOTHING, np.zeros(2), pose, config
+    )
+
+
+@pytest.mark.parametrize("size", [64, 65, 100, 127])
+@pytest.mark.parametrize("levels", [1, 3, 6])
+def test_any_size_is_rounded_up_to_whole_coarsest_cells(size, levels):
+    """All levels cover the same area, also when the size asked for cannot be halved that often."""
+    config = replace(SMALL, size=size, levels=levels, start_x=0.3)
+    pyramid = Pyramid(config)
+    sides = {level.shape[0] * 2**i for i, level in enumerate(pyramid.levels)}
+    assert len(sides) == 1
+    assert size <= sides.pop() < size + 2 ** (levels - 1)
+    assert all((level.origin == pyramid.levels[0].origin).all() for level in pyramid.levels)
+
+
+def test_the_map_grows_only_towards_the_beams():
+    """Sides that no beam came near stay where they were; what lies well inside changes no size."""
+    pyramid = Pyramid(SMALL)
+    beam(pyramid, 1.0, 1.0, SMALL)
+    assert pyramid.levels[0].shape == (64, 64)
+    beam(pyramid, 3.0, 0.0, SMALL)
+    assert pyramid.levels[0].shape[0] == 64
+    assert pyramid.levels[0].corner.tolist() == [-32, -32]
+    assert 32 + 60 < pyramid.levels[0].shape[1] < 32 + 60 + 16
+    beam(pyramid, 0.0, -2.0, SMALL)
+    assert pyramid.levels[0].corner[0] == -32
+    assert pyramid.levels[0].corner[1] < -40
+
+
+def test_the_laser_and_cleared_beams_take_the_map_along():
+    """A robot that sees its nearest walls only, or clears without an end, still stays on the map."""
+    pyramid = Pyramid(SMALL)
+    beam(pyramid, 9.0, 0.0, SMALL, start=(20.0, 0.0))
+    assert int(pyramid.levels[0].cell_of(20.0, 0.0)[0]) < pyramid.levels[0].shape[1]
+    free = np.array([[0.0, 30.0]], np.float32)
+    pyramid.update(np.ones((1, 2), np.float32), free, np.zeros(2), np.zeros(3), SMALL)
+    assert pyramid.levels[0].shape[0] > 600
+
+
+def test_growing_is_rare():
+    """A hundred metres straight on, in steps of the update distance, take a dozen enlargements at most."""
+    pyramid, shapes = Pyramid(SMALL), set()
+    for k in range(250):
+        beam(pyramid, 0.4 * k + 1.0, 0.5, SMALL, start=(0.4 * k, 0.0))
+        shapes.add(pyramid.levels[0].shape)
+    assert 5 < len(shapes) <= 18
+    assert (pyramid.levels[0].log_odds > 0).sum() == 250
+
+
+def test_without_growing_beams_are_cut_at_the_edge():
+    """With map.grow off the map stays as it is, and is not called full."""
+    config = replace(SMALL, grow=False)
+    pyramid = Pyramid(config)
+    beam(pyramid, 20.0, 0.0, config)
+    assert pyramid.levels[0].shape == (64, 64)
+    assert np.count_nonzero(pyramid.levels[0].log_odds) > 20
+    assert pyramid.stopped_at == 0
+
+
+def test_the_limit_stops_the_map_and_raising_it_lets_it_go_on():
+    """Beyond map.limit the size stays, beams are cut, the map says so; a higher limit acts from the next scan."""
+    tight, wide = replace(SMALL, limit=1), replace(SMALL, limit=100)
+    pyramid = Pyramid(tight)
+    beam(pyramid, 3.0, 0.0, tight)
+    shape = pyramid.levels[0].shape
+    assert pyramid.stopped_at == 0
+    beam(pyramid, 60.0, 40.0, tight)
+    assert pyramid.stopped_at == 1
+    assert pyramid.levels[0].shape == shape
+    beam(pyramid, 1.0, 1.0, tight)
+    assert pyramid.stopped_at == 1
+    beam(pyramid, 60.0, 40.0, wide)
+    assert pyramid.stopped_at == 0
+    assert int(pyramid.levels[0].cell_of(60.0, 40.0)[0]) < pyramid.levels[0].shape[1]
+
+
+def test_a_first_map_beyond_the_limit_is_refused():
+    """The limit holds from the beginning; the message gives both figures and the settings."""
+    with pytest.raises(ConfigError, match=r"2048 x 2048 cells takes 55 MB, map\.limit is 50 MB"):
+        Pyramid(replace(SMALL, size=2048, limit=50.0))
+    assert Pyramid(replace(SMALL, size=2048, limit=56.0)).levels
+
+
+def test_memory_is_what_the_limit_counts():
+    """The arrays of all levels take the megabytes that are compared with the limit, padding apart."""
+    pyramid = Pyramid(replace(SMALL, size=2048))
+    cells = [a for level in pyramid.levels for a in vars(level).values() if np.ndim(a) == 2 and len(a)]
+    assert len(cells) == 10
+    assert sum(a.nbytes for a in cells) == pytest.approx(1e6 * megabytes(2048 * 2048, 3), rel=0.01)
+
+
+def test_a_copy_does_not_grow_along():
+    """A checkpoint keeps its size when the map that it was made of grows, and then grows by itself."""
+    pyramid = written(SMALL)
+    other = pyramid.copy()
+    beam(pyramid, 30.0, 10.0, SMALL)
+    assert same_map(other, written(SMALL))
+    beam(other, 30.0, 10.0, SMALL)
+    assert same_map(other, pyramid)

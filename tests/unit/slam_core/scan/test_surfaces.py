@@ -1,0 +1,110 @@
+"""The direction of the surface that each beam hit."""
+
+import numpy as np
+import pytest
+
+from slam_core.kernels.coarse_to_fine import survey
+from slam_core.scan.surfaces import Beams
+
+
+def test_points_on_a_line_point_along_it():
+    """Every endpoint of a straight wall has its direction, up to sign, at full length."""
+    t = np.linspace(0, 3, 60)
+    points = np.column_stack([1 + t * np.cos(0.6), 2 + t * np.sin(0.6)]).astype(np.float32)
+    beams = Beams.with_surfaces(points)
+    along = beams.along_x * np.cos(0.6) + beams.along_y * np.sin(0.6)
+    np.testing.assert_allclose(np.abs(along), 1.0, atol=1e-3)
+
+
+def test_every_direction_is_found():
+    """The closed form is right in all quadrants, along the axes too."""
+    for angle in np.linspace(-np.pi / 2, np.pi / 2, 37):
+        t = np.linspace(-1, 1, 40)
+        points = np.column_stack([t * np.cos(angle), t * np.sin(angle)]).astype(np.float32)
+        beams = Beams.with_surfaces(points)
+        np.testing.assert_allclose(
+            np.abs(beams.along_x * np.cos(angle) + beams.along_y * np.sin(angle)), 1, atol=1e-3
+        )
+
+
+def test_lone_points_and_blobs_have_no_surface():
+    """Endpoints far from their neighbours, and round scatters, keep the whole gradient."""
+    rng = np.random.default_rng(0)
+    lone = rng.uniform(-20, 20, (50, 2)).astype(np.float32)
+    beams = Beams.with_surfaces(lone)
+    assert np.hypot(beams.along_x, beams.along_y).max() < 0.5
+    blob = (0.05 * rng.standard_normal((200, 2))).astype(np.float32)
+    beams = Beams.with_surfaces(blob)
+    assert np.median(np.hypot(beams.along_x, beams.along_y)) < 0.5
+
+
+def test_a_gap_separates_two_walls():
+    """A beam next to a depth jump takes its direction from its own wall only."""
+    x = np.linspace(0, 1, 20)
+    near = np.column_stack([x, np.full(20, 1.0)])
+    far = np.column_stack([np.full(20, 3.0), np.linspace(2, 4, 20)])
+    beams = Beams.with_surfaces(np.vstack([near, far]).astype(np.float32))
+    np.testing.assert_allclose(np.abs(beams.along_x[:20]), 1.0, atol=1e-3)
+    np.testing.assert_allclose(np.abs(beams.along_y[20:]), 1.0, atol=1e-3)
+
+
+def test_plain_beams_have_none():
+    """The paper's matching uses the whole gradient."""
+    beams = Beams.plain(np.ones((4, 2), np.float32))
+    assert not beams.along_x.any()
+    assert not beams.along_y.any()
+
+
+def test_any_number_of_points():
+    """No points, or a few, break nothing."""
+    for n in range(6):
+        assert len(Beams.with_surfaces(np.zeros((n, 2), np.float32)).xs) == n
+
+
+def corridor(far: float, noise: float = 0.01, seed: int = 0) -> np.ndarray:
+    """A scan along x between walls at y = 1.2 and -1.2, with an end at x = `far`; range 30 m, 270 degrees."""
+    angles = np.linspace(-0.75 * np.pi, 0.75 * np.pi, 1081)
+    c, s = np.cos(angles), np.sin(angles)
+    with np.errstate(divide="ignore"):
+        ranges = np.minimum(1.2 / np.abs(s), np.where(c > 0, far / c, np.inf))
+    ranges += noise * np.random.default_rng(seed).standard_normal(len(ranges))
+    seen = ranges < 30.0
+    return (ranges[seen, None] * np.column_stack([c, s])[seen]).astype(np.float32)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_bare_corridor_is_open_along_and_an_end_closes_it(seed: int):
+    """Noise turns no wall into a landmark, nor grazing beams far ahead; an end is one."""
+    xs, ys = corridor(np.inf, seed=seed).T.copy()
+    x, _, share = survey(xs, ys, 0.0)
+    assert share < 0.004
+    assert abs(x) > 0.9999
+    xs, ys = corridor(15.0, seed=seed).T.copy()
+    assert survey(xs, ys, 0.0)[2] > 0.01
+
+
+def test_the_open_direction_turns_with_the_robot():
+    """In the axes of the map."""
+    xs, ys = corridor(np.inf).T.copy()
+    x, y, _ = survey(xs, ys, 0.5)
+    assert abs(x * np.cos(0.5) + y * np.sin(0.5)) > 0.9999
+
+
+def test_a_square_room_fixes_both_directions_alike():
+    """Half of the beams lie on walls across either."""
+    angles = np.linspace(-np.pi, np.pi, 721)[:-1]
+    ranges = 3.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
+    xs, ys = (ranges * np.array([np.cos(angles), np.sin(angles)])).astype(np.float32)
+    assert survey(xs, ys, 0.3)[2] == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_round_room_leaves_the_turn_open_and_no_place():
+    """Its walls fix the position from all sides."""
+    angles = np.linspace(-np.pi, np.pi, 721)[:-1]
+    xs, ys = (3.0 * np.array([np.cos(angles), np.sin(angles)])).astype(np.float32)
+    assert survey(xs, ys, 0.0)[2] == pytest.approx(0.5, abs=0.05)
+
+
+def test_no_beams_fix_nothing():
+    """A scan without endpoints is open, and breaks nothing."""
+    assert survey(np.empty(0, np.float32), np.empty(0, np.float32), 0.0)[2] == 0.0

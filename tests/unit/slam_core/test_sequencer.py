@@ -1,0 +1,83 @@
+"""Scans wait for the inertial data of their sweep, and for nothing else."""
+
+import numpy as np
+
+from slam_core.measurements import Height, Imu, LaserScan
+from slam_core.sequencer import Sequencer
+
+MS = 1_000_000
+
+
+def imu(t):
+    """An inertial sample at t milliseconds."""
+    return Imu(t * MS, np.zeros(3), np.zeros(3))
+
+
+def scan(t, sweep=20):
+    """A scan of 21 beams that begins at t milliseconds."""
+    return LaserScan(t * MS, np.ones(21, np.float32), 0.0, 0.1, time_increment=sweep / 20 * 1e-3)
+
+
+def test_a_scan_waits_until_its_sweep_is_covered():
+    """It comes right behind the first inertial sample at or after its last ray."""
+    s, first = Sequencer(), scan(5)
+    assert len(s.push(imu(0))) == 1
+    assert s.push(first) == []
+    assert len(s.push(imu(10))) == 1
+    assert len(s.push(imu(20))) == 1
+    sample = imu(30)
+    assert s.push(sample) == [sample, first]
+
+
+def test_a_covered_scan_passes_at_once():
+    """A scan that arrives after the inertial data of its sweep does not wait."""
+    s, late = Sequencer(), scan(5)
+    s.push(imu(40))
+    assert s.push(late) == [late]
+
+
+def test_the_order_of_arrival_between_channels_does_not_matter():
+    """Whether the scan or the sample of the same time arrives first, the pipeline sees the same order."""
+    first, sample = scan(5), imu(30)
+    a, b = Sequencer(), Sequencer()
+    begin = imu(0)
+    a.push(begin), b.push(begin)
+    ordered_a = a.push(first) + a.push(sample)
+    ordered_b = b.push(sample) + b.push(first)
+    assert ordered_a == ordered_b == [sample, first]
+
+
+def test_without_inertial_data_scans_wait_half_a_second_once():
+    """A laser-only recording loses nothing: the first scans are held, then all pass at once."""
+    s = Sequencer()
+    scans = [scan(100 * k) for k in range(12)]
+    out = [s.push(x) for x in scans]
+    assert out[0] == []
+    released = [x for batch in out for x in batch]
+    assert released == scans[: len(released)]
+    assert out[-1] == [scans[-1]]
+
+
+def test_scans_go_on_when_the_inertial_data_stops():
+    """Half a second after the last sample the scans pass without it, and wait again when it is back."""
+    s = Sequencer()
+    s.push(imu(0))
+    out = [x for k in range(20) for x in s.push(scan(100 * k))]
+    assert len(out) == 20
+    s.push(imu(2000))
+    assert s.push(scan(2100)) == []
+
+
+def test_everything_else_passes():
+    """Heights and the like are never held."""
+    s, height = Sequencer(), Height(5, 1.0)
+    assert s.push(height) == [height]
+
+
+def test_flush_gives_what_waits():
+    """At the end of a recording no scan is lost."""
+    s, last = Sequencer(), scan(5)
+    s.push(imu(0))
+    s.push(last)
+    assert s.flush() == [last]
+    assert s.flush() == []
