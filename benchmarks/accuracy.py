@@ -142,7 +142,7 @@ def along_and_across(pipeline: Pipeline) -> CorridorOutcome:
     series = pipeline.series.view(SERIES_DTYPE).reshape(-1)[covered]
     sigma: Float64s = series["fused_sigma_x"]
     within = np.abs(error[:, 0]) <= 3 * sigma
-    is_open = np.flatnonzero(series["weakest_share"] < SlamConfig().matcher.blind_share)
+    is_open = np.flatnonzero(series["weakest_share"] < SlamConfig().matcher.degeneracy_threshold)
     last = int(is_open[-1]) if len(is_open) else len(sigma) - 1
     return CorridorOutcome(
         along=rms(error[:, 0]),

@@ -197,7 +197,7 @@ class HectorSlam:
             leveled, match, verdict = self._judge(scan, leveled, match, prior)
         if verdict.state == "lost" and self.config.tracking.relocalise:
             match, verdict = self._seek(match, verdict, leveled, time_ns)
-        if verdict.beyond and self._writes and self.config.tracking.go_on:
+        if verdict.beyond and self._writes and self.config.tracking.continue_from_prediction:
             match, verdict = self._go_on(match, verdict, prior)
         if verdict.believed:
             self._lookout.rest()
@@ -227,7 +227,7 @@ class HectorSlam:
         config, tracker = self.config.tracking, self._tracker
         sigmas = disagreement(match, prior)
         reason = tracker.doubt(match.fit, sigmas, config)
-        surprises = self._motion.unaided and is_vague(prior) and sigmas > config.max_surprise
+        surprises = self._motion.unaided and is_vague(prior) and sigmas > config.unaided_mahalanobis_limit
         if not (reason or surprises):
             return leveled, match, tracker.believe(match.fit, reason)
         start = find_pose(self.pyramid.levels[-1], leveled.points, prior.mean, search_window(prior, config))
@@ -278,7 +278,7 @@ class HectorSlam:
 
     def _doubt(self, leveled: StabilisedScan, time_ns: int) -> None:
         """Every now and then, doubt what the scan says has moved on: a robot at rest, too, sees people go."""
-        interval_ns = round(self.config.map.doubt_interval * 1e9)
+        interval_ns = round(self.config.map.clear_interval * 1e9)
         if self._writes and 0 < interval_ns <= time_ns - self._doubted_ns:
             self._doubted_ns = time_ns
             self.pyramid.doubt(leveled.points, leveled.laser, self._pose, self.config.map)

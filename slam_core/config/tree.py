@@ -61,7 +61,7 @@ class MapConfig:
     log_odds_max: Annotated[float, Param("Upper cap of a cell: how sure a wall may get.", "", 0.5, 50.0)] = 50.0
     update_distance: Annotated[float, Param("The map is updated after moving this far.", "m", 0.0, 5.0)] = 0.4
     update_angle: Annotated[float, Param("The map is updated after turning this far.", "rad", 0.0, 3.14)] = 0.06
-    patience: Annotated[
+    keyframe_max_delay: Annotated[
         float,
         Param(
             "How long a scan that fits worse than usual waits for a better one to be written in its place, where"
@@ -71,7 +71,7 @@ class MapConfig:
             10.0,
         ),
     ] = 0.5
-    doubt_interval: Annotated[
+    clear_interval: Annotated[
         float,
         Param("How often occupied cells that beams pass are doubted, at rest too (0: never).", "s", 0.0, 60.0),
     ] = 0.25
@@ -104,7 +104,7 @@ class MatcherConfig:
             2000,
         ),
     ] = 360
-    second_start: Annotated[
+    prior_restart_sigmas: Annotated[
         float,
         Param(
             "A match further than this from the prediction is compared with one whose finest level begins there,"
@@ -128,7 +128,7 @@ class MatcherConfig:
             20.0,
         ),
     ] = 5.0
-    weak_share: Annotated[
+    weak_observability_threshold: Annotated[
         float,
         Param(
             "Where the shape of a scan fixes some direction by less than this share of its beams, only the map's"
@@ -138,7 +138,7 @@ class MatcherConfig:
             1.0,
         ),
     ] = 0.02
-    blind_share: Annotated[
+    degeneracy_threshold: Annotated[
         float,
         Param(
             "A direction that less than this share of the beams fixes, as along a bare corridor, is left to the"
@@ -186,7 +186,7 @@ class NavigationConfig:
     height_gate: Annotated[
         float, Param("A height further from the prediction than this is rejected (0: none).", "σ", 0.0, 100.0)
     ] = 5.0
-    gate_patience: Annotated[
+    gate_reset_time: Annotated[
         float,
         Param(
             "A source that was rejected for this long, consistently, while no other measured the same, is believed"
@@ -277,7 +277,7 @@ class MotionConfig:
     yaw_acceleration: Annotated[
         float, Param("White noise on the yaw rate.", "rad/s²/√Hz", 0.01, 50.0, log=True)
     ] = 3.0
-    refinements: Annotated[
+    deskew_refinements: Annotated[
         int,
         Param("How often a sweep may be placed and matched anew by the motion that its match shows.", "", 0, 5),
     ] = 3
@@ -332,14 +332,14 @@ class TrackingConfig:
     """Matches that cannot be believed: noticed, kept out of the map, and recovered from by a wider search."""
 
     check: Annotated[bool, Param("Judge every match and search further after a bad one (off: the paper).")] = True
-    min_fit: Annotated[
+    min_inlier_ratio: Annotated[
         float, Param("Share of the usual hits on walls below which a match is not believed.", "", 0.0, 1.0)
     ] = 0.65
     min_overlap: Annotated[float, Param("Share of the endpoints that must lie on known map.", "", 0.0, 1.0)] = 0.3
-    max_sigmas: Annotated[
+    mahalanobis_limit: Annotated[
         float, Param("A match further from the prediction than this is searched for again.", "σ", 1.0, 1000.0)
     ] = 100.0
-    max_surprise: Annotated[
+    unaided_mahalanobis_limit: Annotated[
         float,
         Param(
             "Of a slow laser with neither IMU nor wheels, a match further than this from the prediction has to"
@@ -355,14 +355,14 @@ class TrackingConfig:
         int, Param("Scans in a row without a match that is believed until the pose is lost.", "", 1, 1000)
     ] = 10
     relocalise: Annotated[bool, Param("Search the whole map while the pose is lost.")] = True
-    search_interval: Annotated[
+    relocalise_interval: Annotated[
         float, Param("Time from one search of the whole map to the next.", "s", 0.0, 60.0)
     ] = 1.0
-    min_place: Annotated[
+    relocalise_min_inlier_ratio: Annotated[
         float,
         Param("Share of a scan that the map must explain at a place found by that search.", "", 0.3, 1.0),
     ] = 0.85
-    go_on: Annotated[
+    continue_from_prediction: Annotated[
         bool, Param("A robot that got lost where there is no map yet goes on with it from the prediction.")
     ] = True
 

@@ -45,11 +45,11 @@ def climb(
     converged_step,
     max_yaw_step,
     coarse_beams,
-    second_start,
+    prior_restart_sigmas,
     sigma,
     surfel_weight,
-    weak_share,
-    blind_share,
+    weak_observability_threshold,
+    degeneracy_threshold,
     found,
     taken,
     residuals,
@@ -60,7 +60,7 @@ def climb(
     cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
     corner: (2,) and surfels: of the finest, which count `surfel_weight`.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
-    coarse_beams: fewest that a coarser level takes, 0 for all. second_start: that many sigmas off a prediction the
+    coarse_beams: fewest that a coarser level takes, 0 for all. prior_restart_sigmas: that many sigmas off a prediction the
     finest level is climbed from there as well, and the end where (7) with the prior is less stays; 0 for never.
     found: (8, 3) takes the pose, the direction that the scan leaves open, if any, with the share of beams that fix
     it, the Hessian (13) and the covariance (15). taken: (levels,) takes the steps of each level.
@@ -74,16 +74,16 @@ def climb(
     beams = (xs, ys, along_x, along_y)
     found[1] = survey(xs, ys, start[2])
     weak = np.zeros(2)
-    if found[1, 2] < weak_share:
+    if found[1, 2] < weak_observability_threshold:
         weak[:] = blind
         tangents(xs, ys, along_x, along_y)
-    if found[1, 2] >= blind_share:
+    if found[1, 2] >= degeneracy_threshold:
         blind[:] = 0.0
     noted, matched = _notes(), np.empty(6)
     prior = _prior(mean, covariance, weight * sigma * sigma, start[2])
     last, n = len(cells) - 1, len(xs)
     mixed_x, mixed_y, mixed_along_x, mixed_along_y = _by_turns(xs, last), _by_turns(ys, last), along_x, along_y
-    if found[1, 2] < weak_share:
+    if found[1, 2] < weak_observability_threshold:
         mixed_along_x, mixed_along_y = _by_turns(along_x, last), _by_turns(along_y, last)
     for i in range(last, 0, -1):
         cell, (begin, end) = resolution * (1 << i), _turn(i, n, coarse_beams)
@@ -112,7 +112,7 @@ def climb(
     finest = (cells[0], corner, 1.0 / resolution, *beams)
     limits = (blind, iterations_fine, converged_step, max_yaw_step)
     taken[0], converged = gauss_newton(*finest, pose, prior, *limits, residuals, trace[0], *noted, matched)
-    if 0.0 < (second_start * sigma) ** 2 < against(prior, pose):
+    if 0.0 < (prior_restart_sigmas * sigma) ** 2 < against(prior, pose):
         rival, its_matched, its_trace = prior[3].copy(), np.empty_like(matched), np.empty_like(trace[0])
         its_steps, its_end = gauss_newton(
             *finest, rival, prior, *limits, residuals, its_trace, *noted, its_matched

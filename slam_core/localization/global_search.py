@@ -56,7 +56,7 @@ class Sighting:
 
 def locate(pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> Sighting:
     """The one place in the map that agrees well with a scan of at least one endpoint."""
-    wanted = config.tracking.min_place
+    wanted = config.tracking.relocalise_min_inlier_ratio
     places = find_places(_level(pyramid), scan.points, LOOSE * wanted)
     if places.crowded:
         return Sighting(None, reason="the scan fits in very many places of the map")

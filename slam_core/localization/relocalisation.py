@@ -40,8 +40,8 @@ class Lookout:
             return None
         near = self._near(told, pyramid, scan, config) if told else None
         share = agreement(pyramid, scan, near.pose) if near else 0.0
-        found = near if share >= config.tracking.min_place else self._anywhere(pyramid, scan, config)
-        if found is None and share >= LOOSE * config.tracking.min_place:
+        found = near if share >= config.tracking.relocalise_min_inlier_ratio else self._anywhere(pyramid, scan, config)
+        if found is None and share >= LOOSE * config.tracking.relocalise_min_inlier_ratio:
             found = near  # what a person says needs less proof
         if found is None:
             return None
@@ -60,7 +60,7 @@ class Lookout:
         self.reason = ""
 
     def _due(self, time_ns: int, config: SlamConfig) -> bool:
-        last, interval_ns = self._searched_ns, config.tracking.search_interval * 1e9
+        last, interval_ns = self._searched_ns, config.tracking.relocalise_interval * 1e9
         if last is not None and 0 <= time_ns - last < interval_ns:
             return False
         self._searched_ns = time_ns

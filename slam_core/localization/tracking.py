@@ -59,9 +59,9 @@ class Tracker:
         """Why a match cannot be believed as it is; empty if it can."""
         if seen.known < config.min_overlap:
             return f"{seen.known:.0%} of the scan on known map, less than {config.min_overlap:.0%}"
-        if seen.hit < config.min_fit * self._usual:
+        if seen.hit < config.min_inlier_ratio * self._usual:
             return f"{seen.hit:.0%} of the known endpoints on walls, usually {self._usual:.0%}"
-        if sigmas > config.max_sigmas or _astray(seen, sigmas):
+        if sigmas > config.mahalanobis_limit or _astray(seen, sigmas):
             return far_off(sigmas)
         return ""
 
@@ -69,7 +69,7 @@ class Tracker:
         """Whether a pose that was searched for is right: it must fit clearly better than one in doubt."""
         if seen.known < config.min_overlap or _astray(seen, sigmas):
             return False
-        return seen.hit >= 0.5 * (1.0 + config.min_fit) * self._usual
+        return seen.hit >= 0.5 * (1.0 + config.min_inlier_ratio) * self._usual
 
     def believe(self, seen: Fit, reason: str) -> Verdict:
         """Go on with a match; `reason` is why it had to be searched for, if it had."""

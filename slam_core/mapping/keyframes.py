@@ -33,7 +33,7 @@ class Updates:
             return False
         if self._due_ns is None:
             self._due_ns = time_ns
-        if poor and 0 <= time_ns - self._due_ns < config.patience * 1e9:
+        if poor and 0 <= time_ns - self._due_ns < config.keyframe_max_delay * 1e9:
             return False
         self._written, self._due_ns = pose.copy(), None
         return True

@@ -36,9 +36,9 @@ def coarse_to_fine(
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
     config.prior_weight; R stays what the scan alone says. Where few beams fix some direction of the position, only
-    the map's gradient across the surfaces counts (config.weak_share); where next to none do, the pose stays there
-    as it was at the start (config.blind_share). Coarser levels see fewer beams (config.coarse_beams). A match far
-    from a sure prediction is tried from there as well (config.second_start). What the finest level found settles
+    the map's gradient across the surfaces counts (config.weak_observability_threshold); where next to none do, the pose stays there
+    as it was at the start (config.degeneracy_threshold). Coarser levels see fewer beams (config.coarse_beams). A match far
+    from a sure prediction is tried from there as well (config.prior_restart_sigmas). What the finest level found settles
     where the ends lie on its surfels, too, as far as they count (config.surfel_weight).
     """
     levels = pyramid.levels
@@ -61,11 +61,11 @@ def coarse_to_fine(
         config.converged_step,
         config.max_yaw_step,
         config.coarse_beams,
-        config.second_start,
+        config.prior_restart_sigmas,
         config.sigma,
         config.surfel_weight,
-        config.weak_share,
-        config.blind_share,
+        config.weak_observability_threshold,
+        config.degeneracy_threshold,
         found,
         taken,
         residuals,

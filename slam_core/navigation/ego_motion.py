@@ -122,7 +122,7 @@ class EgoMotion:
         elif isinstance(aid, Attitude):
             self._planar.add_attitude(aid)
         elif not isinstance(aid, GroundDistance):
-            self._plane.configure(self._config.motion, self._config.navigation.gate_patience)
+            self._plane.configure(self._config.motion, self._config.navigation.gate_reset_time)
             self._aids.take(aid, self._plane, self._config.aiding)
 
     def awaits_filter(self, begun: bool) -> bool:

@@ -48,7 +48,7 @@ class History:
     def configure(self, config: NavigationConfig, platform: PlatformConfig) -> None:
         """The settings that hold from now on; needed before anything else."""
         self._model = Strapdown(config, platform)
-        self._patience_ns = round(config.gate_patience * 1e9)
+        self._patience_ns = round(config.gate_reset_time * 1e9)
         self._kept_ns = round(config.history * 1e9)
 
     def copy(self) -> "History":

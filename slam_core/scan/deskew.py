@@ -32,7 +32,7 @@ def refine(
     """
     half_sweep = 0.5e-9 * (scan.end_ns - scan.stamp_ns) if config.scan.deskew else 0.0
     twist = motion.twist
-    for _ in range(config.motion.refinements):
+    for _ in range(config.motion.deskew_refinements):
         seen = motion.copy()
         seen.fuse(match.gaussian, config.fusion, observed_only=config.motion.observed_only)
         if (np.abs(seen.twist - twist) * half_sweep < SAME_SHIFT).all():

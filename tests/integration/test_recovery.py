@@ -63,7 +63,7 @@ def kidnapped(imu: bool) -> Iterator[Item]:
 
 def run(items: Iterable[Item], check: bool) -> tuple[Pipeline, float]:
     """The pipeline after all of it, and its aligned error."""
-    plain = with_value(with_value(SlamConfig(), "tracking.check", False), "map.patience", 0.0)
+    plain = with_value(with_value(SlamConfig(), "tracking.check", False), "map.keyframe_max_delay", 0.0)
     pipeline = Pipeline(Settings(SlamConfig() if check else plain))
     for item in items:
         for measurement in pipeline.admit(item):

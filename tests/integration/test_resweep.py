@@ -20,7 +20,7 @@ def slow_drive():
 
 def driven(items, refinements):
     """The pipeline after all of them."""
-    return process(items, with_value(SlamConfig(), "motion.refinements", refinements))
+    return process(items, with_value(SlamConfig(), "motion.deskew_refinements", refinements))
 
 
 def test_a_slow_sweep_is_placed_by_the_motion_that_its_match_shows(slow_drive):

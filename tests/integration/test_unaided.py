@@ -39,14 +39,14 @@ def test_only_a_slow_laser_without_other_help_is_looked_at_twice():
         list(with_wheels(drive(short), 1)),
     ):
         lazy, eager = (
-            process(items, with_value(SlamConfig(), "tracking.max_surprise", sigmas)) for sigmas in (1000.0, 1.0)
+            process(items, with_value(SlamConfig(), "tracking.unaided_mahalanobis_limit", sigmas)) for sigmas in (1000.0, 1.0)
         )
         np.testing.assert_array_equal(lazy.trajectory, eager.trajectory)
 
 
 def driven(items, patience):
     """The pipeline after all of them."""
-    return process(items, with_value(SlamConfig(), "map.patience", patience))
+    return process(items, with_value(SlamConfig(), "map.keyframe_max_delay", patience))
 
 
 def occupied(pipeline):

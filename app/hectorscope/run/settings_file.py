@@ -14,6 +14,23 @@ from slam_core.config import ConfigError, Leaf, SlamConfig, leaves, with_values
 _CHANGES = "changes"
 _CHANGE_KEYS = {"time_ns": (int,), "name": (str,), "value": (bool, int, float, str)}
 
+# Settings that had another name in files of version 0.1: both are read.
+RENAMED = {
+    "map.doubt_interval": "map.clear_interval",
+    "map.patience": "map.keyframe_max_delay",
+    "matcher.blind_share": "matcher.degeneracy_threshold",
+    "matcher.second_start": "matcher.prior_restart_sigmas",
+    "matcher.weak_share": "matcher.weak_observability_threshold",
+    "motion.refinements": "motion.deskew_refinements",
+    "navigation.gate_patience": "navigation.gate_reset_time",
+    "tracking.go_on": "tracking.continue_from_prediction",
+    "tracking.max_sigmas": "tracking.mahalanobis_limit",
+    "tracking.max_surprise": "tracking.unaided_mahalanobis_limit",
+    "tracking.min_fit": "tracking.min_inlier_ratio",
+    "tracking.min_place": "tracking.relocalise_min_inlier_ratio",
+    "tracking.search_interval": "tracking.relocalise_interval",
+}
+
 
 class SettingsError(ConfigError):
     """A settings file cannot be used: the message names the file, the entry and the remedy."""
@@ -76,7 +93,8 @@ def _entries(tree: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         if not isinstance(table, dict):
             raise SettingsError(f"{group} stands outside of a group: put it below one, as in [matcher]")
         for key, value in table.items():
-            yield f"{group}.{key}", value
+            name = f"{group}.{key}"
+            yield RENAMED.get(name, name), value
 
 
 @cache
@@ -98,5 +116,6 @@ def _change(entry: Any) -> Change:
     for key, kinds in _CHANGE_KEYS.items():
         if type(entry[key]) not in kinds:
             raise SettingsError(f"the change {entry!r} has a bad {key}: give a whole number, a name and a value")
-    _check_name(entry["name"])
-    return Change(**entry)
+    name = RENAMED.get(entry["name"], entry["name"])
+    _check_name(name)
+    return Change(entry["time_ns"], name, entry["value"])

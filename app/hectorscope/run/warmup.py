@@ -105,7 +105,7 @@ def _kernels() -> list[Dispatcher]:
 
 def _run(inertial: bool) -> None:
     # The surfaces are looked for in every scan.
-    config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_share", 1.0)
+    config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_observability_threshold", 1.0)
     given = None
     for method in ("hessian", "sampled"):
         pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)), given=given)

@@ -154,7 +154,7 @@ def test_what_is_wanted_is_a_setting(room: Pyramid):
     points[::2] *= 0.7
     changed = scan._replace(points=points)
     assert locate(room, changed, CONFIG).match is None
-    easy = locate(room, changed, replace(CONFIG, tracking=TrackingConfig(min_place=0.4)))
+    easy = locate(room, changed, replace(CONFIG, tracking=TrackingConfig(relocalise_min_inlier_ratio=0.4)))
     assert easy.match is not None
     assert np.hypot(*(easy.match.pose - [-1.0, 0.5, 0.3])[:2]) < 0.1
 

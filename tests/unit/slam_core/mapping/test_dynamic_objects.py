@@ -48,7 +48,7 @@ def test_a_robot_at_rest_forgets_a_visitor_within_five_seconds():
         slam.step(scan(k))
     assert not occupied(slam, place).any()
     assert slam.pyramid.revision > before
-    paper, place = visited(with_value(CONFIG, "map.doubt_interval", 0.0))
+    paper, place = visited(with_value(CONFIG, "map.clear_interval", 0.0))
     for k in range(2, 50):
         paper.step(scan(k))
     assert occupied(paper, place).all()
@@ -59,7 +59,7 @@ def test_walls_and_free_space_are_not_doubted():
 
     On the edge of the pillar a cell is hit by the first scan alone.
     """
-    slam, paper = HectorSlam(CONFIG), HectorSlam(with_value(CONFIG, "map.doubt_interval", 0.0))
+    slam, paper = HectorSlam(CONFIG), HectorSlam(with_value(CONFIG, "map.clear_interval", 0.0))
     for k in range(600):
         for run in (slam, paper):
             run.step(scan(k, noise=0.0))

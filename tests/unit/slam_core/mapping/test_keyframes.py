@@ -6,7 +6,7 @@ import pytest
 from slam_core.config import MapConfig
 from slam_core.mapping.keyframes import Updates
 
-CONFIG = MapConfig(update_distance=0.4, update_angle=0.06, patience=0.5)
+CONFIG = MapConfig(update_distance=0.4, update_angle=0.06, keyframe_max_delay=0.5)
 SECOND = 1_000_000_000
 WELL, BADLY = np.full(100, 0.10, np.float32), np.full(100, 0.13, np.float32)
 
@@ -69,4 +69,4 @@ def test_a_scan_on_nothing_but_unknown_map_is_written_at_once(updates):
 def test_all_scans_are_alike_where_the_motion_is_known(updates):
     """Without residuals there is no wait, nor with a patience of 0, the paper's way."""
     assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, None, CONFIG)
-    assert updates.writes(np.array([1.0, 0.0, 0.0]), 2 * SECOND, BADLY, MapConfig(patience=0.0))
+    assert updates.writes(np.array([1.0, 0.0, 0.0]), 2 * SECOND, BADLY, MapConfig(keyframe_max_delay=0.0))

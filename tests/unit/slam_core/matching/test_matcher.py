@@ -158,7 +158,7 @@ def test_pyramid_reaches_further_than_one_level(room):
     start, points = truth + np.array([0.3, 0.25, 0.2]), room_points(truth)
     fine = Pyramid(ROOM)
     fine.levels = room.levels[:1]
-    config = MatcherConfig(iterations_fine=12, iterations_coarse=12, weak_share=0.0)
+    config = MatcherConfig(iterations_fine=12, iterations_coarse=12, weak_observability_threshold=0.0)
     assert np.hypot(*(coarse_to_fine(room, points, start, config).pose - truth)[:2]) < 0.02
     assert np.hypot(*(coarse_to_fine(fine, points, start, config).pose - truth)[:2]) > 0.05
 
@@ -227,15 +227,15 @@ def corridor_end(wall_at):
 
 
 @pytest.mark.parametrize(
-    ("sigma", "second_start", "far"), [(0.005, 0.0, True), (0.005, 3.0, False), (1.0, 3.0, True)]
+    ("sigma", "prior_restart_sigmas", "far"), [(0.005, 0.0, True), (0.005, 3.0, False), (1.0, 3.0, True)]
 )
-def test_a_sure_prediction_is_a_second_start(sigma, second_start, far):
+def test_a_sure_prediction_is_a_second_start(sigma, prior_restart_sigmas, far):
     """A wall drawn twice leads the coarser levels away; a match near a sure prediction that costs less wins."""
     pyramid, nothing, origin = Pyramid(ROOM), np.empty((0, 2), np.float32), np.zeros(3)
     for wall_at in (2.12, 2.12, 2.12, 1.92):
         pyramid.update(corridor_end(wall_at), nothing, origin[:2], origin, ROOM)
     prior = PlanarGaussian(origin, np.diag([sigma, sigma, 0.002]) ** 2)
-    config = MatcherConfig(second_start=second_start, surfel_weight=0.0)
+    config = MatcherConfig(prior_restart_sigmas=prior_restart_sigmas, surfel_weight=0.0)
     match = coarse_to_fine(pyramid, corridor_end(1.92), origin, config, prior=prior, trace=True)
     assert (match.pose[0] > 0.05) == far
     np.testing.assert_allclose(match.trace[-1, 1:], match.pose)
@@ -348,7 +348,7 @@ def test_a_corridor_keeps_to_the_prediction():
         alone = coarse_to_fine(pyramid, walls(0.1), prior.mean, MatcherConfig(covariance=method))
         assert alone.pose[0] == pytest.approx(0.1, abs=1e-4)
         assert alone.weakest_sigma > 9.0
-    plain = MatcherConfig(blind_share=0.0)
+    plain = MatcherConfig(degeneracy_threshold=0.0)
     assert not coarse_to_fine(pyramid, walls(0.1), prior.mean, plain, prior=prior).blind.any()
 
 
