@@ -19,7 +19,7 @@ from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.sources import open_source
 from slam_core.config import SlamConfig, with_values
 from slam_core.evaluation.trajectory import Trajectory, interpolate, rms
-from slam_core.localization.prior_map import GivenMap
+from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import Float64s, Imu, Measurement
 from slam_core.results import StepResult
 
@@ -72,7 +72,7 @@ class Replay:
     returned: float | None = None
 
 
-def process(items: Iterable[Item], config: SlamConfig, given: GivenMap | None = None) -> Pipeline:
+def process(items: Iterable[Item], config: SlamConfig, given: PriorMap | None = None) -> Pipeline:
     """Every item through the pipeline, which may begin with a map."""
     pipeline = Pipeline(Settings(config), given=given)
     for _ in steps(pipeline, items):

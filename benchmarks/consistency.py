@@ -27,10 +27,10 @@ from slam_core import geometry
 from slam_core.config import FusionConfig, FusionMethod, NavigationConfig, PlatformConfig, SlamConfig
 from slam_core.kernels.navigation import STATES
 from slam_core.measurements import Float64s, Imu
-from slam_core.navigation.aiding.chi_square import quantile
-from slam_core.navigation.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
+from slam_core.navigation.chi_square import quantile
+from slam_core.navigation.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
 from slam_core.navigation.filter import NavigationFilter
-from slam_core.navigation.imu_buffer import Samples
+from slam_core.navigation.imu_buffer import ImuBuffer
 from slam_core.navigation.strapdown import Strapdown
 from slam_core.results import NavigationState
 from tests.conftest import ROOT
@@ -196,7 +196,7 @@ def speed() -> str:
     still[5] = GRAVITY
     x, P = np.zeros(STATES), np.diag(np.repeat([0.01, 0.05, 0.1, 0.005, 0.1], 3) ** 2)
     x[0], x[18] = 1.0, GRAVITY
-    recorded = Samples()
+    recorded = ImuBuffer()
     for k in range(2):
         recorded.append(k * 5_000_000, still)
     R = np.diag(MATCH_SIGMA**2)

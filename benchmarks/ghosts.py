@@ -65,7 +65,7 @@ def watched(scene: Scene, items: Iterable[Item], config: SlamConfig) -> tuple["W
     pipeline, watch = Pipeline(Settings(config)), Watch(scene)
     for result in steps(pipeline, items):
         if result.index % EVERY == 0:
-            watch.look(result, pipeline.slam.pyramid.levels[0])
+            watch.look(result, pipeline.slam.map.levels[0])
     return watch, pipeline
 
 

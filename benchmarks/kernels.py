@@ -109,7 +109,7 @@ def steps(done: Run) -> Iterator[Part]:
 
 def kernels(slam: HectorSlam, scan: StepResult) -> Iterator[Part]:
     """One scan matched and written again and again, on a copy of the map."""
-    pyramid = slam.pyramid.copy()
+    pyramid = slam.map.copy()
     many, level = np.tile(scan.points, (TILES, 1)), pyramid.levels[0]
     for name, beams in (("plain", Beams.plain(many)), ("across surfaces", Beams.with_surfaces(many))):
         evaluation = microseconds(partial(normal_equations, level, beams, scan.planar))

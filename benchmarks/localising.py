@@ -8,7 +8,7 @@ from benchmarks.accuracy import Outcome, outcome, process
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.simulation.options import ScenarioName
 from slam_core.config import SlamConfig
-from slam_core.localization.prior_map import GivenMap, saved_levels
+from slam_core.localization.prior_map import PriorMap, saved_levels
 
 OTHER = 100  # the seed of the second drive is that of the first and so much
 SCENES: dict[str, tuple[ScenarioName, SceneOptions]] = {
@@ -24,11 +24,11 @@ def localised(name: str, seed: int) -> tuple[Outcome, Outcome]:
     """The second drive by cells alone, and in the whole map that the first one left."""
     scene, options = SCENES[name]
     first = process(Simulation(scene, replace(options, seed=seed)).items(), SlamConfig())
-    levels = saved_levels(first.slam.pyramid)
+    levels = saved_levels(first.slam.map)
     items = list(Simulation(scene, replace(options, seed=seed + OTHER)).items())
     cells_alone = tuple(replace(level, surfels=None) for level in levels)
     alone, whole = (
-        outcome(process(items, SlamConfig(), GivenMap("the first drive's", each, start=np.zeros(3))))
+        outcome(process(items, SlamConfig(), PriorMap("the first drive's", each, start=np.zeros(3))))
         for each in (cells_alone, levels)
     )
     return alone, whole

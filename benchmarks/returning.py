@@ -33,7 +33,7 @@ def process(items: Iterable[Item], config: SlamConfig) -> tuple[Pipeline, float 
             if result is not None:
                 last.append(result)
                 if early is None and pipeline.trajectory[-1, 0] - pipeline.trajectory[0, 0] >= FIRST_S:
-                    early = map_images(pipeline.slam.pyramid)[0]
+                    early = map_images(pipeline.slam.map)[0]
 
     for item in items:
         step(pipeline.admit(item))

@@ -94,7 +94,7 @@ def driven(scene: ScenarioName) -> tuple[Pyramid, list[SEEN]]:
         )
         for scan in (scans[k] for k in sorted(chosen.tolist()))
     ]
-    return pipeline.slam.pyramid, seen
+    return pipeline.slam.map, seen
 
 
 def _motion(simulation: Simulation, from_ns: int, since_ns: Int64s) -> Float64s:

@@ -4,13 +4,14 @@ Named tuples, as a step makes a dozen of them: a frozen dataclass takes three ti
 """
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.measurements import Float32s, Float64s, Transform
+from slam_core.measurements import Float32s, Float64s, Int64s, Transform
 
 Tracking = Literal["tracking", "recovered", "degraded", "lost"]
 _NOTHING: Mapping[str, int] = {}
@@ -48,7 +49,8 @@ class MatchResult(NamedTuple):
     trace: (k, 4) level, x, y, psi after each Gauss-Newton step, coarse to fine, before the pose settles on the
     surfels; (0, 4) when not asked for.
     weakest_share: share of the beams that fix the position in the direction that the scan's shape fixes worst.
-    blind: (2,) that direction in the map, where the pose is the start estimate's because too few do; else zero.
+    unobservable: (2,) that direction in the map, where too few beams fix it and the pose keeps its start estimate
+    along it; else zero.
     fit: at the coarsest level.
     """
 
@@ -59,7 +61,7 @@ class MatchResult(NamedTuple):
     iterations: tuple[int, ...]
     converged: bool
     trace: Float64s
-    blind: Float64s = NOWHERE
+    unobservable: Float64s = NOWHERE
     weakest_share: float = 1.0
     fit: Fit = Fit(1.0, 1.0)
 
@@ -79,6 +81,72 @@ class MatchResult(NamedTuple):
     def gaussian(self) -> PlanarGaussian:
         """xi* with R."""
         return PlanarGaussian(self.pose, self.covariance)
+
+
+class Rejection(NamedTuple):
+    """Why a match was rejected: which figure, its value, and the limit or the usual value that it missed.
+
+    overlap: share of the scan on known cells. inlier_ratio: share of the known endpoints on occupied cells,
+    against its running mean. mahalanobis_distance: sigmas from the prediction.
+    """
+
+    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance"]
+    value: float
+    limit: float
+
+
+class Verdict(NamedTuple):
+    """What became of a scan's match. If it is not accepted, the pose is the prediction.
+
+    rejection: what spoke against the first match. outside_map: the robot got lost where there is no map yet.
+    recovery: "relocalised" by a search of the whole map, or "continued" from the prediction.
+    """
+
+    state: Tracking = "tracking"
+    rejection: Rejection | None = None
+    accepted: bool = True
+    outside_map: bool = False
+    recovery: Literal["", "relocalised", "continued"] = ""
+
+
+ACCEPTED = Verdict()
+
+
+class SearchFailure(NamedTuple):
+    """Why the pose of the robot in the map is unknown.
+
+    pending: no search yet. no_place: at best the share `value` of the scan agrees with the map (0: no candidate),
+    `limit` is needed. ambiguous: it fits `value` places alike. crowded: more places than can be compared.
+    """
+
+    code: Literal["pending", "no_place", "ambiguous", "crowded"]
+    value: float = 0.0
+    limit: float = 0.0
+
+
+class StartFound(NamedTuple):
+    """Where the run began in a prior map: pose (3,), the share of the scan that agrees with the map there.
+
+    elsewhere: at another place than the one that was given.
+    """
+
+    pose: Float64s
+    agreement: float
+    elsewhere: bool
+
+
+class Status(NamedTuple):
+    """The pipeline at the time of the last scan.
+
+    search_failure: why the pose in the map is unknown; None while it is known. start_found: where the run began in
+    a prior map, once that is known. skipped: scans without a result, by reason. unused: other measurements that
+    were not used as they came, by reason.
+    """
+
+    search_failure: SearchFailure | None
+    start_found: StartFound | None
+    skipped: Counter[str]
+    unused: Counter[str]
 
 
 class NavigationState(NamedTuple):
@@ -173,11 +241,11 @@ class StepResult(NamedTuple):
     planar: the pose (3,) from which points are drawn. points: (n, 2) endpoints in the stabilised frame, metres.
     heights: (n,) their height over the laser. unexpected: (n,) which of them the map held for free until then.
     prior, fused: the filter projected to the plane before and after the fusion (prior is None on the first scan);
-    fused covers how uncertain the map was drawn (`DrawnMap`); the filter does not, its pose is one on that map.
+    fused contains the drift of the map (`MapDrift`); the filter does not, its pose is one on that map.
     navigation: the filter after the fusion; None without an IMU.
     match: None on the first scan, which only makes the map.
-    tracking: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
-    "lost" when that lasts); reason: what spoke against the match, else empty.
+    verdict: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
+    "lost" when that lasts), and why.
     aiding: what became of every source's measurements so far. world: the pose of
     the map in the tangent plane of the satellites (east, north, heading from east); None while not known.
     """
@@ -196,7 +264,19 @@ class StepResult(NamedTuple):
     map_updated: bool
     beams: int
     durations: Durations
-    tracking: Tracking = "tracking"
-    reason: str = ""
+    verdict: Verdict = ACCEPTED
     aiding: tuple[AidingStatus, ...] = ()
     world: PlanarGaussian | None = None
+
+    @property
+    def tracking(self) -> Tracking:
+        """The tracking state."""
+        return self.verdict.state
+
+
+class Poses(NamedTuple):
+    """Poses of the base in the map: stamps_ns (n,), positions (n, 3) metres, rotations (n, 4) w, x, y, z."""
+
+    stamps_ns: Int64s
+    positions: Float64s
+    rotations: Float64s

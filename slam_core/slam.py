@@ -1,61 +1,121 @@
-"""The paper's figure 1: scans and inertial data in, map and 6DOF pose out."""
+"""Figure 1 of the paper: laser scans and inertial data in, map and 6DOF pose out."""
 
+from array import array
 from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from slam_core import geometry
 from slam_core.config import ConfigError, SlamConfig, needs_restart
-from slam_core.localization.prior_map import GivenMap
-from slam_core.localization.relocalisation import Lookout
-from slam_core.localization.tracking import WELL, Tracker, Verdict, disagreement, far_off, is_vague, search_window
-from slam_core.mapping.drift import DrawnMap
-from slam_core.mapping.keyframes import Updates
+from slam_core.diagnostics import Diagnostic
+from slam_core.localization.localiser import Localiser
+from slam_core.localization.prior_map import PriorMap
+from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.matching.correlative import find_pose
-from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.navigation.monitor import NO_ATTITUDE, NO_BEAM
-from slam_core.results import NOWHERE, Durations, MatchResult, PlanarGaussian, StepResult
-from slam_core.scan.deskew import refine
-from slam_core.scan.stabilise import StabilisedScan, stabilise
-
-# Where the map begins is where the first scan was taken: this sure.
-FIRST = MatchResult(
-    np.zeros(3), np.diag([1e-6, 1e-6, 1e-6]), np.zeros((3, 3)), np.empty(0, np.float32), (), True, np.empty((0, 4))
-)
+from slam_core.navigation.monitor import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED
+from slam_core.results import Poses, Status, StepResult
+from slam_core.scan.stabilise import stabilise
+from slam_core.sequencer import Sequencer
+from slam_core.timing import Stopwatch
 
 
 class HectorSlam:
-    """The pipeline. Feed it measurements in the order of a `Sequencer`; every scan gives a StepResult.
+    """The pipeline: `add` measurements of any sensor in order of arrival, then `finish`.
 
-    clock: nanoseconds for the durations in the results; without one they are 0.
-    given: the map to begin with. Scans give results once the robot's place in it is known.
+    prior_map: the map to begin with; without one, the map begins at the first scan. clock: nanoseconds, for the
+    durations in the results; without one they are 0.
     """
 
     def __init__(
-        self, config: SlamConfig, clock: Callable[[], int] = lambda: 0, given: GivenMap | None = None
+        self,
+        config: SlamConfig | None = None,
+        prior_map: PriorMap | None = None,
+        clock: Callable[[], int] = lambda: 0,
     ) -> None:
-        self.config = config
-        self.pyramid = given.pyramid(config.map) if given else Pyramid(config.map)
-        self._lookout = Lookout(given.start if given else FIRST.pose)
-        self._placed = given is None
-        self._writes = given is None or given.write
-        self.skipped: Counter[str] = Counter()
-        self.trace = False
-        self._clock = clock
-        self._motion = EgoMotion(config)
-        self._tracker = Tracker()
-        self._scan_ns = 0
-        self._index = 0
-        self._pose = np.zeros(3)
-        self._fused = np.zeros(3)
-        self._drawn = DrawnMap()
-        self._updates = Updates()
-        self._doubted_ns = 0
-        self._waiting_ns = 0
+        self.config = config or SlamConfig()
+        self.map = prior_map.pyramid(self.config.map) if prior_map else Pyramid(self.config.map)
+        self._skipped: Counter[str] = Counter()
+        self._sequencer = Sequencer()
+        self._motion = EgoMotion(self.config)
+        writes, start = (prior_map.write, prior_map.start) if prior_map else (True, np.zeros(3))
+        self._localiser = Localiser(self.map, self._motion, start, is_prior=prior_map is not None, writes=writes)
+        self._mapper = Mapper(self.map, writes=writes)
+        self._scans, self._scan_ns = 0, 0
+        self._stamps, self._poses = array("q"), array("d")
+        self._stopwatch = stopwatch = Stopwatch(clock)
+        self._take = stopwatch.timed("filter", self._motion.take)
+        self._stabilise = stopwatch.timed("stabilise", stabilise)
+        self._predict = stopwatch.timed("filter", self._motion.prior)
+        self._locate = stopwatch.timed("match", self._localiser.locate)
+        self._update = stopwatch.timed("update", self._mapper.update)
+        self._fuse = stopwatch.timed("filter", self._motion.correct)
+
+    def add(self, measurement: Measurement) -> list[StepResult]:
+        """Take in one measurement. The results of the scans that it completes: a scan waits for inertial data."""
+        return self._run(self._sequencer.push(measurement))
+
+    def finish(self) -> list[StepResult]:
+        """The results of the scans that still wait when there are no more measurements."""
+        return self._run(self._sequencer.flush())
+
+    def step(self, measurement: Measurement) -> StepResult | None:
+        """One measurement in the order of a `Sequencer`. A scan has a result unless it is skipped."""
+        if not isinstance(measurement, LaserScan):
+            self._take(measurement)
+            return None
+        result = self._scan(measurement)
+        self._motion.monitor(result.aiding if result else self._motion.aiding, self._skipped, self._scan_ns)
+        return result
+
+    def _scan(self, scan: LaserScan) -> StepResult | None:
+        """The path of a scan, in the order of figure 1."""
+        config, motion, time_ns = self.config, self._motion, scan.mid_ns
+        self._scan_ns = scan.end_ns
+        if motion.awaits_filter(begun=self._scans > 0):
+            return self._skip(NO_ATTITUDE)
+        stabilised = self._stabilise(scan, motion.poses, config.scan)  # section IV
+        if not len(stabilised.points):
+            return self._skip(NO_BEAM)
+        if not self._localiser.initialise(stabilised, time_ns, config):
+            return self._skip(NOT_LOCALISED)
+        prior = self._predict(time_ns)  # section V-A
+        placed, pose, match, verdict = self._locate(scan, stabilised, prior, config)  # sections IV-B, IV-C
+        update = self._update(placed, pose, match, verdict, time_ns, config.map, unaided=motion.unaided)
+        fused, navigation = self._fuse(time_ns, match, accepted=verdict.accepted)  # section V-B
+        self._localiser.fused = fused.mean
+        self._scans += 1
+        return StepResult(
+            index=self._scans - 1,
+            stamp_ns=time_ns,
+            T_map_base=navigation.T_map_base if navigation else motion.estimate(time_ns, pose),
+            planar=pose.copy(),
+            points=placed.points,
+            heights=placed.heights,
+            unexpected=update.unexpected,
+            match=match,
+            prior=prior if match else None,
+            fused=self._mapper.with_drift(fused, match, verdict, prior),
+            navigation=navigation,
+            map_updated=update.written,
+            beams=len(scan.ranges),
+            durations=self._stopwatch.lap(),
+            verdict=verdict,
+            aiding=motion.aiding,
+            world=motion.world,
+        )
+
+    def _skip(self, reason: str) -> StepResult | None:
+        self._skipped[reason] += 1
+        return None
+
+    def _run(self, measurements: Sequence[Measurement]) -> list[StepResult]:
+        results = [result for measurement in measurements if (result := self.step(measurement))]
+        for result in results:
+            self._stamps.append(result.stamp_ns)
+            self._poses.extend((*result.T_map_base.translation.tolist(), *result.T_map_base.rotation.tolist()))
+        return results
 
     def configure(self, config: SlamConfig) -> None:
         """Change settings from the next measurement on; ConfigError if the map would have to be rebuilt."""
@@ -65,220 +125,29 @@ class HectorSlam:
         self._motion.configure(config)
 
     @property
-    def searching(self) -> str:
-        """Why the robot's place in the map is unknown at this moment; empty while it is known."""
-        return self._lookout.reason
+    def trajectory(self) -> Poses:
+        """The pose of every scan given to `add` so far, at the middle of its sweep."""
+        poses = np.array(self._poses).reshape(-1, 7)
+        return Poses(np.array(self._stamps, np.int64), poses[:, :3], poses[:, 3:])
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """What is worth telling once: where in a given map the run began."""
-        return (self._lookout.note,) if self._lookout.note else ()
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """What is wrong at the time of the last scan."""
+        limit = self.map.stopped_at
+        full = (Diagnostic("map_limit", value=limit),) if limit else ()
+        return full + self._motion.diagnostics(self._scan_ns)
+
+    @property
+    def status(self) -> Status:
+        """Whether the pose in the map is known, and what was not used so far."""
+        relocaliser = self._localiser.relocaliser
+        return Status(relocaliser.failure, relocaliser.found, self._skipped, self._motion.unused)
 
     @property
     def now_ns(self) -> int | None:
-        """The latest instant of which anything was heard; None before the first scan."""
-        return self._motion.heard_ns(self._scan_ns) if self._index else None
+        """Time of the latest measurement that the motion is known at; None before the first scan."""
+        return self._motion.latest_ns(self._scan_ns) if self._scans else None
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
-        """(k, 10) position, attitude, and velocity in the map at k instants, predicted on if need be."""
+        """(k, 10) position, attitude, velocity in the map at k times, predicted where they are later."""
         return self._motion.motion_at(times_ns)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What holds the pipeline back at the time of the last scan, a sentence each with its remedy."""
-        limit = self.pyramid.stopped_at
-        warnings = self._motion.warnings(self._scan_ns)
-        if not limit:
-            return warnings
-        full = f"the map stopped growing at its limit of {limit:g} MB: raise map.limit or map.resolution"
-        return full, *warnings
-
-    @property
-    def unused(self) -> Counter[str]:
-        """Inertial data, and what aids it, that was not used as it came, by reason."""
-        return self._motion.unused
-
-    def step(self, measurement: Measurement) -> StepResult | None:
-        """Take in one measurement. Scans give a result, unless they are skipped (counted in `skipped`)."""
-        if isinstance(measurement, LaserScan):
-            result = self._scan(measurement)
-            aiding = result.aiding if result else self._motion.aiding
-            self._motion.look(aiding, self.skipped, self._scan_ns)
-            return result
-        begin = self._clock()
-        self._motion.take(measurement)
-        self._waiting_ns += self._clock() - begin
-        return None
-
-    def _scan(self, scan: LaserScan) -> StepResult | None:
-        self._scan_ns = scan.end_ns
-        mid_ns = (scan.stamp_ns + self._scan_ns) // 2
-        if self._motion.awaits_filter(self._index > 0):
-            self.skipped[NO_ATTITUDE] += 1
-            return None
-        clock = self._clock
-        begun = clock()
-        leveled = stabilise(scan, self._motion.poses, self.config.scan)
-        leveled_at = clock()
-        if not len(leveled.points):
-            self.skipped[NO_BEAM] += 1
-            return None
-        if not self._placed and not self._begin(leveled, mid_ns):
-            self.skipped["scan before the robot was found in the map"] += 1
-            return None
-        prior = self._motion.prior(mid_ns)
-        matching_at = clock()
-        leveled, match, verdict = self._match(scan, leveled, prior, mid_ns)
-        matched_at = clock()
-        unexpected = self.pyramid.unexpected(leveled.points, self._pose)
-        updated = verdict.believed and self._map(leveled, match, mid_ns)
-        if match and verdict.believed:
-            self._doubt(leveled, mid_ns)
-        mapped_at = clock()
-        seen, motion = match or FIRST, self._motion
-        fuses = verdict.believed and (match is not None or motion.reaches(mid_ns))  # the filter may begin later
-        fused, navigation = motion.fuse(mid_ns, seen) if fuses else motion.coast(mid_ns)
-        self._fused = fused.mean
-        if self._writes:  # a map that is only read was drawn by another drive, whatever this one loses
-            fused = self._drawn.claim(fused, seen.blind)
-        T_map_base = navigation.T_map_base if navigation else motion.estimate(mid_ns, self._pose)
-        filtering_ns = matching_at - leveled_at + clock() - mapped_at + self._waiting_ns
-        self._index, self._waiting_ns = self._index + 1, 0
-        return StepResult(
-            index=self._index - 1,
-            stamp_ns=mid_ns,
-            T_map_base=T_map_base,
-            planar=self._pose.copy(),
-            points=leveled.points,
-            heights=leveled.heights,
-            unexpected=unexpected,
-            match=match,
-            prior=prior if match else None,
-            fused=fused,
-            navigation=navigation,
-            map_updated=updated,
-            beams=len(scan.ranges),
-            durations=Durations(
-                leveled_at - begun, matched_at - matching_at, mapped_at - matched_at, filtering_ns
-            ),
-            tracking=verdict.state,
-            reason=verdict.reason,
-            aiding=motion.aiding,
-            world=motion.world,
-        )
-
-    def _begin(self, leveled: StabilisedScan, time_ns: int) -> bool:
-        """Set the robot down where it starts in the given map, once that is known."""
-        if not self._motion.reaches(time_ns):
-            return False  # no belief that could be set down
-        start = self._lookout.start(self.pyramid, leveled, time_ns, self.config)
-        if start is not None:
-            self._place(time_ns, start)
-            self._placed = True
-        return self._placed
-
-    def _place(self, time_ns: int, start: PlanarGaussian) -> None:
-        """Set the motion down at a pose in the map."""
-        self._motion.place(time_ns, start)
-        self._pose = self._fused = start.mean
-
-    def _match(
-        self, scan: LaserScan, leveled: StabilisedScan, prior: PlanarGaussian, time_ns: int
-    ) -> tuple[StabilisedScan, MatchResult | None, Verdict]:
-        """Align the scan with the map and judge that; no match for the first scan, whose pose is the origin.
-
-        With it comes the scan as its beams lie by what the match says of the motion.
-        """
-        if self.pyramid.empty:
-            return leveled, None, WELL
-        leveled, match = self._align(scan, leveled, self._start_estimate(prior), prior)
-        verdict = WELL
-        if self.config.tracking.check:
-            leveled, match, verdict = self._judge(scan, leveled, match, prior)
-        if verdict.state == "lost" and self.config.tracking.relocalise:
-            match, verdict = self._seek(match, verdict, leveled, time_ns)
-        if verdict.beyond and self._writes and self.config.tracking.continue_from_prediction:
-            match, verdict = self._go_on(match, verdict, prior)
-        if verdict.believed:
-            self._lookout.rest()
-        self._pose = match.pose if verdict.believed else prior.mean
-        return leveled, match, verdict
-
-    def _align(
-        self, scan: LaserScan, leveled: StabilisedScan, start: Float64s, prior: PlanarGaussian | None
-    ) -> tuple[StabilisedScan, MatchResult]:
-        """A scan matched from a start, and how its beams lie then."""
-        match = coarse_to_fine(
-            self.pyramid, leveled.points, start, self.config.matcher, prior=prior, trace=self.trace
-        )
-        guess = self._motion.guessed
-        if guess is None:
-            return leveled, match
-        return refine(scan, leveled, match, prior, self.pyramid, guess, self.config, trace=self.trace)
-
-    def _judge(
-        self, scan: LaserScan, leveled: StabilisedScan, match: MatchResult, prior: PlanarGaussian
-    ) -> tuple[StabilisedScan, MatchResult, Verdict]:
-        """The match if it can be believed, else one found further away, else the verdict against both.
-
-        Where matches alone tell the motion, and seldom, a sudden turn and a match astray look alike: what then
-        surprises is looked at twice.
-        """
-        config, tracker = self.config.tracking, self._tracker
-        sigmas = disagreement(match, prior)
-        reason = tracker.doubt(match.fit, sigmas, config)
-        surprises = self._motion.unaided and is_vague(prior) and sigmas > config.unaided_mahalanobis_limit
-        if not (reason or surprises):
-            return leveled, match, tracker.believe(match.fit, reason)
-        start = find_pose(self.pyramid.levels[-1], leveled.points, prior.mean, search_window(prior, config))
-        start[:2] -= match.blind * (match.blind @ (start - prior.mean)[:2])  # there any place fits as well
-        for placed, candidate in (self._align(scan, leveled, start, None), (leveled, match)):
-            if tracker.convinces(candidate.fit, disagreement(candidate, prior), config):
-                return placed, candidate, tracker.believe(candidate.fit, reason)
-        return leveled, match, tracker.miss(match.fit, reason or far_off(sigmas), config)
-
-    def _seek(
-        self, match: MatchResult, verdict: Verdict, leveled: StabilisedScan, time_ns: int
-    ) -> tuple[MatchResult, Verdict]:
-        """A lost robot, sought in the whole map; as it was if it is not found."""
-        found = self._lookout.again(self.pyramid, leveled, time_ns, self.config)
-        if found is None:
-            return match, verdict
-        self._place(time_ns, found.gaussian)
-        return found, self._tracker.believe(found.fit, f"{verdict.reason}; found by a search of the whole map")
-
-    def _go_on(self, match: MatchResult, verdict: Verdict, prior: PlanarGaussian) -> tuple[MatchResult, Verdict]:
-        """Of a robot that got lost beyond its map: that goes on from the prediction, as uncertain as it is.
-
-        With nothing to match against the pose would drift for good.
-        """
-        self._tracker.rest()
-        self._drawn.go_on(prior)
-        self._updates.forget()
-        nothing = np.full_like(match.residuals, 0.5)
-        match = match._replace(pose=prior.mean, covariance=prior.covariance, residuals=nothing, blind=NOWHERE)
-        return match, Verdict("recovered", f"{verdict.reason}: the map goes on from the prediction")
-
-    def _start_estimate(self, prior: PlanarGaussian) -> Float64s:
-        """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""
-        if self.config.matcher.start_estimate == "filter":
-            return prior.mean
-        if self.config.matcher.start_estimate == "velocity":
-            moved = geometry.compose(geometry.inverse(self._fused), prior.mean)
-            return geometry.compose(self._pose, moved)
-        return self._pose
-
-    def _map(self, leveled: StabilisedScan, match: MatchResult | None, time_ns: int) -> bool:
-        """Write the scan at the matched pose if it is time to write one."""
-        residuals = match.residuals if match and self._motion.unaided else None
-        if not (self._writes and self._updates.writes(self._pose, time_ns, residuals, self.config.map)):
-            return False
-        self.pyramid.update(leveled.points, leveled.cleared, leveled.laser, self._pose, self.config.map)
-        return True
-
-    def _doubt(self, leveled: StabilisedScan, time_ns: int) -> None:
-        """Every now and then, doubt what the scan says has moved on: a robot at rest, too, sees people go."""
-        interval_ns = round(self.config.map.clear_interval * 1e9)
-        if self._writes and 0 < interval_ns <= time_ns - self._doubted_ns:
-            self._doubted_ns = time_ns
-            self.pyramid.doubt(leveled.points, leveled.laser, self._pose, self.config.map)

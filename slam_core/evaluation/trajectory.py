@@ -161,7 +161,7 @@ def path_length(positions: Float64s) -> Float64s:
 
 
 def tilt_errors(estimate: Float64s, truth: Float64s) -> Float64s:
-    """(n, 2) differences of roll and pitch, radians, of unit quaternions (n, 4); blind to heading."""
+    """(n, 2) differences of roll and pitch, radians, of unit quaternions (n, 4); independent of the heading."""
     return wrap(euler_angles(estimate) - euler_angles(truth))[:, :2]
 
 

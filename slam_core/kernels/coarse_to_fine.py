@@ -60,8 +60,9 @@ def climb(
     cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
     corner: (2,) and surfels: of the finest, which count `surfel_weight`.
     points: (n, 2) and residuals: (n,) as in a MatchResult. mean, covariance: prediction that joins with `weight`.
-    coarse_beams: fewest that a coarser level takes, 0 for all. prior_restart_sigmas: that many sigmas off a prediction the
-    finest level is climbed from there as well, and the end where (7) with the prior is less stays; 0 for never.
+    coarse_beams: fewest that a coarser level takes, 0 for all. prior_restart_sigmas: that many sigmas off a
+    prediction the finest level is climbed from there as well, and the pose of the lower
+    cost, (7) with the prior, stays; 0 for never.
     found: (8, 3) takes the pose, the direction that the scan leaves open, if any, with the share of beams that fix
     it, the Hessian (13) and the covariance (15). taken: (levels,) takes the steps of each level.
     trace: (levels, k, 3) takes the first k iterates of each level.

@@ -17,7 +17,7 @@ CLIPPED_NOISE = 1.0  # rad/s/√Hz
 
 @njit(cache=True, error_model="numpy")
 def check(rate: Float64s, force: Float64s, memory: Float64s, gyro_range: float, sample: Float64s) -> int:
-    """GOOD, BROKEN or CLIPPED. rate, force: (3,), which `sample` (7,) takes as those in `Samples`.
+    """GOOD, BROKEN or CLIPPED. rate, force: (3,), which `sample` (7,) takes as those in `ImuBuffer`.
 
     memory: (3, 3), kept from one sample to the next: of each axis the last rate, how often it came, and its
     largest size. gyro_range: rad/s, 0 if not known.

@@ -19,7 +19,7 @@ from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import pool
 from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import Float32s, Float64s
-from slam_core.results import MatchResult
+from slam_core.results import MatchResult, SearchFailure
 from slam_core.scan.stabilise import StabilisedScan
 
 BEAMS = 120  # of the scan, evenly; twice as many are what an eight-bit sum holds
@@ -47,32 +47,31 @@ class Places:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sighting:
-    """What a search of the whole map came to: a match, or the reason why there is none."""
+class SearchResult:
+    """The outcome of a search of the whole map: a match, or why there is none."""
 
     match: MatchResult | None
-    reason: str = ""
+    failure: SearchFailure | None = None
 
 
-def locate(pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> Sighting:
+def locate(pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> SearchResult:
     """The one place in the map that agrees well with a scan of at least one endpoint."""
     wanted = config.tracking.relocalise_min_inlier_ratio
     places = find_places(_level(pyramid), scan.points, LOOSE * wanted)
     if places.crowded:
-        return Sighting(None, reason="the scan fits in very many places of the map")
+        return SearchResult(None, SearchFailure("crowded"))
     matches = [coarse_to_fine(pyramid, scan.points, pose, config.matcher) for pose in places.poses]
     shares = [agreement(pyramid, scan, match.pose) for match in matches]
     if max(shares, default=0.0) < wanted:
-        best = f"{max(shares):.0%} of it agree at best" if shares else "nothing comes near"
-        return Sighting(None, reason=f"the scan fits nowhere in the map: {best}, {wanted:.0%} are wanted")
+        return SearchResult(None, SearchFailure("no_place", max(shares, default=0.0), wanted))
     k = int(np.argmax(shares))
     rivals = sum(
         share > shares[k] - CLEARER and apart(match.pose, matches[k].pose)
         for share, match in zip(shares, matches, strict=True)
     )
     if rivals:
-        return Sighting(None, reason=f"the scan fits in {rivals + 1} places of the map alike")
-    return Sighting(matches[k])
+        return SearchResult(None, SearchFailure("ambiguous", rivals + 1))
+    return SearchResult(matches[k])
 
 
 def agreement(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> float:

@@ -1,4 +1,4 @@
-"""A map that was there before the run: saved cells, whether the run may write them, and where the robot starts."""
+"""A prior map: saved cells, whether the run writes them, and where the robot starts."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,7 @@ class SavedLevel:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class GivenMap:
+class PriorMap:
     """What a run begins with. levels: finest first. write: the map goes on; otherwise it stays as it is.
 
     start: (3,) x, y in metres and heading in radians in this map; None when the robot may be anywhere in it.
@@ -47,7 +47,7 @@ class GivenMap:
         if count != config.levels or abs(resolution - config.resolution) > 1e-9:
             raise MapError(
                 f"{self.name} has {count} levels from {resolution:g} m up, the settings {config.levels} from "
-                f"{config.resolution:g} m: give --map.levels {count} --map.resolution {resolution:g}"
+                f"{config.resolution:g} m: set map.levels to {count} and map.resolution to {resolution:g}"
             )
 
     def pyramid(self, config: MapConfig) -> Pyramid:
@@ -56,7 +56,7 @@ class GivenMap:
         pyramid = Pyramid(config)
         cells = [(level.corner, level.log_odds, level.surfels) for level in self.levels]
         if not pyramid.restore(cells, config.limit):
-            raise MapError(f"{self.name} needs more than {config.limit:g} MB: raise --map.limit")
+            raise MapError(f"{self.name} needs more than {config.limit:g} MB: raise map.limit")
         return pyramid
 
 

@@ -1,7 +1,7 @@
-"""How uncertain the map itself is: what lies beyond a stretch with an open direction was drawn with that.
+"""Map drift accumulated while one direction of the pose was unobservable.
 
-A match says where the robot is on the map. Where scans left a direction open, or there were none, the map goes on
-from where the robot believed itself to be, and no match further on knows how long that stretch was.
+A match gives the pose on the map. Where scans left a direction unobservable, or there was no match, the map was
+continued from the prediction. No later match can observe the error of that stretch.
 """
 
 import numpy as np
@@ -10,32 +10,33 @@ from slam_core.measurements import Float64s
 from slam_core.results import PlanarGaussian
 
 
-class DrawnMap:
-    """What the map adds to a pose's uncertainty, after the stretches that the run has left behind."""
+class MapDrift:
+    """The covariance of the map against its start, from the stretches that the run has passed."""
 
     def __init__(self) -> None:
-        self._lost: Float64s | None = None  # (2, 2) metres, against where the run began; None: nothing
-        self._open: Float64s | None = None  # the direction
-        self._variances = (0.0, 0.0)  # of the pose along it, when it opened and now
+        self._drift: Float64s | None = None  # (2, 2) m^2; None: none
+        self._direction: Float64s | None = None  # the direction that is unobservable now
+        self._variances = (0.0, 0.0)  # of the pose along it, when it became so and now
 
-    def go_on(self, prior: PlanarGaussian) -> None:
-        """The map goes on from a predicted pose, with nothing in between."""
-        spread = prior.covariance[:2, :2]
-        self._lost = spread if self._lost is None else self._lost + spread
+    def continue_from(self, prior: PlanarGaussian) -> None:
+        """The map continues from a predicted pose, with nothing in between."""
+        self._add(prior.covariance[:2, :2])
 
-    def claim(self, fused: PlanarGaussian, blind: Float64s) -> PlanarGaussian:
-        """A fused pose with what the map adds to its uncertainty. blind: (2,) the open direction, or zero."""
-        if any(blind.tolist()):
-            variance = float(blind @ fused.covariance[:2, :2] @ blind)
-            self._variances = (variance if self._open is None else self._variances[0], variance)
-            self._open = blind
-        elif self._open is not None:
-            opened, last = self._variances
-            lost = max(last - opened, 0.0) * np.outer(self._open, self._open)
-            self._lost = lost if self._lost is None else self._lost + lost
-            self._open = None
-        if self._lost is None:
+    def added_to(self, fused: PlanarGaussian, unobservable: Float64s) -> PlanarGaussian:
+        """A fused pose whose covariance contains the drift. unobservable: (2,) the direction now, or zero."""
+        if any(unobservable.tolist()):
+            variance = float(unobservable @ fused.covariance[:2, :2] @ unobservable)
+            self._variances = (variance if self._direction is None else self._variances[0], variance)
+            self._direction = unobservable
+        elif self._direction is not None:
+            first, last = self._variances
+            self._add(max(last - first, 0.0) * np.outer(self._direction, self._direction))
+            self._direction = None
+        if self._drift is None:
             return fused
         covariance = fused.covariance.copy()
-        covariance[:2, :2] += self._lost
+        covariance[:2, :2] += self._drift
         return PlanarGaussian(fused.mean, covariance)
+
+    def _add(self, covariance: Float64s) -> None:
+        self._drift = covariance if self._drift is None else self._drift + covariance

@@ -1,4 +1,4 @@
-"""Which scans are written into the map: one whenever the robot has moved on, if need be the better of a few."""
+"""The keyframe policy: which scans are written into the map. One whenever the robot has moved far enough."""
 
 import math
 
@@ -8,25 +8,25 @@ from slam_core import geometry
 from slam_core.config import MapConfig
 from slam_core.measurements import Float32s, Float64s
 
-# A scan whose known residuals are this many times the usual ones fits badly; a residual this near to that of an
-# unknown map says nothing.
+# A scan fits badly if its residuals on known cells are this many times the usual ones. Residuals this near to that
+# of an unknown cell do not count.
 POORER, UNKNOWN = 1.1, 0.02
-MEMORY = 0.05  # weight of the newest scan in the running level
+MEMORY = 0.05  # weight of the newest scan in the running mean
 
 
-class Updates:
-    """Remembers where the last scan was written, since when another one is due, and how well scans fit."""
+class KeyframePolicy:
+    """Keeps the pose of the last keyframe, since when another one is due, and how well scans fit."""
 
     def __init__(self) -> None:
         self._written: Float64s | None = None
         self._due_ns: int | None = None
         self._usual: float | None = None
 
-    def writes(self, pose: Float64s, time_ns: int, residuals: Float32s | None, config: MapConfig) -> bool:
-        """Whether the scan of an instant, believed to be at a pose (3,), is to be written.
+    def selects(self, pose: Float64s, time_ns: int, residuals: Float32s | None, config: MapConfig) -> bool:
+        """Whether the scan of this time at a pose (3,) becomes a keyframe.
 
-        residuals: (n,) of its match, where nothing else tells how the laser moved and was tilted. Then a scan that
-        fits worse than usual is likely to be bent, and for some time a better one is waited for.
+        residuals: (n,) of its match, where nothing but matches observes the motion of the laser. A scan that fits
+        worse than usual may be distorted then, and a better one is awaited for `keyframe_max_delay`.
         """
         poor = residuals is not None and self._is_poor(residuals)
         if not self._has_moved(pose, config):
@@ -38,12 +38,12 @@ class Updates:
         self._written, self._due_ns = pose.copy(), None
         return True
 
-    def forget(self) -> None:
-        """The next scan is to be written wherever that is."""
+    def restart(self) -> None:
+        """The next scan becomes a keyframe wherever it is."""
         self._written = self._due_ns = None
 
     def _has_moved(self, pose: Float64s, config: MapConfig) -> bool:
-        """Whether it moved or turned enough since the last one that was written."""
+        """Whether it moved or turned far enough since the last keyframe."""
         if self._written is None:
             return True
         (x, y, psi), (written_x, written_y, written_psi) = pose.tolist(), self._written.tolist()

@@ -109,6 +109,10 @@ class Pyramid:
         before, behind = (_whole(max(n, int(GROWTH * size)), self._block) if n > 0 else 0 for n in lacking)
         return before, behind
 
+    def probability(self, level: int = 0) -> Float32s:
+        """M of eq. (4) on a level, 0 the finest: (rows, columns), row 0 the lowest y, 0.5 unknown; a copy."""
+        return self.levels[level].probability
+
     @property
     def empty(self) -> bool:
         """Whether no cell was ever touched."""

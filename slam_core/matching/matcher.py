@@ -36,10 +36,10 @@ def coarse_to_fine(
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
     config.prior_weight; R stays what the scan alone says. Where few beams fix some direction of the position, only
-    the map's gradient across the surfaces counts (config.weak_observability_threshold); where next to none do, the pose stays there
-    as it was at the start (config.degeneracy_threshold). Coarser levels see fewer beams (config.coarse_beams). A match far
-    from a sure prediction is tried from there as well (config.prior_restart_sigmas). What the finest level found settles
-    where the ends lie on its surfels, too, as far as they count (config.surfel_weight).
+    the gradient across the surfaces counts (config.weak_observability_threshold); where next to none do, the pose
+    keeps its start estimate in that direction (config.degeneracy_threshold). Coarser levels take fewer
+    beams (config.coarse_beams). A match far from the prediction is compared with one that starts there
+    (config.prior_restart_sigmas). At last the endpoints are matched with the surfels (config.surfel_weight).
     """
     levels = pyramid.levels
     residuals = np.empty(len(points), np.float32)
@@ -71,13 +71,13 @@ def coarse_to_fine(
         residuals,
         steps,
     )
-    pose, blind, hessian, covariance = found[0], found[1, :2], found[2:5], found[5:]
+    pose, unobservable, hessian, covariance = found[0], found[1, :2], found[2:5], found[5:]
     if config.covariance == "sampled":
-        covariance = sampled_covariance(levels[0], points, pose, config.sigma, blind)
+        covariance = sampled_covariance(levels[0], points, pose, config.sigma, unobservable)
     iterations = tuple(taken.tolist())
     iterates = _in_order(steps, iterations) if trace else NO_TRACE
     return MatchResult(
-        pose, covariance, hessian, residuals, iterations, converged, iterates, blind, found.item(1, 2),
+        pose, covariance, hessian, residuals, iterations, converged, iterates, unobservable, found.item(1, 2),
         Fit.counted(len(points), known, hits),
     )  # fmt: skip
 
@@ -98,25 +98,25 @@ def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Fl
     return hessian, np.array([b0, b1, b2]), float(cost)
 
 
-def hessian_covariance(hessian: Float64s, sigma: float, blind: Float64s = NOWHERE) -> Float64s:
-    """R = sigma^2 H^-1, eq. (15), by LARGEST_SIGMA along `blind` (2,) and where H is (nearly) singular."""
-    covariance: Float64s = climbing.hessian_covariance(hessian, sigma, blind)
+def hessian_covariance(hessian: Float64s, sigma: float, unobservable: Float64s = NOWHERE) -> Float64s:
+    """R = sigma^2 H^-1, eq. (15), by LARGEST_SIGMA along `unobservable` (2,) and where H is (nearly) singular."""
+    covariance: Float64s = climbing.hessian_covariance(hessian, sigma, unobservable)
     return covariance
 
 
 def sampled_covariance(
-    level: GridLevel, points: Float32s, pose: Float64s, sigma: float, blind: Float64s = NOWHERE
+    level: GridLevel, points: Float32s, pose: Float64s, sigma: float, unobservable: Float64s = NOWHERE
 ) -> Float64s:
     """The sampled alternative of section IV-B: poses near the match, weighted by how well they fit.
 
     Samples lie on the axes of the Hessian's ellipsoid, as sigma points do; each weighs exp(-dE / (2 sigma^2)) with
-    dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more; a blind direction, in which
-    the cost tells nothing, is left as it is. (3, 3), metres and radians.
+    dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more; an unobservable direction
+    stays as it is. (3, 3), metres and radians.
     """
     beams = Beams.plain(points)
     hessian, _, best = normal_equations(level, beams, pose)
-    variances, axes = np.linalg.eigh(hessian_covariance(hessian, sigma, blind))
-    blinded = np.abs(blind @ axes[:2]) > 0.5
+    variances, axes = np.linalg.eigh(hessian_covariance(hessian, sigma, unobservable))
+    open_axes = np.abs(unobservable @ axes[:2]) > 0.5
     expected = np.exp(-0.5 * SAMPLED_SIGMAS**2)
     wanted = np.sum(expected * SAMPLED_SIGMAS**2) / (1.0 + 2.0 * np.sum(expected)) * 2.0
     scales = np.empty(3)
@@ -126,6 +126,6 @@ def sampled_covariance(
         extra = np.array([normal_equations(level, beams, p)[2] for p in poses]) - best
         weights = np.exp(-np.maximum(extra, 0.0) / (2.0 * sigma**2))
         scales[j] = np.sum(weights * offsets**2) / (1.0 + np.sum(weights)) / wanted
-    scales[blinded] = 1.0
+    scales[open_axes] = 1.0
     covariance: Float64s = (axes * (variances * scales)) @ axes.T
     return covariance

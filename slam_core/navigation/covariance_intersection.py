@@ -29,7 +29,7 @@ def intersect(
     omega: float,
     method: FusionMethod = "fixed",
     *,
-    blind: Float64s = NOWHERE,
+    unobservable: Float64s = NOWHERE,
     held: Float64s = NOTHING,
     observed_only: bool = False,
 ) -> tuple[Float64s, Float64s]:
@@ -43,11 +43,11 @@ def intersect(
     observed_only: apply this to the part of P that hangs on C x, P C^T (C P C^T)^-1 C P, and leave the rest alone.
     K is the same. The match knows of the state through C x alone, so that nothing else in it can be correlated
     with the error of the match, and has to be widened for that.
-    blind: (2,) unit vector in the plane about which the match says nothing, or zero; held: (k, n) combinations of
-    the state that it leaves alone then, with all that hangs on them. C x is (x, y, psi) in that case.
+    unobservable: (2,) unit vector in the plane that the match does not observe, or zero; held: (k, n) combinations
+    of the state that it leaves alone then, with all that depends on them. C x is (x, y, psi) in that case.
     """
     fused: tuple[Float64s, Float64s] = fusion.fuse_part(
-        P, C, R, innovation, RULES[method], omega, blind, held, observed_only, fusion.NONE
+        P, C, R, innovation, RULES[method], omega, unobservable, held, observed_only, fusion.NONE
     )
     return fused
 

@@ -12,20 +12,25 @@ from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
 from slam_core.kernels.fusion import planar_belief
 from slam_core.kernels.imu_propagation import MAX_GAP_NS
 from slam_core.measurements import LEAP_NS, Float64s, Imu, Int64s, Transform
-from slam_core.navigation.aiding.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
-from slam_core.navigation.aiding.ledger import Ledger
+from slam_core.navigation.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
 from slam_core.navigation.history import History
-from slam_core.navigation.imu_check import Intake
-from slam_core.navigation.initial_alignment import start_belief
-from slam_core.navigation.pose_reset import Placement
+from slam_core.navigation.imu_check import ImuCheck
+from slam_core.navigation.initial_alignment import initial_state
+from slam_core.navigation.pose_reset import PoseReset
+from slam_core.navigation.rejections import (
+    FAR_AHEAD,
+    GAP,
+    LEAPT,
+    NOT_LATER,
+    SET_BACK,
+    TOO_EARLY,
+    TOO_OLD,
+    UNUSABLE,
+    WEIGHTLESS,
+    Rejections,
+)
 from slam_core.results import NOWHERE, AidingStatus, NavigationState, PlanarGaussian
 
-WEIGHTLESS = "start without gravity in the accelerometers"
-SET_BACK = "clock set back"
-LEAPT = "clock leapt ahead"
-UNUSABLE = "correction without a usable value"
-TOO_OLD = "correction older than the history"
-TOO_EARLY = "correction before the attitude was known"
 AT_ONCE = np.zeros(1, np.int64)
 MOTION = np.array([4, 5, 6, 0, 1, 2, 3, 7, 8, 9])  # of a state: position, attitude and velocity
 
@@ -37,9 +42,9 @@ class NavigationFilter:
     """
 
     def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
-        self._ledger = Ledger()
+        self._rejections = Rejections()
         self._config, self._platform = config, platform or PlatformConfig()
-        self._intake = Intake()
+        self._imu_check = ImuCheck()
         self._first: list[tuple[int, Float64s]] = []
         self._history: History | None = None
         self._doubted_ns = self._begin_ns = 0
@@ -53,8 +58,8 @@ class NavigationFilter:
     def copy(self) -> "NavigationFilter":
         """An independent copy."""
         other = NavigationFilter(self._config, self._platform)
-        other._ledger = self._ledger.copy()
-        other._intake = self._intake.copy()
+        other._rejections = self._rejections.copy()
+        other._imu_check = self._imu_check.copy()
         other._first = self._first.copy()
         other._history = self._history.copy() if self._history else None
         other._doubted_ns, other._begin_ns = self._doubted_ns, self._begin_ns
@@ -63,7 +68,7 @@ class NavigationFilter:
     @property
     def counts(self) -> Counter[str]:
         """What was not used as it came, by reason."""
-        return self._ledger.counts
+        return self._rejections.counts
 
     @property
     def ready(self) -> bool:
@@ -115,7 +120,7 @@ class NavigationFilter:
 
     def predict(self, imu: Imu) -> None:
         """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
-        sample, fault = self._intake.check(imu, self._config)
+        sample, fault = self._imu_check.check(imu, self._config)
         if fault:
             self.counts[fault] += 1
         if sample is None:
@@ -129,18 +134,18 @@ class NavigationFilter:
         """A good sample once there is a belief: its stamp says whether it goes on from the last."""
         sample_ns = history.sample_ns
         if 0 < stamp_ns - sample_ns <= MAX_GAP_NS:
-            self._intake.goes_on()
+            self._imu_check.goes_on()
             history.add_sample(stamp_ns, sample)
-        elif self._intake.set_back(stamp_ns, sample_ns):
+        elif self._imu_check.set_back(stamp_ns, sample_ns):
             self.counts[SET_BACK] += 1
             self._history = history.begin_again(stamp_ns, sample)
         elif stamp_ns <= sample_ns:
-            self.counts["inertial sample not later than the one before"] += 1
+            self.counts[NOT_LATER] += 1
         elif not self._believes(stamp_ns):
-            self.counts["stamp far ahead"] += 1
+            self.counts[FAR_AHEAD] += 1
         else:
             if stamp_ns - self.sample_ns > MAX_GAP_NS:
-                self.counts["gap in the inertial data"] += 1
+                self.counts[GAP] += 1
             self._belief.add_sample(stamp_ns, sample)
 
     def place(self, pose: PlanarGaussian) -> None:
@@ -156,20 +161,20 @@ class NavigationFilter:
         method: FusionMethod = "fixed",
         gate: float = 0.0,
         *,
-        blind: Float64s = NOWHERE,
+        unobservable: Float64s = NOWHERE,
         widen_vertical: bool = True,
     ) -> NavigationState:
-        """Eqs. (18)-(20) with a match at an instant: the belief there, as it was if the match is of no use.
+        """Eqs. (18)-(20) with a match at a time: the state there, unchanged if the match cannot be used.
 
-        xi: (3,) x, y, psi in metres and radians. R: (3, 3). blind, widen_vertical: see PlanarPose. Arrays are kept
-        as they are, for as long as the history lasts.
+        xi: (3,) x, y, psi in metres and radians. R: (3, 3). unobservable, widen_vertical: see PlanarPose.
+        Arrays are kept as they are, for as long as the history lasts.
         """
-        self.correct(time_ns, PlanarPose(xi, R, omega, method, gate, blind, widen_vertical))
+        self.correct(time_ns, PlanarPose(xi, R, omega, method, gate, unobservable, widen_vertical))
         return self.at(time_ns)
 
     def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Be at a planar pose at an instant, wherever the base was believed to be before."""
-        self.correct(time_ns, Placement(pose))
+        self.correct(time_ns, PoseReset(pose))
 
     def update_height(self, time_ns: int, height: float, sigma: float | None = None) -> bool:
         """A height over the start, metres; sigma from the configuration if not given. See `correct`."""
@@ -189,12 +194,12 @@ class NavigationFilter:
 
     def drop(self, source: str, reason: str) -> None:
         """Count a measurement of a source that is of no use."""
-        self._ledger.drop(source, reason)
+        self._rejections.drop(source, reason)
 
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source that was heard, up to the newest belief."""
-        return self._ledger.told(self._history.statuses() if self._history else {})
+        return self._rejections.statuses(self._history.statuses() if self._history else {})
 
     @property
     def _belief(self) -> History:
@@ -208,12 +213,12 @@ class NavigationFilter:
         if abs(since_ns) > MAX_GAP_NS:
             self._first.clear()
         elif since_ns <= 0:
-            self.counts["inertial sample not later than the one before"] += 1
+            self.counts[NOT_LATER] += 1
             return
         self._first.append((stamp_ns, sample.copy()))
         if stamp_ns - self._first[0][0] < self._config.level_time * 1e9:
             return
-        belief = start_belief(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
+        belief = initial_state(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
         self._first.clear()
         if belief is None:
             self.counts[WEIGHTLESS] += 1
@@ -229,7 +234,7 @@ class NavigationFilter:
         if not correction.usable:
             return UNUSABLE
         if not self._believes(time_ns):
-            return "stamp far ahead"
+            return FAR_AHEAD
         if not self._belief.add_correction(time_ns, correction):
             return TOO_EARLY if time_ns < self._begin_ns else TOO_OLD
         return ""

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.measurements import Float64s, Int64s
-from slam_core.navigation.aiding.corrections import Correction
-from slam_core.navigation.aiding.gates import fuse
-from slam_core.navigation.imu_buffer import Samples
-from slam_core.navigation.initial_alignment import turned_to
-from slam_core.navigation.state_buffer import Stages
+from slam_core.navigation.corrections import Correction
+from slam_core.navigation.gates import fuse
+from slam_core.navigation.imu_buffer import ImuBuffer
+from slam_core.navigation.initial_alignment import with_pose
+from slam_core.navigation.state_buffer import StateBuffer
 from slam_core.navigation.strapdown import Strapdown
 from slam_core.results import AidingStatus, PlanarGaussian
 
@@ -38,12 +38,12 @@ class History:
     """
 
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
-        self._samples = Samples()
+        self._samples = ImuBuffer()
         self._samples.append(stamp_ns, sample)
         self._corrections: list[tuple[int, Correction]] = []
         self._beliefs = [Belief(stamp_ns, x, P, {})]
         self._staged = self._asked = self._beliefs[0]
-        self._stages = Stages(stamp_ns, x, P)
+        self._stages = StateBuffer(stamp_ns, x, P)
 
     def configure(self, config: NavigationConfig, platform: PlatformConfig) -> None:
         """The settings that hold from now on; needed before anything else."""
@@ -116,7 +116,7 @@ class History:
     def placed(self, pose: PlanarGaussian) -> "History":
         """A history that begins with the newest sample and its belief, but at this pose in the plane."""
         last = self.at(self.sample_ns)
-        return self._begun(last.stamp_ns, self._samples.last, *turned_to(last.x, last.P, pose))
+        return self._begun(last.stamp_ns, self._samples.last, *with_pose(last.x, last.P, pose))
 
     def begin_again(self, stamp_ns: int, sample: Float64s | None = None) -> "History":
         """A history on a clock that was set: it begins with the newest belief, but is less sure of it."""

@@ -8,7 +8,7 @@ from slam_core.measurements import Float64s, Int64s
 FIRST_SIZE = 256
 
 
-class Samples:
+class ImuBuffer:
     """The rows [begin, end) of two arrays; what is dropped in front makes room for what comes.
 
     last_ns: stamp of the latest.
@@ -20,9 +20,9 @@ class Samples:
         self._begin = self._end = 0
         self.last_ns = 0
 
-    def copy(self) -> "Samples":
+    def copy(self) -> "ImuBuffer":
         """An independent copy."""
-        other = Samples()
+        other = ImuBuffer()
         other._stamps, other._values = self._stamps.copy(), self._values.copy()
         other._begin, other._end, other.last_ns = self._begin, self._end, self.last_ns
         return other

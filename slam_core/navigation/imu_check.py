@@ -12,7 +12,7 @@ NO_NUMBER = "inertial sample without a plausible value"
 BACK_FOR_NS = 200_000_000  # of samples in order, all of them in the past
 
 
-class Intake:
+class ImuCheck:
     """Looks at one sample after the other; remembers just enough of those before."""
 
     def __init__(self) -> None:
@@ -20,14 +20,14 @@ class Intake:
         self._sample = np.zeros(7)
         self._behind: tuple[int, int] | None = None
 
-    def copy(self) -> "Intake":
+    def copy(self) -> "ImuCheck":
         """An independent copy."""
-        other = Intake()
+        other = ImuCheck()
         other._memory, other._behind = self._memory.copy(), self._behind
         return other
 
     def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
-        """The sample as in `Samples` (None if it is broken), and what is wrong with it (empty if nothing).
+        """The sample as in `ImuBuffer` (None if it is broken), and what is wrong with it (empty if nothing).
 
         It holds until the next one is checked.
         """

@@ -18,7 +18,7 @@ STILL_ACCEL = 0.25  # m/s²
 UNKNOWN_TILT = 1.0  # rad
 
 
-def start_belief(
+def initial_state(
     samples: Float64s, config: NavigationConfig, platform: PlatformConfig
 ) -> tuple[Float64s, Float64s] | None:
     """(x, P) at the last of the samples (n, 6), at the origin with heading 0; None if there is no gravity in them.
@@ -49,7 +49,7 @@ def start_belief(
     return x, P
 
 
-def turned_to(x: Float64s, P: Float64s, pose: PlanarGaussian) -> tuple[Float64s, Float64s]:
+def with_pose(x: Float64s, P: Float64s, pose: PlanarGaussian) -> tuple[Float64s, Float64s]:
     """A belief turned about the vertical and set down at a planar pose, as sure of that as the pose is.
 
     What was believed of place and heading is forgotten; tilt, height, biases and the body's motion stay.

@@ -55,7 +55,7 @@ class PlanarMotion:
         self._advance(time_ns, config)
         self._observe(OBSERVE_TWIST[2:], np.array([rate]), np.array([[YAW_RATE_SIGMA**2]]))
 
-    def grip(self) -> None:
+    def constrain_sideways(self) -> None:
         """Section III: wheels that do not slip give no velocity to the left."""
         self._observe(OBSERVE_TWIST[1:2], np.zeros(1), np.array([[SLIP_SIGMA**2]]))
 
@@ -105,22 +105,26 @@ class PlanarMotion:
         self._set_covariance(covariance)
 
     def fuse(
-        self, match: PlanarGaussian, config: FusionConfig, blind: Float64s = NOWHERE, observed_only: bool = False
+        self,
+        match: PlanarGaussian,
+        config: FusionConfig,
+        unobservable: Float64s = NOWHERE,
+        observed_only: bool = False,
     ) -> PlanarGaussian:
         """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose.
 
-        blind: (2,) direction of the plane about which the match says nothing, or zero.
+        unobservable: (2,) direction of the plane that the match does not observe, or zero.
         observed_only: see `intersect`.
         """
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
         c, s = math.cos(self._mean[2]), math.sin(self._mean[2])
         held = np.zeros((2, 6))
-        held[0, :2] = blind
-        held[1, 3:5] = c * blind[0] + s * blind[1], c * blind[1] - s * blind[0]
+        held[0, :2] = unobservable
+        held[1, 3:5] = c * unobservable[0] + s * unobservable[1], c * unobservable[1] - s * unobservable[0]
         step, covariance = intersect(
             self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
-            blind=blind, held=held, observed_only=observed_only,
+            unobservable=unobservable, held=held, observed_only=observed_only,
         )  # fmt: skip
         self.shift(step, covariance)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())

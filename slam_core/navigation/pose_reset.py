@@ -8,13 +8,13 @@ import numpy as np
 from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import is_measurement
 from slam_core.measurements import PLAUSIBLE, Float64s
-from slam_core.navigation.aiding.corrections import Correction, Update
-from slam_core.navigation.initial_alignment import turned_to
+from slam_core.navigation.corrections import Correction, Update
+from slam_core.navigation.initial_alignment import with_pose
 from slam_core.results import PlanarGaussian
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placement(Correction):
+class PoseReset(Correction):
     """The base is at a planar pose, whatever was believed of its place and heading."""
 
     pose: PlanarGaussian
@@ -33,4 +33,4 @@ class Placement(Correction):
 
     def update(self, x: Float64s, P: Float64s) -> Update:
         """The belief turned and set down there."""
-        return Update(*turned_to(x, P, self.pose), np.zeros(3), self.pose.covariance, 0.0, np.inf)
+        return Update(*with_pose(x, P, self.pose), np.zeros(3), self.pose.covariance, 0.0, np.inf)

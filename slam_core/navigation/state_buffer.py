@@ -7,14 +7,14 @@ import numpy as np
 from slam_core.kernels import imu_propagation as passage
 from slam_core.kernels.navigation import ERRORS, STATES
 from slam_core.measurements import Float64s, Int64s
-from slam_core.navigation.imu_buffer import Samples
+from slam_core.navigation.imu_buffer import ImuBuffer
 from slam_core.navigation.strapdown import Strapdown
 
 FIRST_SIZE = 8
 NO_INSTANT = np.empty(0, np.int64)
 
 
-class Stages:
+class StateBuffer:
     """Its rows are worked out when somebody asks for an instant beyond them."""
 
     def __init__(self, stamp_ns: int, x: Float64s, P: Float64s) -> None:
@@ -33,7 +33,7 @@ class Stages:
         self._count = 1
 
     def belief(
-        self, time_ns: int, model: Strapdown, samples: Samples, from_ns: int = 0, since_ns: Int64s = NO_INSTANT
+        self, time_ns: int, model: Strapdown, samples: ImuBuffer, from_ns: int = 0, since_ns: Int64s = NO_INSTANT
     ) -> tuple[Float64s, Float64s, Float64s]:
         """The x and P at an instant, those of the first row for one before it; (k, 19) x at from_ns + since_ns."""
         x, P, states = np.empty(STATES), np.empty((ERRORS, ERRORS)), np.empty((len(since_ns), STATES))
@@ -44,7 +44,7 @@ class Stages:
                 return x, P, states
             self._make_room()  # it may have lacked some
 
-    def since(self, stamp_ns: int, x: Float64s, P: Float64s) -> "Stages":
+    def since(self, stamp_ns: int, x: Float64s, P: Float64s) -> "StateBuffer":
         """Those later than a stamp, after a belief that takes the place of those before."""
         other = self.copy()
         first = int(np.searchsorted(self.stamps, stamp_ns, side="right"))
@@ -54,9 +54,9 @@ class Stages:
         other._count += self._count - first
         return other
 
-    def copy(self) -> "Stages":
+    def copy(self) -> "StateBuffer":
         """An independent copy."""
-        other = Stages.__new__(Stages)
+        other = StateBuffer.__new__(StateBuffer)
         (xs, Ps, stamps), other._count = self._rows, self._count
         other._rows = xs.copy(), Ps.copy(), stamps.copy()
         return other

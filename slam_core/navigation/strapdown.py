@@ -6,7 +6,7 @@ from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.kernels import imu_propagation as passage
 from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import Float64s
-from slam_core.navigation.imu_buffer import Samples
+from slam_core.navigation.imu_buffer import ImuBuffer
 
 # Without inertial data the motion goes on straight, with white noise that stands for every turn and push.
 BLIND_GYRO_NOISE = 0.5  # rad/s/√Hz
@@ -32,7 +32,7 @@ class Strapdown:
         )
 
     def predict(
-        self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, samples: Samples
+        self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, samples: ImuBuffer
     ) -> tuple[Float64s, Float64s]:
         """State and covariance at a later instant, through the samples between."""
         later: tuple[Float64s, Float64s] = passage.predict(x, P, from_ns, to_ns, samples.rows, self.constants)

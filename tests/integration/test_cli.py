@@ -82,7 +82,11 @@ def test_flags_and_file_make_the_settings(tmp_path: Path):
     flags.fusion.omega = 0.7  # type: ignore[attr-defined]
     flags.scan.stabilise = "false"  # type: ignore[attr-defined]
     config = flags.settings().start
-    assert (config.fusion.omega, config.scan.deskew, config.scan.stabilise) == (0.7, False, False)
+    assert (config.fusion.omega, config.scan.deskew, config.scan.stabilise) == (
+        0.7,
+        False,
+        False,
+    )
 
 
 def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path):

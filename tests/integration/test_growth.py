@@ -34,11 +34,11 @@ def test_results_do_not_depend_on_the_size_at_the_start(drive: list[Item], tmp_p
     for size in (128, 2048):
         settings = Settings(SlamConfig(map=MapConfig(size=size)))
         pipeline, effort = run_headless(MemoryRecording(drive), settings)
-        assert (pipeline.slam.pyramid.levels[0].shape == (size, size)) is (size == 2048)
+        assert (pipeline.slam.map.levels[0].shape == (size, size)) is (size == 2048)
         folder = tmp_path / str(size)
         prepare(folder)
         export(pipeline, metrics(pipeline, SourceReport(), effort), folder)
-        images.append(map_images(pipeline.slam.pyramid))
+        images.append(map_images(pipeline.slam.map))
     for name in ("map.pgm", "map.yaml", "trajectory.tum"):
         assert (tmp_path / "128" / name).read_bytes() == (tmp_path / "2048" / name).read_bytes()
     for a, b in zip(*images, strict=True):

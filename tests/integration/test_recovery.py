@@ -91,7 +91,7 @@ def test_a_fault_without_inertial_data_loses_the_plain_match_and_not_the_checked
 def test_broken_scans_do_not_touch_the_map(imu: bool):
     """Not one cell changes while the scans are noise; they are the only ones that are not believed."""
     pipeline = Pipeline(Settings(SlamConfig()))
-    levels = pipeline.slam.pyramid.levels
+    levels = pipeline.slam.map.levels
     for item in ranges_broken(drive(imu)):
         for measurement in pipeline.admit(item):
             before = [level.log_odds.copy() for level in levels] if _is_near(measurement, drive(imu)) else []

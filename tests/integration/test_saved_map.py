@@ -17,7 +17,7 @@ from hectorscope.session.commands import Configure, Play, Restart, Seek
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SceneOptions, Simulation
-from slam_core.localization.prior_map import GivenMap, saved_levels
+from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import until
 from tests.sources import MemoryRecording
@@ -46,15 +46,15 @@ def whole(imu: bool = True) -> Pipeline:
     return run_headless(MemoryRecording(items), Settings())[0]
 
 
-def run(items: list[Item], given: GivenMap, imu: bool = True) -> Pipeline:
+def run(items: list[Item], given: PriorMap, imu: bool = True) -> Pipeline:
     """A headless run that begins with a map."""
     kept = [item for item in items if imu or not isinstance(item, Imu)]
     return run_headless(MemoryRecording(kept), Settings(), given=given)[0]
 
 
-def saved(pipeline: Pipeline, write: bool = False, start: np.ndarray | None = None) -> GivenMap:
+def saved(pipeline: Pipeline, write: bool = False, start: np.ndarray | None = None) -> PriorMap:
     """The map that a run left."""
-    return GivenMap("saved", saved_levels(pipeline.slam.pyramid), write, start)
+    return PriorMap("saved", saved_levels(pipeline.slam.map), write, start)
 
 
 def gap(pipeline: Pipeline, imu: bool = True) -> float:
@@ -77,7 +77,7 @@ def test_the_second_half_goes_on_where_the_first_ended(imu: bool):
     errors = truth_errors(pipeline)
     assert errors is not None
     assert errors["raw_rmse_m"] < 0.06
-    assert pipeline.slam.pyramid.updates > 0
+    assert pipeline.slam.map.updates > 0
 
 
 @pytest.mark.parametrize("imu", [True, False])
@@ -86,8 +86,8 @@ def test_localising_leaves_the_map_alone(imu: bool):
     pipeline = run(half(True), saved(whole()), imu)
     assert gap(pipeline, imu) < 0.06
     assert set(pipeline.states) == {"tracking"}
-    assert pipeline.slam.pyramid.updates == 0
-    assert same_map(pipeline.slam.pyramid, whole().slam.pyramid)
+    assert pipeline.slam.map.updates == 0
+    assert same_map(pipeline.slam.map, whole().slam.map)
 
 
 def test_a_saved_map_tells_where_in_its_cells_the_walls_are():
@@ -104,7 +104,7 @@ def test_a_robot_that_leaves_the_map_is_lost_and_writes_nothing():
     first, _ = run_headless(MemoryRecording(half(False)), Settings())
     pipeline = run(half(True), saved(first))
     assert pipeline.states["lost"] > 10
-    assert same_map(pipeline.slam.pyramid, first.slam.pyramid)
+    assert same_map(pipeline.slam.map, first.slam.map)
 
 
 @pytest.mark.parametrize("write", [True, False])
@@ -112,8 +112,8 @@ def test_another_day_in_the_same_building(write: bool):
     """Other noise, the whole drive again, told a place a room away: found, told, and true to 6 cm."""
     pipeline = run(drive(2), saved(whole(), write, np.array([4.0, 5.0, 2.0])))
     assert gap(pipeline) < 0.06
-    assert len(pipeline.slam.notes) == 1
-    assert "does not start where it was said to" in pipeline.slam.notes[0]
+    assert len(pipeline.notes) == 1
+    assert "does not start at the given pose" in pipeline.notes[0]
 
 
 def test_a_place_that_is_about_right_is_taken(monkeypatch: pytest.MonkeyPatch):
@@ -123,7 +123,7 @@ def test_a_place_that_is_about_right_is_taken(monkeypatch: pytest.MonkeyPatch):
     told = np.array([row[1] + 0.4, row[2] - 0.3, 2.0 * math.atan2(row[7], row[4]) + 0.25])
     pipeline = run(half(True), saved(whole(), start=told))
     assert gap(pipeline) < 0.06
-    assert "starts at" in pipeline.slam.notes[0]
+    assert "starts at" in pipeline.notes[0]
 
 
 def test_in_another_building_nothing_is_claimed():
@@ -158,7 +158,7 @@ def test_the_page_shows_the_saved_map_before_the_first_scan_and_after_every_rest
     """At once, unchanged to the end when localising; restart and seek begin with it and repeat the run."""
     given = saved(whole())
     reference = run(half(True), given).trajectory
-    cells = [image.cells.tobytes() for image in map_images(whole().slam.pyramid)]
+    cells = [image.cells.tobytes() for image in map_images(whole().slam.map)]
 
     def shown(now: Snapshot) -> bool:
         return [image.cells.tobytes() for image in now.maps] == cells

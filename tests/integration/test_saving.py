@@ -40,7 +40,7 @@ def test_save_leaves_what_a_run_leaves(drive: list[Item], tmp_path: Path):
     assert all(name in saved.log[-1].text for name in (*FILES, str(tmp_path)))
     pipeline, _ = run_headless(MemoryRecording(drive), START)
     given = load_map(tmp_path, START.start.map)
-    for ours, theirs in zip(given.levels, saved_levels(pipeline.slam.pyramid), strict=True):
+    for ours, theirs in zip(given.levels, saved_levels(pipeline.slam.map), strict=True):
         np.testing.assert_array_equal(ours.corner, theirs.corner)
         np.testing.assert_array_equal(ours.log_odds, theirs.log_odds)
     figures = json.loads((tmp_path / "metrics.json").read_text())

@@ -30,6 +30,9 @@ def test_a_slow_laser_that_sways_is_not_lost():
     assert lost <= 1
 
 
+LIMIT = "tracking.unaided_mahalanobis_limit"
+
+
 def test_only_a_slow_laser_without_other_help_is_looked_at_twice():
     """At 10 Hz the prediction is good enough; wheels and inertial data tell of a turn."""
     short = replace(SWAYING, duration=10.0)
@@ -38,9 +41,7 @@ def test_only_a_slow_laser_without_other_help_is_looked_at_twice():
         drive(replace(short, imu=True)),
         list(with_wheels(drive(short), 1)),
     ):
-        lazy, eager = (
-            process(items, with_value(SlamConfig(), "tracking.unaided_mahalanobis_limit", sigmas)) for sigmas in (1000.0, 1.0)
-        )
+        lazy, eager = (process(items, with_value(SlamConfig(), LIMIT, sigmas)) for sigmas in (1000.0, 1.0))
         np.testing.assert_array_equal(lazy.trajectory, eager.trajectory)
 
 
@@ -51,7 +52,7 @@ def driven(items, patience):
 
 def occupied(pipeline):
     """Cells of the finest level."""
-    return int((pipeline.slam.pyramid.levels[0].cells > UNKNOWN).sum())
+    return int((pipeline.slam.map.levels[0].cells > UNKNOWN).sum())
 
 
 def test_with_patience_fewer_walls_are_drawn_twice():

@@ -14,14 +14,14 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.sources import open_source
 from slam_core.config import SlamConfig
-from slam_core.localization.prior_map import GivenMap
+from slam_core.localization.prior_map import PriorMap
 
 pytestmark = pytest.mark.real
 
 JACKAL = "jackal_vicon/test_2026-02-17-15-54-31"
 
 
-def run(path: Path, given: GivenMap | None = None) -> Pipeline:
+def run(path: Path, given: PriorMap | None = None) -> Pipeline:
     """The whole recording, in a given map or with a new one."""
     return run_headless(open_source(str(path), SourceOptions()), Settings(), given=given)[0]
 

@@ -16,7 +16,7 @@ from slam_core.errors import SlamError
 from slam_core.measurements import Float64s
 
 if TYPE_CHECKING:
-    from slam_core.localization.prior_map import GivenMap  # takes long: loads the compiler
+    from slam_core.localization.prior_map import PriorMap  # takes long: loads the compiler
 
 
 class _Words(NamedTuple):
@@ -166,7 +166,7 @@ class MapFlags:
         ),
     ] = "search"
 
-    def given(self, settings: Settings) -> "GivenMap | None":
+    def given(self, settings: Settings) -> "PriorMap | None":
         """The saved map, if there is one; SlamError if it cannot be used, or the flags contradict each other."""
         if self.map is None and self.mode in {None, "map"}:
             return None

@@ -12,12 +12,12 @@ from hectorscope.common.registry import members
 from hectorscope.inputs import Source, SourceError, SourceReport
 from hectorscope.run.headless import Progress, run_headless
 from hectorscope.run.map_images import map_images
-from hectorscope.run.metrics import metrics
+from hectorscope.run.metrics import metrics as run_metrics  # a module of this package has the name
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from slam_core.errors import SlamError
-from slam_core.localization.prior_map import GivenMap, saved_levels
+from slam_core.localization.prior_map import PriorMap, saved_levels
 
 # Bytes that must find room before the work is begun: about what the files of a very short run take.
 PROBE = 2**16
@@ -71,10 +71,10 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
     run = Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
-        map_images(pipeline.slam.pyramid),
+        map_images(pipeline.slam.map),
         pipeline.settings,
         figures,
-        saved_levels(pipeline.slam.pyramid),
+        saved_levels(pipeline.slam.map),
         pipeline.navigation,
     )
     missing: defaultdict[str, list[str]] = defaultdict(list)
@@ -97,7 +97,7 @@ def save(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> str:
         raise OutputError("there is no folder to save to: start the program with --out DIR")
     if not pipeline.scans:
         raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
-    files = export(pipeline, metrics(pipeline, report), folder)
+    files = export(pipeline, run_metrics(pipeline, report), folder)
     return f"Saved {', '.join(file.name for file in files)} in {folder}"
 
 
@@ -108,12 +108,12 @@ def run(
     *,
     truth: str | None,
     progress: Progress,
-    given: GivenMap | None = None,
+    given: PriorMap | None = None,
 ) -> dict[str, Any]:
     """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
     prepare(folder)
     pipeline, effort = run_headless(source, settings, progress, given)
-    figures = metrics(pipeline, source.report, effort)
+    figures = run_metrics(pipeline, source.report, effort)
     if truth is not None and figures["truth"] is None:
         raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
     export(pipeline, figures, folder)

@@ -9,7 +9,7 @@ import numpy as np
 from hectorscope.common.paths import absence
 from hectorscope.maps.ros_map import read_ros_map
 from slam_core.config import MapConfig
-from slam_core.localization.prior_map import GivenMap, MapError, SavedLevel
+from slam_core.localization.prior_map import MapError, PriorMap, SavedLevel
 from slam_core.measurements import Float64s
 
 NAME = "map.npz"
@@ -28,15 +28,15 @@ def to_npz(levels: tuple[SavedLevel, ...]) -> bytes:
     return content.getvalue()
 
 
-def load_map(path: Path, config: MapConfig, *, write: bool = False, start: Float64s | None = None) -> GivenMap:
+def load_map(path: Path, config: MapConfig, *, write: bool = False, start: Float64s | None = None) -> PriorMap:
     """What is saved in a folder or a file; MapError if there is none, it is damaged, or the settings differ.
 
     An image has one level: the coarser ones are built from it, as many as the settings ask for. write, start: see
-    GivenMap.
+    PriorMap.
     """
     file = _file(path)
     levels = _read_npz(file, config.limit) if file.suffix == ".npz" else read_ros_map(file, config)
-    given = GivenMap(str(file), levels, write, start)
+    given = PriorMap(str(file), levels, write, start)
     given.check(config)
     return given
 

@@ -55,7 +55,9 @@ def match_html(result: StepResult, snapshot: Snapshot) -> str:
     outcome = ("good", "converged") if match.converged else ("bad", "out of steps before it converged")
     steps = figure("steps", " · ".join(str(n) for n in match.iterations), *outcome)
     weakest = figure("weakest", fixed(1e3 * match.weakest_sigma, 1) + " mm", hint=WEAKEST)
-    share = figure("fixed by", f"{100 * match.weakest_share:.1f} %", "bad" if match.blind.any() else "", FIXED)
+    share = figure(
+        "fixed by", f"{100 * match.weakest_share:.1f} %", "bad" if match.unobservable.any() else "", FIXED
+    )
     unexpected = figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 1) + " %", hint=UNEXPECTED)
     return readout([tracking, residual, steps, *counts, weakest, share, unexpected])
 

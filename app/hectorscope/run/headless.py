@@ -8,7 +8,7 @@ from hectorscope.inputs import Item, Source, merged
 from hectorscope.run.metrics import Effort
 from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.settings import Settings
-from slam_core.localization.prior_map import GivenMap
+from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan
 
 Progress = Callable[[int], None]
@@ -21,7 +21,7 @@ def run_headless(
     source: Source,
     settings: Settings,
     progress: Progress = lambda _: None,
-    given: GivenMap | None = None,
+    given: PriorMap | None = None,
 ) -> tuple[Pipeline, Effort]:
     """Every item of `source`, in a plain loop. progress: called with the time of every scan. Closes the source.
 

@@ -27,7 +27,7 @@ class Effort:
 
 def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = None) -> dict[str, Any]:
     """Everything that is worth a number. report: the source's own counters. effort: unless a hand played it."""
-    maps = map_images(pipeline.slam.pyramid)
+    maps = map_images(pipeline.slam.map)
     return {
         "scans": {
             "read": pipeline.scans_read,
@@ -36,12 +36,12 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = No
         },
         "tracking": dict(pipeline.states),
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
-        "filter_unused": dict(pipeline.slam.unused),
+        "filter_unused": dict(pipeline.slam.status.unused),
         "filter_sources": sources(pipeline.result),
-        "notes": [*report.notes, *pipeline.slam.notes, *pipeline.warned],
+        "notes": [*report.notes, *pipeline.notes, *pipeline.warned],
         **(spent(effort) if effort else {}),
         "median_us": medians(pipeline.series.view(SERIES_DTYPE).reshape(-1)),
-        "map_updates": pipeline.slam.pyramid.updates,
+        "map_updates": pipeline.slam.map.updates,
         "occupied_cells": int(np.count_nonzero(maps[0].cells == 2)) if maps else 0,
         "map_in_world": map_in_world(pipeline.result),
         "truth": truth_errors(pipeline),

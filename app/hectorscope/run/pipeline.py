@@ -12,8 +12,9 @@ from hectorscope.run.constant_rate import ConstantRate
 from hectorscope.run.rows import GrowingRows, Rows
 from hectorscope.run.series import SERIES_FIELDS, series_row
 from hectorscope.run.settings import Mode, Settings
+from hectorscope.run.wording import arrival_text, diagnostic_text, search_text, start_text
 from slam_core.evaluation.trajectory import Trajectory, first_on_first, interpolate
-from slam_core.localization.prior_map import GivenMap
+from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import Imu, LaserScan, Measurement, Transform, TruthPose
 from slam_core.navigation.monitor import NO_ATTITUDE
 from slam_core.results import StepResult, Tracking
@@ -32,9 +33,9 @@ class Pipeline:
     their times. warned: every warning so far, with the time and the number of scans when it came up first.
     """
 
-    def __init__(self, settings: Settings, start_ns: int | None = None, given: GivenMap | None = None) -> None:
+    def __init__(self, settings: Settings, start_ns: int | None = None, given: PriorMap | None = None) -> None:
         self.settings = settings
-        self.slam = HectorSlam(settings.start, time.perf_counter_ns, given)
+        self.slam = HectorSlam(settings.start, given, time.perf_counter_ns)
         self.mode: Mode = "map" if given is None else "continue" if given.write else "localise"
         self.start_ns = start_ns
         self.last_scan_ns: int | None = None
@@ -60,7 +61,7 @@ class Pipeline:
             self._truth.append(self._row(item.stamp_ns, item.T_map_base))
             return []
         self.scans_read += isinstance(item, LaserScan)
-        self._arrivals.take(item)
+        self._arrivals.add(item)
         return self._sequencer.push(item)
 
     def flush(self) -> list[Measurement]:
@@ -74,7 +75,7 @@ class Pipeline:
     @property
     def skipped(self) -> Counter[str]:
         """Scans that gave no result, by reason."""
-        return self.slam.skipped + self._passed_over
+        return self.slam.status.skipped + self._passed_over
 
     def step(self, measurement: Measurement) -> StepResult | None:
         """Run the core on one measurement and keep what it brought."""
@@ -93,10 +94,24 @@ class Pipeline:
 
     def warnings(self) -> tuple[str, ...]:
         """What is wrong at this moment, a sentence each; `warned` keeps it with when it was first so."""
-        wrong = (*self.slam.warnings, *self._arrivals.warnings)
+        wrong = (
+            *map(diagnostic_text, self.slam.diagnostics),
+            *map(arrival_text, self._arrivals.faults),
+        )
         for text in wrong:
             self.warned.setdefault(text, (self.time_ns, self.scans))
         return wrong
+
+    @property
+    def searching(self) -> str:
+        """Why the pose in the map is unknown at this moment; empty while it is known."""
+        return search_text(self.slam.status.search_failure)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is reported once: where in a prior map the run began."""
+        start = self.slam.status.start_found
+        return (start_text(start),) if start else ()
 
     def _apply_changes(self, stamp_ns: int) -> None:
         config = self.settings.at(stamp_ns)
@@ -106,7 +121,7 @@ class Pipeline:
     def _keep(self, result: StepResult) -> None:
         self.states[result.tracking] += 1
         self.result = result
-        self._unkept.append((result, self.slam.pyramid.updates))
+        self._unkept.append((result, self.slam.map.updates))
         if len(self._unkept) == TOGETHER:
             self._write_rows()
 
@@ -173,14 +188,15 @@ def _onto(truth: Rows, trajectory: Rows) -> Rows | None:
 
 def nothing_used(name: str, skipped: Mapping[str, int], slam: HectorSlam) -> SourceError:
     """For a run without a single result: the reasons, the commonest first."""
-    if slam.searching:
+    searching = search_text(slam.status.search_failure)
+    if searching:
         return SourceError(
-            f"{name}: the robot was not found in the map ({slam.searching}): give --start X Y YAW or another --map"
+            f"{name}: the robot was not found in the map ({searching}): give --start X Y YAW or another --map"
         )
     if skipped.get(NO_ATTITUDE):
         return SourceError(
-            f"{name}: no scan could be used, as the inertial data told no attitude ({_counted(slam.unused)}):"
-            " check the IMU, or leave it out by --imu-topic none"
+            f"{name}: no scan could be used, as the inertial data gave no attitude"
+            f" ({_counted(slam.status.unused)}): check the IMU, or leave it out by --imu-topic none"
         )
     return SourceError(f"{name}: no scan could be used ({_counted(skipped)}): choose other topics or wider limits")
 

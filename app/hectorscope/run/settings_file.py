@@ -116,6 +116,6 @@ def _change(entry: Any) -> Change:
     for key, kinds in _CHANGE_KEYS.items():
         if type(entry[key]) not in kinds:
             raise SettingsError(f"the change {entry!r} has a bad {key}: give a whole number, a name and a value")
-    name = RENAMED.get(entry["name"], entry["name"])
+    name = str(RENAMED.get(entry["name"], entry["name"]))
     _check_name(name)
     return Change(entry["time_ns"], name, entry["value"])

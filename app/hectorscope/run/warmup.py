@@ -14,7 +14,7 @@ from numba.core.dispatcher import Dispatcher
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig, with_value
-from slam_core.localization.prior_map import GivenMap, saved_levels
+from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.measurements import Height, Imu, LaserScan, Measurement, Odometry
 
 PATIENCE_S = 3.0  # what was compiled before is loaded sooner
@@ -114,7 +114,7 @@ def _run(inertial: bool) -> None:
                 pipeline.step(ready)
         for ready in pipeline.flush():
             pipeline.step(ready)
-        given = GivenMap("the room", saved_levels(pipeline.slam.pyramid))  # the second run seeks its place there
+        given = PriorMap("the room", saved_levels(pipeline.slam.map))  # the second run seeks its place there
 
 
 def _room(inertial: bool) -> list[Measurement]:

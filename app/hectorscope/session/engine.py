@@ -32,7 +32,7 @@ from hectorscope.session.snapshot import LogEntry, Snapshot
 from hectorscope.session.transport import Transport, valid_speed
 from slam_core.config import MapConfig, needs_restart
 from slam_core.errors import SlamError
-from slam_core.localization.prior_map import GivenMap
+from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.pyramid import check_room
 from slam_core.measurements import LaserScan, Measurement
 
@@ -59,7 +59,7 @@ class Engine:
         self,
         source: Source,
         settings: Settings | None = None,
-        given: GivenMap | None = None,
+        given: PriorMap | None = None,
         *,
         autoplay: bool = True,
         speed: float = 1.0,
@@ -195,9 +195,9 @@ class Engine:
     def _step(self, scan: LaserScan) -> None:
         before = self._pipeline.result
         result = self._pipeline.step(scan)
-        if result is None and self._pipeline.slam.searching and not self._sought:
+        if result is None and self._pipeline.searching and not self._sought:
             self._sought = True
-            self._log(f"The robot is not found in the map yet: {self._pipeline.slam.searching}", "warning")
+            self._log(f"The robot is not found in the map yet: {self._pipeline.searching}", "warning")
         if change := change_of_tracking(before, result):
             self._log(*change)
 

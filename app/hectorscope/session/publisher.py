@@ -8,6 +8,7 @@ from hectorscope.inputs import Source, SourceReport
 from hectorscope.run.map_images import MapImage, map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import Journal
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import LogEntry, PlaybackStatus, Snapshot
@@ -87,14 +88,14 @@ class Publisher:
             truth_in_map=pipeline.truth_in_map,
             series=pipeline.series.view(SERIES_DTYPE).reshape(-1),
             maps=self._maps,
-            map_updates=pipeline.slam.pyramid.updates,
+            map_updates=pipeline.slam.map.updates,
             scans=pipeline.scans,
             report=run.report,
             log=self._journal.entries,
             mode=pipeline.mode,
-            searching=pipeline.slam.searching,
+            searching=pipeline.searching,
             warnings=warnings,
-            unused=dict(pipeline.slam.unused),
+            unused=dict(pipeline.slam.status.unused),
             saves=run.saves,
             obeyed=run.obeyed,
         )
@@ -104,7 +105,7 @@ class Publisher:
         """What the source and the pipeline found, and what holds the pipeline back, each once."""
         pipeline = run.pipeline
         now = pipeline.time_ns, pipeline.scans
-        for note in (*run.report.notes, *pipeline.slam.notes):
+        for note in (*run.report.notes, *pipeline.notes):
             self._note(*now, note, "info")
         for warning in run.report.warnings:
             self._note(*now, warning, "warning")
@@ -117,13 +118,13 @@ class Publisher:
             self.log(LogEntry(time_ns, text, level, scans))
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
-        state = (epoch, pipeline.slam.pyramid.revision)
+        state = (epoch, pipeline.slam.map.revision)
         anew = self._drawn is None or epoch != self._drawn[0]
         if state == self._drawn or not (anew or complete or self._published - self._drawn_at >= MAPS_S):
             return
         self._drawn, self._drawn_at = state, self._published
         self._revision += 1
-        self._maps = map_images(pipeline.slam.pyramid, self._revision)
+        self._maps = map_images(pipeline.slam.map, self._revision)
 
 
 def status(source: Source, pipeline: Pipeline, transport: Transport) -> PlaybackStatus:
@@ -150,5 +151,6 @@ def change_of_tracking(before: StepResult | None, result: StepResult | None) -> 
     """What to log when the pose is lost or found between two scans; None if that did not change."""
     if before is None or result is None or result.tracking in {before.tracking, "tracking"}:
         return None
-    because = f": {result.reason}" if result.reason else ""
+    reason = verdict_text(result.verdict)
+    because = f": {reason}" if reason else ""
     return f"The pose is {result.tracking}{because}", "info" if result.tracking == "recovered" else "warning"

@@ -23,7 +23,6 @@ from slam_core.measurements import (
     Transform,
 )
 from slam_core.navigation.aiding.compass import Compass, seen
-from slam_core.navigation.aiding.corrections import Correction
 from slam_core.navigation.aiding.georeference import Georeference
 from slam_core.navigation.aiding.sensors import (
     Gravity,
@@ -35,7 +34,8 @@ from slam_core.navigation.aiding.sensors import (
     Velocity,
     ZeroRate,
 )
-from slam_core.navigation.aiding.standstill import Stillness
+from slam_core.navigation.aiding.standstill import StandstillDetector
+from slam_core.navigation.corrections import Correction
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.results import AidingStatus, PlanarGaussian
 
@@ -82,7 +82,7 @@ class Aids:
     def __init__(self) -> None:
         self._compass = Compass()
         self._georeference = Georeference()
-        self._stillness = Stillness()
+        self._standstill = StandstillDetector()
         self._ground: float | None = None
         self._last_ns: dict[str, int] = {}
         self._trusted_ns: int | None = None
@@ -92,16 +92,16 @@ class Aids:
         """The pose of the map in the tangent plane of the satellites; None while it is not known."""
         return self._georeference.pose() if self._georeference.known else None
 
-    def believe(self, time_ns: int) -> None:
+    def matched(self, time_ns: int) -> None:
         """A scan was matched at this instant, and the match can be trusted."""
         self._trusted_ns = time_ns
 
-    def feel(self, imu: Imu, estimator: NavigationFilter, config: AidingConfig) -> None:
+    def add_imu(self, imu: Imu, estimator: NavigationFilter, config: AidingConfig) -> None:
         """Every inertial sample: a base that stands still has no velocity, and its gyros read their bias.
 
         While matches can be trusted they tell that bias too, and rest only holds tilt and velocity.
         """
-        rest = self._stillness.feel(imu) if config.standstill else None
+        rest = self._standstill.add(imu) if config.standstill else None
         if rest is None or not estimator.ready or not _may_rest(estimator):
             return
         estimator.correct(imu.stamp_ns, Standstill(REST_SPEED**2, config.gate))
@@ -157,9 +157,9 @@ class Aids:
     def _heading(self, magnetic: MagneticField, estimator: Estimator, config: AidingConfig) -> None:
         compass, time_ns = self._compass, magnetic.stamp_ns
         field = seen(geometry.rotate(estimator.pose(time_ns).rotation, magnetic.field))
-        doubt = compass.doubt(field, time_ns, config.compass_tolerance)
-        if doubt:
-            estimator.drop("compass", doubt)
+        fault = compass.check(field, time_ns, config.compass_tolerance)
+        if fault:
+            estimator.drop("compass", fault)
             return
         share, variance = self._share("compass", time_ns), config.compass_sigma**2
         if compass.norths:

@@ -52,7 +52,7 @@ class Compass:
         """Direction of magnetic north in the map, radians; 0 until it was learned."""
         return math.atan2(self._north[1], self._north[0])
 
-    def doubt(self, field: Field, time_ns: int, tolerance: float) -> str:
+    def check(self, field: Field, time_ns: int, tolerance: float) -> str:
         """What speaks against a field, else empty; tolerance: share of the size, and radians of inclination."""
         if self._count >= LEARNED and self._unusual(field, tolerance):
             self._disturbed_ns = time_ns if self._disturbed_ns is None else self._disturbed_ns

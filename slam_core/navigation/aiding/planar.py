@@ -15,11 +15,10 @@ from slam_core import geometry
 from slam_core.config import MotionConfig
 from slam_core.kernels.navigation import STATES
 from slam_core.measurements import LEAP_NS, Float64s, Transform
-from slam_core.navigation.aiding import gates
-from slam_core.navigation.aiding.corrections import Correction
-from slam_core.navigation.aiding.ledger import Ledger
-from slam_core.navigation.filter import TOO_OLD, UNUSABLE
+from slam_core.navigation import gates
+from slam_core.navigation.corrections import Correction
 from slam_core.navigation.planar_motion import PlanarMotion
+from slam_core.navigation.rejections import FAR_AHEAD, TOO_OLD, UNUSABLE, Rejections
 from slam_core.results import AidingStatus
 
 TILT_SIGMA = 0.03  # rad, of another's attitude, or of a floor
@@ -32,18 +31,18 @@ class PlanarEstimator:
     """A planar motion as aids see a filter."""
 
     def __init__(self, motion: PlanarMotion) -> None:
-        self._ledger = Ledger()
+        self._rejections = Rejections()
         self._motion = motion
         self._statuses: gates.Statuses = {}
 
-    def configure(self, config: MotionConfig, patience: float) -> None:
-        """The settings that hold from now on, patience in seconds; needed before a correction."""
-        self._config, self._patience_ns = config, round(patience * 1e9)
+    def configure(self, config: MotionConfig, reset_time: float) -> None:
+        """The settings that hold from now on, reset_time in seconds; needed before a correction."""
+        self._config, self._reset_time_ns = config, round(reset_time * 1e9)
 
     @property
     def counts(self) -> Counter[str]:
         """What was not used, by reason."""
-        return self._ledger.counts
+        return self._rejections.counts
 
     @property
     def ready(self) -> bool:
@@ -53,7 +52,7 @@ class PlanarEstimator:
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
         """What became of the measurements of every source."""
-        return self._ledger.told(self._statuses)
+        return self._rejections.statuses(self._statuses)
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant near the last one known."""
@@ -65,7 +64,7 @@ class PlanarEstimator:
 
     def drop(self, source: str, reason: str) -> None:
         """Count a measurement of a source that is of no use."""
-        self._ledger.drop(source, reason)
+        self._rejections.drop(source, reason)
 
     def matched(self, time_ns: int) -> None:
         """A match was fused: it vouches for the pose."""
@@ -82,7 +81,7 @@ class PlanarEstimator:
         mean, covariance = self._motion.belief(time_ns, self._config)
         x, P = _lifted(mean, covariance, self._motion.pose(time_ns).rotation)
         before = self._statuses.get(correction.source)
-        y, Q, self._statuses = gates.fuse(x, P, self._statuses, time_ns, correction, self._patience_ns)
+        y, Q, self._statuses = gates.fuse(x, P, self._statuses, time_ns, correction, self._reset_time_ns)
         status = self._statuses[correction.source]
         if before is None or status.used > before.used:
             self._motion.shift(*_lowered(mean, y, Q))
@@ -92,7 +91,7 @@ class PlanarEstimator:
         if not correction.usable:
             return UNUSABLE
         ahead_ns = time_ns - (self._motion.stamp_ns or 0)
-        return TOO_OLD if ahead_ns < -OLDEST_NS else "stamp far ahead" if ahead_ns > LEAP_NS else ""
+        return TOO_OLD if ahead_ns < -OLDEST_NS else FAR_AHEAD if ahead_ns > LEAP_NS else ""
 
 
 def _lifted(mean: Float64s, covariance: Float64s, attitude: Float64s) -> tuple[Float64s, Float64s]:

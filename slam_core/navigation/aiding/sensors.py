@@ -15,8 +15,8 @@ from slam_core.kernels.fusion import correct
 from slam_core.kernels.linear import sandwich
 from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import Float64s
-from slam_core.navigation.aiding.chi_square import bound
-from slam_core.navigation.aiding.corrections import Correction, Update
+from slam_core.navigation.chi_square import bound
+from slam_core.navigation.corrections import Correction, Update
 
 
 class Lasting(Correction):

@@ -28,14 +28,14 @@ class Rest(NamedTuple):
     force_variance: float
 
 
-class Stillness:
+class StandstillDetector:
     """Judges one window of inertial data after the other."""
 
     def __init__(self) -> None:
         self._begin_ns: int | None = None
         self._samples: list[Float64s] = []
 
-    def feel(self, imu: Imu) -> Rest | None:
+    def add(self, imu: Imu) -> Rest | None:
         """Take in a sample; what was measured at rest, when a window ends in which nothing moved."""
         stamp_ns = imu.stamp_ns
         if self._begin_ns is None or not 0 <= stamp_ns - self._begin_ns <= 2 * WINDOW_NS:

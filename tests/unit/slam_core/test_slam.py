@@ -8,7 +8,8 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import ConfigError, MapConfig, MatcherConfig, SlamConfig, with_value
-from slam_core.localization.prior_map import GivenMap, saved_levels
+from slam_core.diagnostics import Diagnostic
+from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
 from tests.worlds import room_scan, same_map
@@ -41,7 +42,7 @@ def test_the_first_scan_makes_the_map():
     assert first.prior is None
     assert first.map_updated
     np.testing.assert_allclose(first.planar, 0.0)
-    assert all((level.log_odds > 0).any() for level in slam.pyramid.levels)
+    assert all((level.log_odds > 0).any() for level in slam.map.levels)
 
 
 @pytest.mark.parametrize("start", ["filter", "velocity", "last_pose"])
@@ -61,7 +62,7 @@ def test_start_estimates_differ():
         config = with_value(with_value(CONFIG, "matcher.start_estimate", start), "fusion.omega", 0.3)
         slam, _ = run(config, scans=10)
         prior = slam._motion.prior(10 * DT)
-        starts[start] = slam._start_estimate(prior)
+        starts[start] = slam._localiser.start_estimate(prior, config)
     assert abs(starts["last_pose"] - drive(9)).max() < 0.02
     assert abs(starts["filter"] - drive(10)).max() < abs(starts["last_pose"] - drive(10)).max()
     assert not np.allclose(starts["filter"], starts["velocity"], atol=1e-9)
@@ -69,15 +70,15 @@ def test_start_estimates_differ():
 
 def test_the_map_is_updated_after_moving_or_turning_far_enough():
     """Moved OR turned since the last update; a still robot never writes twice."""
-    assert run(with_value(CONFIG, "map.update_angle", 3.0))[0].pyramid.updates == pytest.approx(
+    assert run(with_value(CONFIG, "map.update_angle", 3.0))[0].map.updates == pytest.approx(
         1 + 39 * 0.03 // 0.4, abs=1
     )
     by_angle = run(with_value(with_value(CONFIG, "map.update_distance", 5.0), "map.update_angle", 0.1))[0]
-    assert by_angle.pyramid.updates == pytest.approx(1 + 39 * 0.02 // 0.1, abs=1)
+    assert by_angle.map.updates == pytest.approx(1 + 39 * 0.02 // 0.1, abs=1)
     still = HectorSlam(CONFIG)
     for k in range(20):
         still.step(room_scan(np.zeros(3), k * DT))
-    assert still.pyramid.updates == 1
+    assert still.map.updates == 1
 
 
 def test_omega_moves_the_fused_ellipse():
@@ -107,17 +108,17 @@ def test_the_same_measurements_give_the_same_bytes():
     (a, ra), (b, rb) = run(), run()
     assert all((x.planar == y.planar).all() for x, y in zip(ra, rb, strict=True))
     assert all((x.fused.covariance == y.fused.covariance).all() for x, y in zip(ra, rb, strict=True))
-    assert (a.pyramid.levels[0].log_odds == b.pyramid.levels[0].log_odds).all()
+    assert (a.map.levels[0].log_odds == b.map.levels[0].log_odds).all()
 
 
 @pytest.mark.parametrize("size", [64, 150])
 def test_the_size_at_the_start_changes_nothing(size):
     """A map that had to grow gives the poses, covariances and cells of one that was large, to the last bit."""
     (small, grown), (large, whole) = run(with_value(CONFIG, "map.size", size)), run()
-    assert small.pyramid.levels[0].shape != (size, size)
+    assert small.map.levels[0].shape != (size, size)
     assert all((x.planar == y.planar).all() for x, y in zip(grown, whole, strict=True))
     assert all((x.fused.covariance == y.fused.covariance).all() for x, y in zip(grown, whole, strict=True))
-    assert same_map(small.pyramid, large.pyramid)
+    assert same_map(small.map, large.map)
 
 
 def test_a_map_at_its_limit_warns_until_the_limit_is_raised():
@@ -127,25 +128,24 @@ def test_a_map_at_its_limit_warns_until_the_limit_is_raised():
     config = with_value(SlamConfig(map=fine), "tracking.check", False)
     slam, results = run(config, scans=5)
     assert len(results) == 5
-    (warning,) = slam.warnings
-    assert "limit of 1 MB: raise map.limit" in warning
+    assert slam.diagnostics == (Diagnostic("map_limit", value=1.0),)
     slam.configure(with_value(config, "map.limit", 100))
     slam.step(room_scan(drive(5), 5 * DT))
-    assert slam.warnings == ()
-    assert slam.pyramid.levels[0].shape[0] > 600
+    assert slam.diagnostics == ()
+    assert slam.map.levels[0].shape[0] > 600
 
 
 def test_absurd_ranges_do_not_make_the_map_grow():
     """NaN, infinite, negative and enormous ranges never reach the map, whatever range the laser claims."""
     slam, _ = run(with_value(CONFIG, "scan.clear_range", 2.0), scans=5)
-    shape = slam.pyramid.levels[0].shape
+    shape = slam.map.levels[0].shape
     scan = room_scan(drive(30), 5 * DT)
     ranges = scan.ranges.copy()
     ranges[::7], ranges[1::7], ranges[2::7], ranges[3::7], ranges[4::7] = np.nan, np.inf, -np.inf, 3e38, -5.0
     for range_max in (math.inf, 0.0, 30.0):
         slam.step(replace(scan, ranges=ranges, range_max=range_max))
-    assert slam.pyramid.updates > 1
-    assert slam.pyramid.levels[0].shape == shape
+    assert slam.map.updates > 1
+    assert slam.map.levels[0].shape == shape
 
 
 def test_unusable_scans_are_counted_and_harm_nothing():
@@ -153,7 +153,7 @@ def test_unusable_scans_are_counted_and_harm_nothing():
     slam, _ = run(scans=5)
     blind = LaserScan(5 * DT, np.full(541, np.nan, np.float32), -2.0, 0.01)
     assert slam.step(blind) is None
-    assert sum(slam.skipped.values()) == 1
+    assert sum(slam.status.skipped.values()) == 1
     result = slam.step(room_scan(drive(6), 6 * DT))
     assert np.abs(result.planar - drive(6)).max() < 0.03
 
@@ -178,7 +178,7 @@ def test_with_inertial_data_scans_wait_for_the_attitude():
         if k % 10 == 0:
             result = slam.step(room_scan(np.zeros(3), k * 10_000_000))
             results += [result] if result else []
-    assert slam.skipped["scan before the attitude was known"] >= 1
+    assert slam.status.skipped["scan before the attitude was known"] >= 1
     assert results[-1].navigation is not None
     assert np.linalg.eigvalsh(results[-1].navigation.covariance).min() > 0
     np.testing.assert_allclose(results[-1].T_map_base.translation[:2], 0.0, atol=0.02)
@@ -195,7 +195,7 @@ def test_the_scan_that_makes_the_map_may_be_older_than_the_filter():
     first, last = results[0], results[-1]
     assert first.stamp_ns < first.navigation.stamp_ns
     assert {status.source: dict(status.dropped) for status in last.aiding}["scan"] == {}
-    assert not slam.unused
+    assert not slam.status.unused
 
 
 def test_heights_reach_the_filter():
@@ -272,9 +272,9 @@ def corridor_scan(x, stamp_ns):
     return LaserScan(stamp_ns, (ranges + noise).astype(np.float32), -3.1, angles[1] - angles[0], range_max=8.0)
 
 
-def along_corridor(given=None):
+def along_corridor(prior_map=None):
     """The pipeline after 15 m by wheels, and how uncertain it is along at every scan."""
-    slam, sigmas = HectorSlam(CONFIG, given=given), []
+    slam, sigmas = HectorSlam(CONFIG, prior_map), []
     for k in range(301):
         slam.step(Odometry(k * DT, np.array([0.5, 0.0]), 0.0))
         result = slam.step(corridor_scan(0.05 * k, k * DT))
@@ -286,6 +286,6 @@ def test_what_an_open_direction_cost_is_claimed_on_a_map_drawn_meanwhile_and_on_
     """Mapping, the end of the corridor takes nothing back; a robot that only seeks its place is sure of it."""
     slam, mapping = along_corridor()
     assert mapping[-1] > 0.9 * max(mapping) > 0.02
-    _, localised = along_corridor(GivenMap("corridor", saved_levels(slam.pyramid), start=np.zeros(3)))
+    _, localised = along_corridor(PriorMap("corridor", saved_levels(slam.map), start=np.zeros(3)))
     assert max(localised) > 0.02
     assert localised[-1] < 0.25 * max(localised)

@@ -1,13 +1,14 @@
-"""What arrives late, stops, or comes by another clock is told by the stamps alone."""
+"""Faults of the stamps: late data, scans that stop, clocks that are set."""
 
 from collections.abc import Iterable
 
 import numpy as np
 
-from hectorscope.run.arrivals import SET, STOPPED, Arrivals
+from hectorscope.run.arrivals import Arrival, Arrivals
 from slam_core.measurements import Height, Imu, LaserScan, Measurement
 
 S = 1_000_000_000
+STOPPED, CLOCK_SET = Arrival("scans_stopped"), Arrival("laser_clock_set")
 
 
 def imu(t: float) -> Imu:
@@ -19,12 +20,12 @@ def scan(t: float) -> LaserScan:
     return LaserScan(round(t * S), np.ones(21, np.float32), 0.0, 0.1, time_increment=1e-3)
 
 
-def told(arriving: Iterable[Measurement]) -> tuple[str, ...]:
-    """The warnings in the end."""
+def faults(arriving: Iterable[Measurement]) -> tuple[Arrival, ...]:
+    """The faults after the last measurement."""
     arrivals = Arrivals()
     for measurement in arriving:
-        arrivals.take(measurement)
-    return arrivals.warnings
+        arrivals.add(measurement)
+    return arrivals.faults
 
 
 def steady(begin: float, end: float) -> list[Measurement]:
@@ -33,34 +34,33 @@ def steady(begin: float, end: float) -> list[Measurement]:
     return [item for t in times for item in ([imu(t), scan(t - 0.02)] if round(t * 100) % 10 == 0 else [imu(t)])]
 
 
-def test_what_comes_in_time_is_no_news() -> None:
-    """Nothing is said of a steady flow, nor before anything came."""
-    assert told([]) == told(steady(0, 3)) == ()
+def test_data_in_time_has_no_fault() -> None:
+    """A steady flow has no fault, nor has an empty one."""
+    assert faults([]) == faults(steady(0, 3)) == ()
 
 
-def test_a_single_late_one_is_jitter_and_a_row_of_them_is_not() -> None:
-    """Two heights late by 0.2 s say nothing, three do; for some seconds after the last."""
+def test_three_late_measurements_in_a_row_are_a_fault() -> None:
+    """Two heights that are 0.2 s late are jitter; three are a fault, for some seconds after the last."""
     late: list[Measurement] = [Height(round((2.8 + k / 1000) * S), 0.0) for k in range(3)]
-    assert told([*steady(0, 3), *late[:2]]) == ()
-    (warning,) = told([*steady(0, 3), *late])
-    assert warning.startswith("heights come over 0.15 s after data of the same time")
-    assert told([*steady(0, 3), *late, *steady(3, 9)]) == ()
+    assert faults([*steady(0, 3), *late[:2]]) == ()
+    assert faults([*steady(0, 3), *late]) == (Arrival("late", "heights"),)
+    assert faults([*steady(0, 3), *late, *steady(3, 9)]) == ()
 
 
-def test_scans_that_stop_are_missed_before_they_come_back() -> None:
+def test_scans_that_stop_are_a_fault_before_they_come_back() -> None:
     """While only inertial data comes, and for some seconds once scans come again."""
     gap: list[Measurement] = [imu(t / 100) for t in range(300, 450)]
-    assert told([*steady(0, 3), *gap]) == (STOPPED,)
-    assert told([*steady(0, 3), *gap, *steady(4.5, 6)]) == (STOPPED,)
-    assert told([*steady(0, 3), *gap, *steady(4.5, 12)]) == ()
+    assert faults([*steady(0, 3), *gap]) == (STOPPED,)
+    assert faults([*steady(0, 3), *gap, *steady(4.5, 6)]) == (STOPPED,)
+    assert faults([*steady(0, 3), *gap, *steady(4.5, 12)]) == ()
 
 
-def test_a_clock_that_is_set_is_no_pause() -> None:
+def test_a_clock_that_is_set_is_not_a_pause() -> None:
     """An hour ahead or back: the laser's clock was set, and nothing counts as late because of that."""
-    assert told([*steady(5000, 5003), *steady(8603, 8605)]) == (SET,)
-    assert told([*steady(5000, 5003), *steady(1403, 1405)]) == (SET,)
+    assert faults([*steady(5000, 5003), *steady(8603, 8605)]) == (CLOCK_SET,)
+    assert faults([*steady(5000, 5003), *steady(1403, 1405)]) == (CLOCK_SET,)
 
 
 def test_one_stamp_from_the_future_makes_nothing_late() -> None:
     """What follows is measured against the clock of the others again."""
-    assert told([*steady(5000, 5003), imu(9999.0), *steady(5003, 5006)]) == ()
+    assert faults([*steady(5000, 5003), imu(9999.0), *steady(5003, 5006)]) == ()

@@ -115,9 +115,9 @@ def test_the_place_is_found_wherever_the_robot_is(room: Pyramid):
     rng = np.random.default_rng(2)
     for _ in range(12):
         truth = rng.uniform([-3, -2, -math.pi], [1, 2, math.pi])
-        sighting = locate(room, level_scan(truth), CONFIG)
-        assert sighting.match is not None, sighting.reason
-        error = sighting.match.pose - truth
+        result = locate(room, level_scan(truth), CONFIG)
+        assert result.match is not None, result.failure
+        error = result.match.pose - truth
         assert np.hypot(*error[:2]) < 0.03
         assert abs(geometry.wrap(error[2])) < 0.02
 
@@ -131,9 +131,9 @@ def test_two_places_alike_are_no_place():
     nothing = np.empty((0, 2), np.float32)
     empty.update(points, nothing, np.zeros(2), np.zeros(3), CONFIG.map)
     scan = StabilisedScan(points, np.zeros(len(points), np.float32), nothing, np.zeros(2))
-    sighting = locate(empty, scan, CONFIG)
-    assert sighting.match is None
-    assert "2 places of the map alike" in sighting.reason
+    result = locate(empty, scan, CONFIG)
+    assert result.match is None
+    assert result.failure == ("ambiguous", 2, 0.0)
 
 
 def test_another_building_is_no_place(room: Pyramid):
@@ -141,10 +141,11 @@ def test_another_building_is_no_place(room: Pyramid):
     angles = np.linspace(0, 2 * math.pi, 500)
     points = (2.2 * np.column_stack([np.cos(angles), 0.7 * np.sin(angles)])).astype(np.float32)
     scan = StabilisedScan(points, np.zeros(500, np.float32), np.empty((0, 2), np.float32), np.zeros(2))
-    sighting = locate(room, scan, CONFIG)
-    assert sighting.match is None
-    assert "fits nowhere" in sighting.reason
-    assert "85%" in sighting.reason
+    result = locate(room, scan, CONFIG)
+    assert result.match is None
+    assert result.failure is not None
+    assert (result.failure.code, result.failure.limit) == ("no_place", 0.85)
+    assert result.failure.value < 0.85
 
 
 def test_what_is_wanted_is_a_setting(room: Pyramid):

@@ -1,17 +1,18 @@
-"""Which matches are believed."""
+"""Which matches are accepted."""
 
 import numpy as np
 import pytest
 
 from slam_core.config import TrackingConfig
-from slam_core.localization.tracking import Tracker, disagreement, is_vague
+from slam_core.localization.tracking import Tracker, exceeds_basin, mahalanobis_distance
 from slam_core.mapping.grid import GridLevel
-from slam_core.results import Fit, MatchResult, PlanarGaussian
+from slam_core.results import Fit, MatchResult, PlanarGaussian, Rejection
 from tests.worlds import fit, in_parts
 
 CONFIG = TrackingConfig(lost_after=3)
 GOOD, WORSE, BAD = Fit(0.9, 0.95), Fit(0.9, 0.65), Fit(0.9, 0.2)
 NEW = Fit(0.1, 0.8)
+WHY = Rejection("inlier_ratio", 0.2, 0.9)
 
 
 def test_the_fit_counts_known_and_occupied_cells():
@@ -25,80 +26,81 @@ def test_the_fit_counts_known_and_occupied_cells():
     assert fit(level, points[2:3], np.zeros(3)) == Fit(1.0, 1.0)
 
 
-def test_a_match_is_doubted_for_each_of_three_reasons():
-    """Little overlap, few hits, far from the prediction: the reason says which, with its figure."""
+def test_a_match_is_rejected_for_each_of_three_reasons():
+    """Little overlap, few inliers, far from the prediction: the code, the value and the limit."""
     tracker = Tracker()
-    assert tracker.doubt(GOOD, 1.0, CONFIG) == ""
-    assert "10% of the scan on known map" in tracker.doubt(Fit(0.1, 1.0), 1.0, CONFIG)
-    assert "20% of the known endpoints on walls" in tracker.doubt(BAD, 1.0, CONFIG)
-    assert "400 sigmas" in tracker.doubt(GOOD, 400.0, CONFIG)
-    assert tracker.doubt(GOOD, 40.0, CONFIG) == ""  # what a robot out of a corridor has to make good
+    assert tracker.check(GOOD, 1.0, CONFIG) is None
+    assert tracker.check(Fit(0.1, 1.0), 1.0, CONFIG) == ("overlap", 0.1, CONFIG.min_overlap)
+    assert tracker.check(BAD, 1.0, CONFIG) == ("inlier_ratio", 0.2, 0.9)
+    assert tracker.check(GOOD, 400.0, CONFIG) == ("mahalanobis_distance", 400.0, CONFIG.mahalanobis_limit)
+    assert tracker.check(GOOD, 40.0, CONFIG) is None  # the correction at the end of a corridor
 
 
-def test_what_is_usual_follows_the_place():
-    """In a place where few endpoints ever hit, as among reeds, that is no reason for doubt any more."""
+def test_the_usual_inlier_ratio_follows_the_place():
+    """Where few endpoints ever hit an occupied cell, as among reeds, a low inlier ratio is accepted in time."""
     tracker = Tracker()
     reeds = Fit(0.9, 0.55)
-    assert tracker.doubt(reeds, 0.0, CONFIG)
+    assert tracker.check(reeds, 0.0, CONFIG)
     for hit in np.linspace(0.9, 0.6, 200):
-        tracker.believe(Fit(0.9, float(hit)), "")
-    assert not tracker.doubt(reeds, 0.0, CONFIG)
+        tracker.accept(Fit(0.9, float(hit)), None)
+    assert not tracker.check(reeds, 0.0, CONFIG)
 
 
 def test_the_states_follow_each_other():
     """Degraded, lost after as many scans as set, recovered once, then tracking."""
     tracker = Tracker()
-    missed = [tracker.miss(BAD, "why", CONFIG) for _ in range(4)]
-    assert [verdict.state for verdict in missed] == ["degraded", "degraded", "lost", "lost"]
-    assert not any(verdict.believed or verdict.beyond for verdict in missed)
-    found = [tracker.believe(GOOD, "") for _ in range(2)]
+    rejected = [tracker.reject(BAD, WHY, CONFIG) for _ in range(4)]
+    assert [verdict.state for verdict in rejected] == ["degraded", "degraded", "lost", "lost"]
+    assert not any(verdict.accepted or verdict.outside_map for verdict in rejected)
+    found = [tracker.accept(GOOD, None) for _ in range(2)]
     assert [verdict.state for verdict in found] == ["recovered", "tracking"]
-    assert tracker.believe(GOOD, "searched for").state == "recovered"
+    assert tracker.accept(GOOD, WHY).state == "recovered"
 
 
-@pytest.mark.parametrize(("seen", "beyond"), [([NEW] * 4, True), ([BAD, NEW, NEW, NEW], False)])
-def test_a_robot_is_lost_beyond_the_map_if_it_never_saw_any(seen, beyond):
-    """Not one that was carried away in known rooms, though it then wanders off: it has to be found in the map."""
+@pytest.mark.parametrize(("fits", "outside"), [([NEW] * 4, True), ([BAD, NEW, NEW, NEW], False)])
+def test_a_robot_is_lost_outside_the_map_if_no_scan_met_known_cells(fits, outside):
+    """A robot that was carried away in known rooms and then leaves them has to be found in the map."""
     tracker = Tracker()
     for _ in range(2):  # the second time after it was found
-        missed = [tracker.miss(each, "why", CONFIG) for each in seen]
-        assert [verdict.beyond for verdict in missed] == [False, False, beyond, beyond]
-        tracker.believe(GOOD, "")
+        rejected = [tracker.reject(fit, WHY, CONFIG) for fit in fits]
+        assert [verdict.outside_map for verdict in rejected] == [False, False, outside, outside]
+        tracker.accept(GOOD, None)
 
 
-def test_a_pose_that_was_searched_for_must_convince():
-    """What is just good enough to go on with is not good enough to jump to."""
+def test_a_pose_from_a_search_needs_a_better_fit():
+    """A fit that is just good enough to continue is not good enough to jump to."""
     tracker = Tracker()
-    assert not tracker.doubt(WORSE, 0.0, CONFIG)
-    assert not tracker.convinces(WORSE, 0.0, CONFIG)
-    assert tracker.convinces(GOOD, 90.0, CONFIG)
-    assert not tracker.convinces(Fit(0.1, 1.0), 0.0, CONFIG)
+    assert not tracker.check(WORSE, 0.0, CONFIG)
+    assert not tracker.confirms(WORSE, 0.0, CONFIG)
+    assert tracker.confirms(GOOD, 90.0, CONFIG)
+    assert not tracker.confirms(Fit(0.1, 1.0), 0.0, CONFIG)
 
 
-def test_little_known_map_proves_little_far_from_the_prediction() -> None:
-    """Four tenths of a scan that fit are believed near the prediction, and not ten sigmas away."""
+def test_a_scan_on_little_known_map_is_rejected_far_from_the_prediction() -> None:
+    """Four tenths of a scan that fit are accepted three sigmas from the prediction, and not ten sigmas away."""
     tracker, little = Tracker(), Fit(0.4, 0.95)
-    assert tracker.doubt(little, 3.0, CONFIG) == ""
-    assert tracker.convinces(little, 3.0, CONFIG)
-    assert "10 sigmas" in tracker.doubt(little, 10.0, CONFIG)
-    assert not tracker.convinces(little, 10.0, CONFIG)
+    assert tracker.check(little, 3.0, CONFIG) is None
+    assert tracker.confirms(little, 3.0, CONFIG)
+    rejection = tracker.check(little, 10.0, CONFIG)
+    assert rejection and rejection[:2] == ("mahalanobis_distance", 10.0)
+    assert not tracker.confirms(little, 10.0, CONFIG)
 
 
-@pytest.mark.parametrize(("degrees", "vague"), [(5.0, False), (5.7, False), (5.8, True), (40.0, True)])
-def test_a_prediction_is_vague_by_three_sigmas_of_its_heading(degrees: float, vague: bool) -> None:
-    """However well its place is known; 0.3 rad are the bound."""
+@pytest.mark.parametrize(("degrees", "exceeds"), [(5.0, False), (5.7, False), (5.8, True), (40.0, True)])
+def test_three_sigmas_of_the_predicted_heading_are_compared_with_the_basin(degrees: float, exceeds: bool) -> None:
+    """0.3 rad are the limit, however small the variance of the position."""
     prior = PlanarGaussian(np.zeros(3), np.diag([1.0, 1.0, np.radians(degrees) ** 2]))
-    assert is_vague(prior) == vague
+    assert exceeds_basin(prior) == exceeds
 
 
-def test_disagreement_is_in_sigmas_of_both_and_across_the_seam_of_the_heading():
+def test_the_mahalanobis_distance_adds_both_covariances_and_wraps_the_heading():
     """Three and four centimetres and 0.02 rad, on sigmas that add up to 1 cm and 0.01 rad."""
     half = np.diag([1e-4, 1e-4, 1e-4]) / 2
     match = MatchResult(
         np.array([0.03, 0.0, np.pi - 0.01]), half, np.eye(3), np.zeros(1), (1,), True, np.zeros((0, 4))
     )
     prior = PlanarGaussian(np.array([0.0, 0.04, -np.pi + 0.01]), half)
-    assert disagreement(match, prior) == pytest.approx(np.sqrt(9 + 16 + 4))
+    assert mahalanobis_distance(match, prior) == pytest.approx(np.sqrt(9 + 16 + 4))
 
 
 def test_the_weakest_direction_is_the_long_axis_of_the_covariance():

@@ -29,25 +29,25 @@ def visited(config=CONFIG):
     slam.step(scan(0, visitor=True))
     result = slam.step(scan(1, visitor=True))
     for _ in range(100):
-        slam.pyramid.update(result.points, NOBODY, np.zeros(2), result.planar, config.map)
+        slam.map.update(result.points, NOBODY, np.zeros(2), result.planar, config.map)
     return slam, transform_points(result.planar, result.points[AT])
 
 
 def occupied(slam, points):
     """Which of the points (n, 2), map metres, lie in an occupied cell of the finest level."""
-    columns, rows = slam.pyramid.levels[0].cell_of(points[:, 0], points[:, 1])
-    return slam.pyramid.levels[0].log_odds[rows, columns] > 0
+    columns, rows = slam.map.levels[0].cell_of(points[:, 0], points[:, 1])
+    return slam.map.levels[0].log_odds[rows, columns] > 0
 
 
 def test_a_robot_at_rest_forgets_a_visitor_within_five_seconds():
     """However long somebody stood there: once beams pass, no cell stays occupied; never, if switched off."""
     slam, place = visited()
     assert occupied(slam, place).all()
-    before = slam.pyramid.revision
+    before = slam.map.revision
     for k in range(2, 50):
         slam.step(scan(k))
     assert not occupied(slam, place).any()
-    assert slam.pyramid.revision > before
+    assert slam.map.revision > before
     paper, place = visited(with_value(CONFIG, "map.clear_interval", 0.0))
     for k in range(2, 50):
         paper.step(scan(k))
@@ -64,8 +64,7 @@ def test_walls_and_free_space_are_not_doubted():
         for run in (slam, paper):
             run.step(scan(k, noise=0.0))
     changed = [
-        np.count_nonzero(a.log_odds != b.log_odds)
-        for a, b in zip(slam.pyramid.levels, paper.pyramid.levels, strict=True)
+        np.count_nonzero(a.log_odds != b.log_odds) for a, b in zip(slam.map.levels, paper.map.levels, strict=True)
     ]
     assert changed[0] <= 2
     assert changed[1:] == [0, 0]

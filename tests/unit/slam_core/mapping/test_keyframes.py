@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.config import MapConfig
-from slam_core.mapping.keyframes import Updates
+from slam_core.mapping.keyframes import KeyframePolicy
 
 CONFIG = MapConfig(update_distance=0.4, update_angle=0.06, keyframe_max_delay=0.5)
 SECOND = 1_000_000_000
@@ -12,61 +12,61 @@ WELL, BADLY = np.full(100, 0.10, np.float32), np.full(100, 0.13, np.float32)
 
 
 @pytest.fixture
-def updates():
+def policy():
     """After scans that fitted well, the last of them written at the origin at time 0."""
-    updates = Updates()
-    assert updates.writes(np.zeros(3), 0, None, CONFIG)
+    policy = KeyframePolicy()
+    assert policy.selects(np.zeros(3), 0, None, CONFIG)
     for k in range(20):
-        assert not updates.writes(np.zeros(3), k, WELL, CONFIG)
-    return updates
+        assert not policy.selects(np.zeros(3), k, WELL, CONFIG)
+    return policy
 
 
 @pytest.mark.parametrize("pose", [(0.41, 0.0, 0.0), (0.0, -0.41, 0.0), (0.0, 0.0, 0.061), (0.0, 0.0, -0.061)])
-def test_a_scan_is_written_once_the_robot_moved_or_turned(updates, pose):
+def test_a_scan_is_written_once_the_robot_moved_or_turned(policy, pose):
     """As far as the settings say, in any direction, and then not again at the same place."""
     pose = np.array(pose)
-    assert not updates.writes(0.9 * pose, SECOND, None, CONFIG)
-    assert updates.writes(pose, SECOND, None, CONFIG)
-    assert not updates.writes(pose, 2 * SECOND, None, CONFIG)
+    assert not policy.selects(0.9 * pose, SECOND, None, CONFIG)
+    assert policy.selects(pose, SECOND, None, CONFIG)
+    assert not policy.selects(pose, 2 * SECOND, None, CONFIG)
 
 
-def test_a_scan_that_fits_badly_waits_for_a_better_one(updates):
+def test_a_scan_that_fits_badly_waits_for_a_better_one(policy):
     """The better one is written at once, though it was taken little further on."""
-    assert not updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
-    assert updates.writes(np.array([0.6, 0.0, 0.0]), SECOND + 1, WELL, CONFIG)
+    assert not policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
+    assert policy.selects(np.array([0.6, 0.0, 0.0]), SECOND + 1, WELL, CONFIG)
 
 
-def test_nothing_waits_longer_than_the_patience(updates):
+def test_nothing_waits_longer_than_the_patience(policy):
     """After half a second any scan will do, and the next wait begins anew."""
     far, further = np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])
-    assert not updates.writes(far, SECOND, BADLY, CONFIG)
-    assert not updates.writes(far, SECOND + SECOND // 2 - 1, BADLY, CONFIG)
-    assert updates.writes(far, SECOND + SECOND // 2, BADLY, CONFIG)
-    assert not updates.writes(further, 2 * SECOND, 2.0 * BADLY, CONFIG)
+    assert not policy.selects(far, SECOND, BADLY, CONFIG)
+    assert not policy.selects(far, SECOND + SECOND // 2 - 1, BADLY, CONFIG)
+    assert policy.selects(far, SECOND + SECOND // 2, BADLY, CONFIG)
+    assert not policy.selects(further, 2 * SECOND, 2.0 * BADLY, CONFIG)
 
 
-def test_a_clock_that_is_set_back_ends_the_wait(updates):
+def test_a_clock_that_is_set_back_ends_the_wait(policy):
     """Or the map would never be written again."""
-    assert not updates.writes(np.array([0.5, 0.0, 0.0]), 50 * SECOND, BADLY, CONFIG)
-    assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
+    assert not policy.selects(np.array([0.5, 0.0, 0.0]), 50 * SECOND, BADLY, CONFIG)
+    assert policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
 
 
-def test_what_is_new_does_not_count_as_a_bad_fit(updates):
+def test_what_is_new_does_not_count_as_a_bad_fit(policy):
     """Ends on unknown map have a residual of one half each: such a scan is written."""
     new = np.concatenate([WELL, np.full(300, 0.5, np.float32)])
-    assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, new, CONFIG)
+    assert policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, new, CONFIG)
 
 
-def test_a_scan_on_nothing_but_unknown_map_is_written_at_once(updates):
-    """Also at the place of the last one, if that is to be forgotten."""
+def test_a_scan_on_nothing_but_unknown_map_is_written_at_once(policy):
+    """Also at the place of the last one, after a restart."""
     nothing = np.full(100, 0.5, np.float32)
-    assert not updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
-    updates.forget()
-    assert updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
-    assert not updates.writes(np.zeros(3), SECOND, nothing, CONFIG)
+    assert not policy.selects(np.zeros(3), SECOND, nothing, CONFIG)
+    policy.restart()
+    assert policy.selects(np.zeros(3), SECOND, nothing, CONFIG)
+    assert not policy.selects(np.zeros(3), SECOND, nothing, CONFIG)
 
 
-def test_all_scans_are_alike_where_the_motion_is_known(updates):
+def test_all_scans_are_alike_where_the_motion_is_known(policy):
     """Without residuals there is no wait, nor with a patience of 0, the paper's way."""
-    assert updates.writes(np.array([0.5, 0.0, 0.0]), SECOND, None, CONFIG)
-    assert updates.writes(np.array([1.0, 0.0, 0.0]), 2 * SECOND, BADLY, MapConfig(keyframe_max_delay=0.0))
+    assert policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, None, CONFIG)
+    assert policy.selects(np.array([1.0, 0.0, 0.0]), 2 * SECOND, BADLY, MapConfig(keyframe_max_delay=0.0))

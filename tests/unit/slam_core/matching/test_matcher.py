@@ -343,13 +343,13 @@ def test_a_corridor_keeps_to_the_prediction():
     assert result.pose[0] == pytest.approx(0.1, abs=0.005)
     assert abs(result.pose[1]) < 0.02
     assert math.sqrt(result.covariance[0, 0]) > 10 * math.sqrt(result.covariance[1, 1])
-    np.testing.assert_allclose(np.abs(result.blind), [1.0, 0.0], atol=1e-3)
+    np.testing.assert_allclose(np.abs(result.unobservable), [1.0, 0.0], atol=1e-3)
     for method in ("hessian", "sampled"):
         alone = coarse_to_fine(pyramid, walls(0.1), prior.mean, MatcherConfig(covariance=method))
         assert alone.pose[0] == pytest.approx(0.1, abs=1e-4)
         assert alone.weakest_sigma > 9.0
     plain = MatcherConfig(degeneracy_threshold=0.0)
-    assert not coarse_to_fine(pyramid, walls(0.1), prior.mean, plain, prior=prior).blind.any()
+    assert not coarse_to_fine(pyramid, walls(0.1), prior.mean, plain, prior=prior).unobservable.any()
 
 
 @pytest.mark.parametrize("sides", [(0, 8, 0, 8), (400, 0, 1200, 0), (4, 4000, 4, 4)])

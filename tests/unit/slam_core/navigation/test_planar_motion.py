@@ -140,5 +140,5 @@ def test_wheels_that_grip_give_no_velocity_to_the_left():
         motion.prior(k * 10**8, CONFIG)
         motion.fuse(PlanarGaussian(np.array([0.0, 0.1 * k, 0.0]), TIGHT), FusionConfig(omega=0.5))
     left = motion.prior(20 * 10**8, CONFIG).mean[1]
-    motion.grip()
+    motion.constrain_sideways()
     assert left > 1.9 and motion.prior(25 * 10**8, CONFIG).mean[1] - left < 0.1

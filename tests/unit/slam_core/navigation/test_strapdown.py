@@ -4,8 +4,8 @@ import pytest
 from slam_core import geometry
 from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.kernels.navigation import ERRORS, STATES, advance, bound, inject, level, move, transition, workspace
-from slam_core.navigation.imu_buffer import Samples
-from slam_core.navigation.state_buffer import Stages
+from slam_core.navigation.imu_buffer import ImuBuffer
+from slam_core.navigation.state_buffer import StateBuffer
 from slam_core.navigation.strapdown import Strapdown
 from tests.motions import GRAVITY, cross_matrix
 
@@ -124,9 +124,9 @@ def test_the_covariance_is_carried_on_by_the_whole_transition(seed: int) -> None
     np.testing.assert_allclose(later, Phi @ P @ Phi.T, rtol=0, atol=1e-12 * np.abs(P).max())
 
 
-def fed(u: np.ndarray, seconds: float) -> Samples:
+def fed(u: np.ndarray, seconds: float) -> ImuBuffer:
     """The same input a hundred times a second."""
-    samples = Samples()
+    samples = ImuBuffer()
     for k in range(round(100 * seconds) + 1):
         samples.append(k * 10_000_000, np.append(u, 0.0))
     return samples
@@ -155,7 +155,7 @@ def test_unknown_motion_goes_straight_and_forgets() -> None:
     later, spread = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.0))
     assert np.allclose(later[:4], x[:4]) and np.allclose(later[7:10], x[7:10])
     assert np.allclose(later[4:7], x[4:7] + 0.4 * x[7:10])
-    alone = Stages(0, x, P).belief(0, model, fed(inputs(0.0), 0.0), 0, np.array([400_000_000]))[2]
+    alone = StateBuffer(0, x, P).belief(0, model, fed(inputs(0.0), 0.0), 0, np.array([400_000_000]))[2]
     assert np.allclose(later, alone[0], atol=1e-12)
     known = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.4))[1]
     assert (np.diag(spread)[:9] > np.diag(known)[:9]).all()

@@ -65,13 +65,13 @@ class Drive:
             drift = self.drift if k / 100 > self.blind_s else 0.0
             felt = replace(sample, angular_velocity=sample.angular_velocity + drift)
             estimator.predict(felt)
-            aids.feel(felt, estimator, self.config)
+            aids.add_imu(felt, estimator, self.config)
             t = k / 100
             if k % 5 == 0 and estimator.ready and t < self.blind_s:
                 attitude = geometry.from_rotation_matrix(self.ride.attitude(t))
                 xi = np.array([*self.ride.position(t)[:2], geometry.heading(attitude)])
                 estimator.fuse_planar(stamp(t), xi, R, 0.02)
-                aids.believe(stamp(t))
+                aids.matched(stamp(t))
             if k % 10 == 0:
                 for measure in self.measures:
                     aids.take(measure(self.ride, t), estimator, self.config)

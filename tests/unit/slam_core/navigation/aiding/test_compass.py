@@ -14,7 +14,7 @@ TENTH = 100_000_000
 def learned() -> Compass:
     """A compass that knows the usual field."""
     compass = Compass()
-    answers = [compass.doubt(EARTH, i * TENTH, 0.15) for i in range(LEARNED)]
+    answers = [compass.check(EARTH, i * TENTH, 0.15) for i in range(LEARNED)]
     assert answers[-1] == ""
     assert all("not known yet" in answer for answer in answers[:-1])
     return compass
@@ -30,17 +30,17 @@ def test_a_field_is_taken_apart() -> None:
 def test_metal_shows_in_size_or_dip(changed: Field) -> None:
     """A field that differs in either is doubted; one whose direction alone differs is not."""
     compass = learned()
-    assert "disturbed" in compass.doubt(changed, 10 * TENTH, 0.15)
-    assert compass.doubt(EARTH._replace(direction=2.0), 11 * TENTH, 0.15) == ""
+    assert "disturbed" in compass.check(changed, 10 * TENTH, 0.15)
+    assert compass.check(EARTH._replace(direction=2.0), 11 * TENTH, 0.15) == ""
 
 
 def test_a_change_that_lasts_is_the_new_usual() -> None:
     """After some seconds of the same disturbance it is learned anew."""
     compass, changed = learned(), EARTH._replace(size=7e-5)
     compass.learn_north(0.3, 1.0, 0.1)
-    assert "disturbed" in compass.doubt(changed, 0, 0.15)
-    assert "disturbed" in compass.doubt(changed, PATIENCE_NS - 1, 0.15)
-    assert [compass.doubt(changed, PATIENCE_NS + i, 0.15) for i in range(LEARNED)][-1] == ""
+    assert "disturbed" in compass.check(changed, 0, 0.15)
+    assert "disturbed" in compass.check(changed, PATIENCE_NS - 1, 0.15)
+    assert [compass.check(changed, PATIENCE_NS + i, 0.15) for i in range(LEARNED)][-1] == ""
     assert compass.norths == 0.0
 
 

@@ -7,7 +7,6 @@ import pytest
 
 from slam_core import geometry
 from slam_core.kernels.navigation import ERRORS, inject
-from slam_core.navigation.aiding.corrections import Correction
 from slam_core.navigation.aiding.sensors import (
     Gravity,
     GroundBeam,
@@ -18,6 +17,7 @@ from slam_core.navigation.aiding.sensors import (
     Velocity,
     ZeroRate,
 )
+from slam_core.navigation.corrections import Correction
 
 FIELD = np.array([1.5e-5, 0.8e-5, -4e-5])
 UP = np.array([0.0, 0.0, 1.0])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from slam_core.measurements import Imu
-from slam_core.navigation.aiding.standstill import WINDOW_NS, Rest, Stillness, at_rest
+from slam_core.navigation.aiding.standstill import WINDOW_NS, Rest, StandstillDetector, at_rest
 
 
 def samples(rate: np.ndarray, seed: int = 0, n: int = 200) -> np.ndarray:
@@ -41,10 +41,10 @@ def test_broken_or_few_samples_are_no_rest() -> None:
 
 def test_windows_follow_each_other_and_gaps_begin_a_new_one() -> None:
     """Three quiet windows give three answers; after a pause the old samples are forgotten."""
-    stillness, answers = Stillness(), []
+    stillness, answers = StandstillDetector(), []
     for k, row in enumerate(samples(np.zeros(3), n=601)):
-        answers.append(stillness.feel(Imu(k * 10_000_000, row[:3], row[3:])))
+        answers.append(stillness.add(Imu(k * 10_000_000, row[:3], row[3:])))
     assert sum(isinstance(answer, Rest) for answer in answers) == 3
     late = 10 * WINDOW_NS
-    answers = [stillness.feel(Imu(late + k * 10_000_000, np.zeros(3), np.zeros(3))) for k in range(200)]
+    answers = [stillness.add(Imu(late + k * 10_000_000, np.zeros(3), np.zeros(3))) for k in range(200)]
     assert not any(answers)

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from slam_core.measurements import Float64s
-from slam_core.navigation.aiding.corrections import Correction, Update
+from slam_core.navigation.corrections import Correction, Update
 from slam_core.results import AidingStatus
 
 Statuses = Mapping[str, AidingStatus]

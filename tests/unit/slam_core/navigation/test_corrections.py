@@ -6,7 +6,7 @@ import pytest
 from slam_core import geometry
 from slam_core.config import FusionMethod
 from slam_core.kernels.navigation import ERRORS, inject
-from slam_core.navigation.aiding.corrections import BodyVelocity, PlanarPose
+from slam_core.navigation.corrections import BodyVelocity, PlanarPose
 from tests.filters import OMEGA, R, begun, same
 from tests.motions import Ride, euler_matrix, grown, stamp, tumble
 

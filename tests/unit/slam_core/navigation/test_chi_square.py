@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from slam_core.navigation.aiding import chi_square
+from slam_core.navigation import chi_square
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from slam_core.kernels import fusion
 from slam_core.kernels.linear import is_measurement
 from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import PLAUSIBLE, Float64s
-from slam_core.navigation.aiding.chi_square import bound
+from slam_core.navigation.chi_square import bound
 from slam_core.navigation.covariance_intersection import RULES
 from slam_core.results import NOWHERE
 
@@ -81,9 +81,9 @@ class Correction(ABC):
 class PlanarPose(Correction):
     """Section V-B: a match xi (3,) with covariance R (3, 3), fused by a method, if fixed with weight omega.
 
-    blind: (2,) direction of the plane about which the match says nothing, or zero: along it, place and velocity
-    stay as they are. widen_vertical: eq. (18) widens height, vertical velocity and bias like all the rest, though
-    the match says nothing of them.
+    unobservable: (2,) direction of the plane that the match does not observe, or zero: position and velocity along
+    it stay as they are. widen_vertical: eq. (18) widens height, vertical velocity and bias like the rest of the
+    state, although the match does not observe them.
     """
 
     xi: Float64s
@@ -91,7 +91,7 @@ class PlanarPose(Correction):
     omega: float
     method: FusionMethod = "fixed"
     gate: float = 0.0
-    blind: Float64s = field(default_factory=lambda: NOWHERE)
+    unobservable: Float64s = field(default_factory=lambda: NOWHERE)
     widen_vertical: bool = True
     source: ClassVar[str] = "scan"
     measures: ClassVar[tuple[int, ...]] = (2, 3, 4)
@@ -110,7 +110,7 @@ class PlanarPose(Correction):
     def update(self, x: Float64s, P: Float64s) -> Update:
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
-        rule = RULES[self.method], self.omega, self.blind, False, self.widen_vertical
+        rule = RULES[self.method], self.omega, self.unobservable, False, self.widen_vertical
         after = np.empty(len(x)), np.empty(P.shape), np.empty(3), np.empty((3, 3))
         nis = fusion.correct_planar(x, P, self.xi, self.R, *rule, limit, *after)
         return Update(*after, nis, limit)

@@ -6,8 +6,8 @@ import pytest
 
 from slam_core.config import NavigationConfig
 from slam_core.measurements import Float64s, Imu
-from slam_core.navigation.aiding.chi_square import bound
-from slam_core.navigation.aiding.corrections import Correction, HeightAid, PlanarPose
+from slam_core.navigation.chi_square import bound
+from slam_core.navigation.corrections import Correction, HeightAid, PlanarPose
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.results import AidingStatus
 from tests.motions import GRAVITY, stamp

@@ -1,0 +1,94 @@
+"""The codes and values of the core, put into sentences: the fact, the value, the remedy."""
+
+from collections.abc import Mapping
+
+from hectorscope.run.arrivals import Arrival
+from slam_core.diagnostics import Code, Diagnostic
+from slam_core.results import Rejection, SearchFailure, StartFound, Verdict
+
+DIAGNOSTICS: Mapping[Code, str] = {
+    "map_limit": "the map stopped growing at its limit of {value:g} MB: raise map.limit or map.resolution",
+    "no_gravity": "the accelerometers measure no gravity: only the yaw rate of the IMU is used; its driver must"
+    " publish the specific force in m/s², gravity included",
+    "imu_silent": "no inertial data comes: the motion is predicted from the matches alone; check the IMU",
+    "gyro_clipped": "the gyro was clipped: turn slower, or set a wider range in the IMU and in"
+    " navigation.gyro_range",
+    "imu_clock_set_back": "the clock of the IMU was set back: the filter continues from its last state; restart if"
+    " the pose is wrong",
+    "imu_clock_set_ahead": "the clock of the IMU was set ahead: the filter continues from its last state; restart"
+    " if the pose is wrong",
+    "imu_implausible": "the IMU sends values that are not finite or not plausible: they are left out; check its"
+    " driver",
+    "no_beam_in_range": "scans come without a beam in range: the pose is predicted without them; check the laser",
+    "aid_implausible": "{source} sends values that are not finite or not plausible: they are left out; check that"
+    " sensor",
+    "aid_too_late": "{source} comes too late to be used: check the link and the clocks, or raise"
+    " navigation.history",
+    "aid_frozen": "{source} repeats one value while the robot moves and is not used: check that sensor",
+    "aid_contradicts": "{source} contradicts the other sensors and is not used: check its frame, units and noise",
+}
+ARRIVALS: Mapping[str, str] = {
+    "late": "{source} come over 0.15 s after data of the same time: used at their own time, but shown late; check"
+    " the link",
+    "scans_stopped": "no scan came for over a second: the pose is predicted without the laser; check it and its"
+    " link",
+    "laser_clock_set": "the clock of the laser was set: the motion meanwhile is unknown; restart if the pose is"
+    " wrong",
+}
+
+
+def diagnostic_text(diagnostic: Diagnostic) -> str:
+    """One fault of the sensors or the map, with its remedy."""
+    return DIAGNOSTICS[diagnostic.code].format(source=diagnostic.source, value=diagnostic.value)
+
+
+def arrival_text(arrival: Arrival) -> str:
+    """One fault of the stamps, with its remedy."""
+    return ARRIVALS[arrival.code].format(source=arrival.source)
+
+
+def rejection_text(rejection: Rejection) -> str:
+    """Why a match was rejected."""
+    value, limit = rejection.value, rejection.limit
+    match rejection.code:
+        case "overlap":
+            return f"{value:.0%} of the scan on known cells, less than {limit:.0%}"
+        case "inlier_ratio":
+            return f"{value:.0%} of the known endpoints on occupied cells, usually {limit:.0%}"
+        case "mahalanobis_distance":
+            return f"{value:.0f} sigmas from the prediction"
+
+
+def verdict_text(verdict: Verdict) -> str:
+    """Why the tracking state is what it is; empty while all is well."""
+    reason = rejection_text(verdict.rejection) if verdict.rejection else ""
+    recovery = {
+        "": "",
+        "relocalised": "relocalised by a search of the whole map",
+        "continued": "the map continues from the prediction",
+    }[verdict.recovery]
+    return "; ".join(filter(None, (reason, recovery)))
+
+
+def search_text(failure: SearchFailure | None) -> str:
+    """Why the pose in the map is unknown; empty while it is known."""
+    if failure is None:
+        return ""
+    match failure.code:
+        case "pending":
+            return "searching the whole map"
+        case "no_place":
+            best = f"{failure.value:.0%} of it agree at best" if failure.value else "nothing comes near"
+            return f"the scan fits nowhere in the map: {best}, {failure.limit:.0%} are needed"
+        case "ambiguous":
+            return f"the scan fits in {failure.value:.0f} places of the map alike"
+        case "crowded":
+            return "the scan fits in very many places of the map"
+
+
+def start_text(start: StartFound) -> str:
+    """Where the run began in the prior map."""
+    x, y, psi = start.pose.tolist()
+    how = "does not start at the given pose, but" if start.elsewhere else "starts"
+    where = f"x {x:z.2f} m, y {y:z.2f} m, yaw {psi:z.2f} rad of the map"
+    return f"the robot {how} at {where}: {start.agreement:.0%} of the scan agree"

@@ -1,0 +1,47 @@
+"""What is wrong with the sensors and the map: codes and values, which the application puts into words."""
+
+from collections.abc import Hashable, Iterable
+from typing import Generic, Literal, NamedTuple, TypeVar
+
+SHOWN_NS = 5_000_000_000  # a diagnostic that no longer holds is reported for this long
+
+Code = Literal[
+    "map_limit",  # the map stopped growing; value: its limit in megabytes
+    "no_gravity",  # the accelerometers measure no gravity: only the yaw rate is used
+    "imu_silent",  # no inertial data comes
+    "gyro_clipped",
+    "imu_clock_set_back",
+    "imu_clock_set_ahead",
+    "imu_implausible",  # values that are not finite or out of any sensor's range
+    "no_beam_in_range",
+    "aid_implausible",  # source: which one, as in AidingStatus
+    "aid_too_late",
+    "aid_frozen",  # it repeats one value while the robot moves
+    "aid_contradicts",  # it is rejected for long
+]
+
+
+class Diagnostic(NamedTuple):
+    """One fault. source: the sensor that it is about, where there are several. value: see the code."""
+
+    code: Code
+    source: str = ""
+    value: float = 0.0
+
+
+T = TypeVar("T", bound=Hashable)
+
+
+class Recent(Generic[T]):
+    """Items with the time at which each held last."""
+
+    def __init__(self) -> None:
+        self._held: dict[T, int] = {}
+
+    def add(self, items: Iterable[T], time_ns: int) -> None:
+        """They hold at this time."""
+        self._held.update(dict.fromkeys(items, time_ns))
+
+    def at(self, time_ns: int) -> tuple[T, ...]:
+        """Those that held less than SHOWN_NS before or, if a clock was set, after this time."""
+        return tuple(item for item, held_ns in self._held.items() if abs(time_ns - held_ns) < SHOWN_NS)

@@ -1,0 +1,163 @@
+"""The pose of each scan in the map: scan matching, acceptance of the match, and recovery after a bad one."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.config import SlamConfig
+from slam_core.localization.deskew_refinement import refine
+from slam_core.localization.relocalisation import Relocaliser
+from slam_core.localization.tracking import Tracker, exceeds_basin, mahalanobis_distance, search_window
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.correlative import find_pose
+from slam_core.matching.matcher import coarse_to_fine
+from slam_core.measurements import Float64s, LaserScan
+from slam_core.navigation.ego_motion import EgoMotion
+from slam_core.results import ACCEPTED, NOWHERE, MatchResult, PlanarGaussian, Rejection, Verdict
+from slam_core.scan.stabilise import StabilisedScan
+
+
+class LocalisedScan(NamedTuple):
+    """A scan at its pose (3,) in the map: that of the match if it is accepted, else the prediction.
+
+    scan: its beams are placed by the motion that the match shows. match: None for the first scan of a map.
+    """
+
+    scan: StabilisedScan
+    pose: Float64s
+    match: MatchResult | None
+    verdict: Verdict
+
+
+class Localiser:
+    """One for each run.
+
+    start: (3,) where the run begins; None if that may be anywhere in a prior map. is_prior: the map is a prior
+    map. writes: the run writes the map. trace: results keep every Gauss-Newton iteration. fused: (3,) the
+    mean of the last fused pose.
+    """
+
+    def __init__(
+        self, pyramid: Pyramid, motion: EgoMotion, start: Float64s | None, *, is_prior: bool, writes: bool
+    ) -> None:
+        self.relocaliser = Relocaliser(start)
+        self.trace = False
+        self.fused = self._pose = np.zeros(3)
+        self._pyramid = pyramid
+        self._motion = motion
+        self._is_placed = not is_prior
+        self._writes = writes
+        self._tracker = Tracker()
+
+    def initialise(self, scan: StabilisedScan, time_ns: int, config: SlamConfig) -> bool:
+        """Whether the pose in the map is known; at the start in a prior map it is searched for."""
+        if not self._is_placed and self._motion.reaches(time_ns):
+            start = self.relocaliser.start(self._pyramid, scan, time_ns, config)
+            if start is not None:
+                self._reset_pose(time_ns, start)
+                self._is_placed = True
+        return self._is_placed
+
+    def locate(
+        self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
+    ) -> LocalisedScan:
+        """Sections IV-B and IV-C. The first scan of a map is not matched: its pose is the origin."""
+        if self._pyramid.empty:
+            return LocalisedScan(stabilised, self._pose, None, ACCEPTED)
+        stabilised, match = self._align(scan, stabilised, self.start_estimate(prior, config), prior, config)
+        verdict = ACCEPTED
+        if config.tracking.check:
+            stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
+        if verdict.state == "lost" and config.tracking.relocalise:
+            match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, config)
+        if verdict.outside_map and self._writes and config.tracking.continue_from_prediction:
+            match, verdict = self._continue(match, verdict, prior)
+        if verdict.accepted:
+            self.relocaliser.reset()
+        self._pose = match.pose if verdict.accepted else prior.mean
+        return LocalisedScan(stabilised, self._pose, match, verdict)
+
+    def start_estimate(self, prior: PlanarGaussian, config: SlamConfig) -> Float64s:
+        """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""
+        if config.matcher.start_estimate == "filter":
+            return prior.mean
+        if config.matcher.start_estimate == "velocity":
+            moved = geometry.compose(geometry.inverse(self.fused), prior.mean)
+            return geometry.compose(self._pose, moved)
+        return self._pose
+
+    def _align(
+        self,
+        scan: LaserScan,
+        stabilised: StabilisedScan,
+        start: Float64s,
+        prior: PlanarGaussian | None,
+        config: SlamConfig,
+    ) -> tuple[StabilisedScan, MatchResult]:
+        """A scan matched from a start estimate, and its beams as the motion of the match places them."""
+        match = coarse_to_fine(
+            self._pyramid, stabilised.points, start, config.matcher, prior=prior, trace=self.trace
+        )
+        motion = self._motion.planar_fallback
+        if motion is None:
+            return stabilised, match
+        return refine(scan, stabilised, match, prior, self._pyramid, motion, config, trace=self.trace)
+
+    def _check(
+        self,
+        scan: LaserScan,
+        stabilised: StabilisedScan,
+        match: MatchResult,
+        prior: PlanarGaussian,
+        config: SlamConfig,
+    ) -> tuple[StabilisedScan, MatchResult, Verdict]:
+        """The match if it is accepted, else one that a local search finds, else the verdict against both.
+
+        Where only matches observe the motion, at a low rate, a sudden turn and a wrong match look alike. A match
+        that is far from the prediction is compared with the outcome of a search then.
+        """
+        tracker, tracking = self._tracker, config.tracking
+        distance = mahalanobis_distance(match, prior)
+        rejection = tracker.check(match.fit, distance, tracking)
+        limit = tracking.unaided_mahalanobis_limit
+        suspect = self._motion.unaided and exceeds_basin(prior) and distance > limit
+        if not (rejection or suspect):
+            return stabilised, match, tracker.accept(match.fit, None)
+        start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
+        start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
+        for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
+            if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
+                return placed, candidate, tracker.accept(candidate.fit, rejection)
+        rejection = rejection or Rejection("mahalanobis_distance", distance, limit)
+        return stabilised, match, tracker.reject(match.fit, rejection, tracking)
+
+    def _relocalise(
+        self, scan: StabilisedScan, match: MatchResult, verdict: Verdict, time_ns: int, config: SlamConfig
+    ) -> tuple[MatchResult, Verdict]:
+        """A lost robot, searched for in the whole map; what was given if it is not found."""
+        found = self.relocaliser.search(self._pyramid, scan, time_ns, config)
+        if found is None:
+            return match, verdict
+        self._reset_pose(time_ns, found.gaussian)
+        accepted = self._tracker.accept(found.fit, verdict.rejection)
+        return found, accepted._replace(recovery="relocalised")
+
+    def _continue(
+        self, match: MatchResult, verdict: Verdict, prior: PlanarGaussian
+    ) -> tuple[MatchResult, Verdict]:
+        """The prediction as the pose of a robot that got lost outside of the map: the map continues from it.
+
+        With nothing to match against the pose would drift for good.
+        """
+        self._tracker.reset()
+        unknown = np.full_like(match.residuals, 0.5)
+        predicted = match._replace(
+            pose=prior.mean, covariance=prior.covariance, residuals=unknown, unobservable=NOWHERE
+        )
+        return predicted, Verdict("recovered", verdict.rejection, recovery="continued")
+
+    def _reset_pose(self, time_ns: int, pose: PlanarGaussian) -> None:
+        """Continue at a pose in the map, wherever the robot was estimated before."""
+        self._motion.place(time_ns, pose)
+        self._pose = self.fused = pose.mean
