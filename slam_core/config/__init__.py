@@ -2,6 +2,7 @@
 
 from slam_core.config.changes import needs_restart, with_value, with_values
 from slam_core.config.leaves import ConfigError, Leaf, Leaves, Param, leaves
+from slam_core.config.presets import ADDITIONS, PRESETS, Addition, preset
 from slam_core.config.tree import (
     AidingConfig,
     CovarianceMethod,
@@ -19,6 +20,9 @@ from slam_core.config.tree import (
 )
 
 __all__ = [
+    "ADDITIONS",
+    "PRESETS",
+    "Addition",
     "AidingConfig",
     "ConfigError",
     "CovarianceMethod",
@@ -38,6 +42,7 @@ __all__ = [
     "TrackingConfig",
     "leaves",
     "needs_restart",
+    "preset",
     "with_value",
     "with_values",
 ]

@@ -381,6 +381,13 @@ class SlamConfig:
     fusion: FusionConfig = field(default_factory=FusionConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)
 
+    @classmethod
+    def paper(cls) -> "SlamConfig":
+        """The method of the paper: every addition of the defaults switched off (`presets.ADDITIONS`)."""
+        from slam_core.config.presets import preset  # noqa: PLC0415  # it is made of this tree
+
+        return preset("paper")
+
     def __post_init__(self) -> None:
         """Refuse values out of range: ConfigError names the setting, the value and the range."""
         for leaf in leaves(self):
