@@ -69,31 +69,31 @@ def _polar(away, n, ways, places):
 
 
 @njit(cache=True, error_model="numpy")
-def doubt_passed(
-    log_odds, cells, surfels, corner, resolution, known, laser, lengths, begin, longest, box, behind, most, free
-):
-    """Take `most` log-odds at most and the step `free` from every occupied cell that is passed, and its surfel.
+def clear_passed(grid, corner, resolution, known, laser, beams, clearing):
+    """Lower every occupied cell that is passed to the cap at most and by the free step, and remove its surfel.
 
-    surfels: as many as cells, or none at all.
-    known: row0, row1, column0, column1 (half open). lengths, begin, longest, box: as of `by_bearing`. A cell is
+    grid: log_odds, cells, and surfels, as many as cells or none at all. clearing: the fields of `Clearing`.
+    known: row0, row1, column0, column1 (half open). beams: as of `by_bearing`. A cell is
     passed if beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends
     close by: a wall that is met at a slant, or an edge. Returns how many were.
     """
+    (log_odds, cells, surfels), (lengths, begin, longest, box) = grid, beams
+    behind, most, free = clearing
     (left, right), (low, high) = cells_of(box, corner, resolution)
     first, last = max(known[2], left), min(known[3], right + 1)
     row, end = max(known[0], low), min(known[1], high + 1)
     room = MANY + cells.shape[1]
     us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
     away, ways, places = np.empty((room, 2)), np.empty(room), np.empty(room)
-    doubtful = np.empty(room + 1, np.int32)
+    candidates = np.empty(room + 1, np.int32)
     most, free = np.float32(most), np.float32(free)
     passed = 0
     while row < end:
         n, row = _occupied(cells, row, end, first, last, us, vs)
         _centres(us, vs, n, corner, resolution, laser, away.reshape(-1))
         _polar(away.reshape(-1), n, ways, places)
-        for i in range(_before_an_end(ways, places, n, longest, behind, doubtful)):
-            k = doubtful[i]
+        for i in range(_before_an_end(ways, places, n, longest, behind, candidates)):
+            k = candidates[i]
             u, v = us[k], vs[k]
             if _is_passed(_bin(away[k, 0], away[k, 1], places[k]), ways[k], lengths, begin, behind):
                 value = min(log_odds[v, u], most) + free

@@ -7,37 +7,23 @@ from numba import njit
 
 from slam_core.kernels.intrinsics import lane
 from slam_core.kernels.rotations import cosines, product
+from slam_core.kernels.structures import BeamLimits
 
 get, _ = lane(0)
 _, put = lane(1)
 
 
 @njit(cache=True, error_model="numpy")
-def place_beams(
-    ranges,
-    cosines,
-    sines,
-    poses,
-    mount,
-    level,
-    low,
-    high,
-    no_return,
-    clear_range,
-    z_min,
-    z_max,
-    points,
-    heights,
-    free,
-    laser,
-):
-    """Endpoints (n, 2) and heights (n,) in the stabilised frame, and free ends: returns how many of each.
+def place_beams(ranges, directions, poses, mount, level, limits, output):
+    """Endpoints and heights in the stabilised frame, and the ends of beams without a return: how many of each.
 
-    poses: (k + 1, 7) or wider, attitude and position of the base in equal steps of time over the sweep, and last
-    the one of the stabilised frame. mount: (4, 4) laser -> base. level: whether roll and pitch count. A range in
-    [low, high) is an endpoint; one of at least `no_return` clears up to `clear_range`, unless that is 0. Heights
-    are over the middle of the laser's way, whose place `laser` (2,) takes, from z_min to z_max.
+    directions: cosines and sines (n,) of the beams. poses: (k + 1, 7) or wider, attitude and position of the base
+    in equal steps of time over the sweep, and last the one of the stabilised frame. mount: (4, 4) laser -> base.
+    level: whether roll and pitch count. limits: the fields of `BeamLimits`; clear_range 0 clears nothing. output:
+    takes points (n, 2), heights (n,) over the middle of the laser's path, free ends (n, 2), and that middle (2,).
     """
+    limits, (points, heights, free, laser) = BeamLimits(*limits), output
+    low, high, no_return, clear_range, z_min, z_max = limits
     n = len(ranges)
     way = _knots(poses, mount, level)
     knot_step = max(n - 1, 1) / (len(way) - 1)
@@ -48,7 +34,7 @@ def place_beams(
     kept = cleared = end = 0
     for knot in range(len(way) - 1):  # piece by piece, which stays in the nearest cache
         begin, end = end, n if knot == len(way) - 2 else min(n, math.ceil((knot + 1) * knot_step))
-        _place(ranges, cosines, sines, low, high, clear_range, begin, end, way, knot, knot_step, xs, ys, zs)
+        _place(ranges, directions, limits, begin, end, way, knot, knot_step, (xs, ys, zs))
         for i in range(end - begin):
             r, z = get(ranges, begin + i), zs[i]
             if z < z_low or z > z_high:
@@ -87,8 +73,10 @@ def _knots(poses, mount, level):
 
 
 @njit(cache=True, error_model="numpy")
-def _place(ranges, cosines, sines, low, high, clear_range, begin, end, knots, k, knot_step, xs, ys, zs):
+def _place(ranges, directions, limits, begin, end, knots, k, knot_step, output):
     """The ends of the beams of one piece, or how far they clear, by the transforms (k, 3, 4) of the knots."""
+    (cosines, sines), (xs, ys, zs) = directions, output
+    low, high, clear_range = limits.low, limits.high, limits.clear_range
     a, b = knots[k], knots[k + 1]
     for i in range(end - begin):
         r, share = get(ranges, begin + i), (begin + i) / knot_step - k

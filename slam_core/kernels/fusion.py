@@ -23,6 +23,7 @@ from slam_core.kernels.linear import (
 )
 from slam_core.kernels.navigation import ERRORS, inject
 from slam_core.kernels.rotations import cosines
+from slam_core.kernels.structures import FusionRule
 from slam_core.measurements import Float64s, Int64s
 
 FIXED, MIN_TRACE, MIN_DETERMINANT, KALMAN = range(4)
@@ -77,24 +78,17 @@ def _put_right(x: Float64s, error: Float64s, spread: Float64s, better: Float64s,
 def correct_planar(
     x: Float64s,
     P: Float64s,
-    xi: Float64s,
-    R: Float64s,
-    rule: int,
-    omega: float,
-    blind: Float64s,
-    observed_only: bool,
-    widen_vertical: bool,
+    match: tuple[Float64s, Float64s],
+    fusion: FusionRule | tuple[int, float, Float64s, bool, bool],
     bound: float,
-    better: Float64s,
-    reduced: Float64s,
-    innovation: Float64s,
-    S: Float64s,
+    output: tuple[Float64s, Float64s, Float64s, Float64s],
 ) -> float:
-    """`fuse_part` by a match xi (3,), C x = (p_x, p_y, psi), behind a gate: nu^T S^-1 nu as of `correct`.
+    """`fuse_part` by a match xi (3,) with R, C x = (p_x, p_y, psi), behind a gate: nu^T S^-1 nu as of `correct`.
 
-    better (19,), reduced (15, 15), innovation (3,) and S (3, 3) take the rest.
-    observed_only is an argument because a kernel that passes a literal has the other compiled once more for it.
+    fusion: the fields of `FusionRule`. output: x (19,) and P (15, 15) after it, innovation (3,) and S (3, 3).
     """
+    (xi, R), (better, reduced, innovation, S) = match, output
+    rule, omega, unobservable, observed_only, widen_vertical = fusion
     innovation[0], innovation[1] = xi[0] - x[4], xi[1] - x[5]
     turn = xi[2] - 2.0 * math.atan2(x[3], x[0])
     innovation[2] = turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
@@ -106,9 +100,9 @@ def correct_planar(
         return nis
     held = np.zeros((2, ERRORS))
     for i in range(2):
-        held[0, 3 + i] = held[1, 6 + i] = blind[i]
+        held[0, 3 + i] = held[1, 6 + i] = unobservable[i]
     spared = NONE if widen_vertical else VERTICAL
-    error, spread = fuse_part(P, C, R, innovation, rule, omega, blind, held, observed_only, spared)
+    error, spread = fuse_part(P, C, R, innovation, rule, omega, unobservable, held, observed_only, spared)
     return nis if _put_right(x, error, spread, better, reduced) else math.nan
 
 
@@ -153,7 +147,7 @@ def fuse_part(
     innovation: Float64s,
     rule: int,
     omega: float,
-    blind: Float64s,
+    unobservable: Float64s,
     held: Float64s,
     observed_only: bool,
     spared: Int64s,
@@ -164,9 +158,9 @@ def fuse_part(
     """
     # Called in one place, as what is called is compiled into this function at each.
     rest, kept = P, np.zeros((0, len(P)))
-    if blind[0] != 0.0 or blind[1] != 0.0:
-        across = np.array([[-blind[1], blind[0], 0.0], [0.0, 0.0, 1.0]])
-        innovation = np.array([blind[0] * innovation[1] - blind[1] * innovation[0], innovation[2]])
+    if unobservable[0] != 0.0 or unobservable[1] != 0.0:
+        across = np.array([[-unobservable[1], unobservable[0], 0.0], [0.0, 0.0, 1.0]])
+        innovation = np.array([unobservable[0] * innovation[1] - unobservable[1] * innovation[0], innovation[2]])
         C, R = multiply(across, C), sandwich(across, R)
         kept = hanging(P, held)
         rest = P - multiply(kept.T.copy(), kept)

@@ -12,49 +12,51 @@ from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import WHOLE, bilinear
 from slam_core.kernels.intrinsics import lane, pair
+from slam_core.kernels.structures import LatticePose
 from slam_core.measurements import Float32s
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 PART = np.float32(1.0 / WHOLE)
-TOGETHER = 2048  # beams whose notes stay in the nearest cache
+TOGETHER = 2048  # beams whose workspace stays in the nearest cache
 get, _ = lane(0)  # what is read
 _, put = lane(1)
 _, put_too = lane(2)
 
 
-def notes() -> tuple[NDArray[np.uint32], Float32s]:
-    """Room for what `normal_equations` notes of its beams; for callers that are not compiled, too."""
+def workspace() -> tuple[NDArray[np.uint32], Float32s]:
+    """Memory for the cells and endpoints of the beams that `normal_equations` takes together."""
     return np.empty((3, TOGETHER), np.uint32), np.empty((2, TOGETHER), np.float32)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi, residuals, words, arms):
+def normal_equations(level, beams, pose, residuals, workspace):
     """H of (13) as its six upper entries, the right side of (12), and the cost of (7); metres and radians.
 
-    cells: (rows, columns) in parts, and corner: (2,) column and row of cell [0, 0] in the lattice.
-    along_x, along_y: direction in the scan along which the map's gradient does not count, zero for all of it.
+    level: a `Level`. beams: `Beams`; along a surface the gradient of the map does not count. pose: (3,).
     residuals: (n,) takes 1 - M(S_i(xi)) of every beam. Points off the map read 0.5 (unknown) with no gradient.
-    words, arms: room for `notes` of the beams.
+    workspace: as of `workspace`.
     """
-    turn, shift, box = in_lattice(cells, corner, inverse, x, y, psi)
-    heading = np.float32(math.cos(psi)), np.float32(math.sin(psi))
-    flat, columns = cells.reshape(-1), cells.shape[1]
-    where, lower, upper, arm_u, arm_v = words[0], words[1], words[2], arms[0], arms[1]
+    frame = in_lattice(level, pose)
+    heading = np.float32(math.cos(pose[2])), np.float32(math.sin(pose[2]))
+    flat, columns = level.cells.reshape(-1), level.cells.shape[1]
+    words, arms = workspace
+    where, cells, along = words[0], (words[1], words[2]), (beams.along_x, beams.along_y)
+    ends = arms[0], arms[1]
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
-    for begin in range(0, len(xs), TOGETHER):
-        n = min(TOGETHER, len(xs) - begin)
-        place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v)
-        _fetch(flat, columns, where, n, lower, upper)
+    for begin in range(0, len(beams.xs), TOGETHER):
+        n = min(TOGETHER, len(beams.xs) - begin)
+        place(beams.xs, beams.ys, begin, n, frame, columns, where, ends)
+        _fetch(flat, columns, where, n, cells[0], cells[1])
         s00, s01, s02, s11, s12, s22, t0, t1, t2, e = _add_up(
-            lower, upper, arm_u, arm_v, along_x, along_y, begin, n, heading, shift, box, residuals
+            cells, ends, along, begin, n, heading, frame, residuals
         )
         h00, h01, h02, h11, h12, h22 = h00 + s00, h01 + s01, h02 + s02, h11 + s11, h12 + s12, h22 + s22
         b0, b1, b2, cost = b0 + t0, b1 + t1, b2 + t2, cost + e
     # Gradients were summed in parts of the probability a cell.
     p = 1.0 / WHOLE
-    k = inverse * p
+    k = level.inverse * p
     return (
         h00 * k * k, h01 * k * k, h02 * k * p, h11 * k * k, h12 * k * p, h22 * p * p,
         b0 * k, b1 * k, b2 * p, np.float64(cost),
@@ -62,22 +64,21 @@ def normal_equations(cells, corner, inverse, xs, ys, along_x, along_y, x, y, psi
 
 
 @njit(inline="always")
-def in_lattice(cells, corner, inverse, x, y, psi):
-    """A pose as `place` takes it: turn and shift in cells, and the box of those with a neighbour beyond."""
-    turn = np.float32(math.cos(psi) * inverse), np.float32(math.sin(psi) * inverse)
-    shift = np.float32(x * inverse - 0.5), np.float32(y * inverse - 0.5)
-    rows, columns = cells.shape
-    left, low = np.int32(corner[0]), np.int32(corner[1])
-    return (
-        turn,
-        shift,
-        (np.float32(left), np.float32(left + columns - 2), np.float32(low), np.float32(low + rows - 2)),
-    )
+def in_lattice(level, pose):
+    """A pose (3,) in the cells of a level."""
+    inverse = level.inverse
+    turn = np.float32(math.cos(pose[2]) * inverse), np.float32(math.sin(pose[2]) * inverse)
+    shift = np.float32(pose[0] * inverse - 0.5), np.float32(pose[1] * inverse - 0.5)
+    rows, columns = level.cells.shape
+    left, low = np.int32(level.corner[0]), np.int32(level.corner[1])
+    box = np.float32(left), np.float32(left + columns - 2), np.float32(low), np.float32(low + rows - 2)
+    return LatticePose(turn, shift, box)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def place(xs, ys, begin, n, turn, shift, box, columns, where, arm_u, arm_v):
-    """Of n beams the first of the four cells around the end, and the end seen from the robot, in cells."""
+def place(xs, ys, begin, n, frame, columns, where, ends):
+    """Of n beams the first of the four cells around the endpoint, and the endpoint from the robot, in cells."""
+    (turn, shift, box), (arm_u, arm_v) = frame, ends
     left, low, width = np.int32(box[0]), np.int32(box[2]), np.int32(columns)
     for i in range(n):
         j = np.int32(i)
@@ -102,8 +103,10 @@ def _fetch(cells, columns, where, n, lower, upper):
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def _add_up(lower, upper, arm_u, arm_v, along_x, along_y, begin, n, heading, shift, box, residuals):
+def _add_up(cells, ends, along, begin, n, heading, frame, residuals):
     """The sums over n beams, in parts of the probability and in cells."""
+    (lower, upper), (arm_u, arm_v), (along_x, along_y) = cells, ends, along
+    _, shift, box = frame
     first_u, last_u, first_v, last_v = box
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
     for i in range(n):
@@ -118,9 +121,9 @@ def _add_up(lower, upper, arm_u, arm_v, along_x, along_y, begin, n, heading, shi
         weight = ONE if inside else ZERO
         along_u = heading[0] * ax - heading[1] * ay
         along_v = heading[1] * ax + heading[0] * ay
-        along = dv * along_v + du * along_u
-        gu = (du - along * along_u) * weight
-        gv = (dv - along * along_v) * weight
+        slope = dv * along_v + du * along_u
+        gu = (du - slope * along_u) * weight
+        gv = (dv - slope * along_v) * weight
         error = ONE - PART * value if inside else HALF
         gp = gv * pu - gu * pv
         put(residuals, begin + j, error)
@@ -158,57 +161,36 @@ def solve3(h00, h01, h02, h11, h12, h22, b0, b1, b2):
 
 
 @njit(cache=True, error_model="numpy")
-def without(blind, h00, h01, h02, h11, h12, h22, b0, b1, b2):
-    """The same equations for a step that has no part along `blind`, a unit vector in the plane or zero."""
-    x, y = -blind[1], blind[0]
+def without(unobservable, h00, h01, h02, h11, h12, h22, b0, b1, b2):
+    """The same equations for a step that has no part along `unobservable`, a unit vector in the plane or zero."""
+    x, y = -unobservable[1], unobservable[0]
     if x == 0.0 and y == 0.0:
         return h00, h01, h02, h11, h12, h22, b0, b1, b2
     across = x * x * h00 + 2.0 * x * y * h01 + y * y * h11
     with_turn, right = x * h02 + y * h12, x * b0 + y * b1
-    # In the blind direction, too, the equations say `across`, which makes them well posed, and that the step is 0.
+    # Along it the equations have `across` too, which makes them well posed, and a step of 0.
     return across, 0.0, x * with_turn, across, y * with_turn, h22, x * right, y * right, b2
 
 
 @njit(cache=True, error_model="numpy")
-def gauss_newton(
-    cells,
-    corner,
-    inverse,
-    xs,
-    ys,
-    along_x,
-    along_y,
-    pose,
-    prior,
-    blind,
-    iterations,
-    converged_step,
-    max_yaw_step,
-    residuals,
-    trace,
-    words,
-    arms,
-    matched,
-):
+def gauss_newton(level, beams, pose, prior, unobservable, limits, residuals, trace, workspace, matched):
     """Iterate (12) on one level; `pose` (3,) is updated in place and every iterate goes to `trace` (k, 3).
 
     prior: (4, 3), information of a predicted pose in units of the cost, and below it that pose; zeros for none.
-    blind: (2,) unit vector in which no step is taken, zeros for none.
+    unobservable: (2,) unit vector in which no step is taken, zeros for none. limits: `Limits`.
     matched: (6,) takes the upper entries of H with the prior in it, as of the last step.
     Ends early when a step is shorter than `converged_step` metres (its yaw counted at one metre's arm).
     Returns the number of steps taken and whether the last one was that short.
     """
     steps = 0
-    for k in range(iterations):
-        h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(
-            cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, words, arms
-        )
+    for k in range(limits.iterations):
+        h00, h01, h02, h11, h12, h22, b0, b1, b2, _ = normal_equations(level, beams, pose, residuals, workspace)
         e0, e1, e2 = prior[3, 0] - pose[0], prior[3, 1] - pose[1], prior[3, 2] - pose[2]
         matched[0], matched[1], matched[2] = h00 + prior[0, 0], h01 + prior[0, 1], h02 + prior[0, 2]
         matched[3], matched[4], matched[5] = h11 + prior[1, 1], h12 + prior[1, 2], h22 + prior[2, 2]
         dx, dy, dpsi, solved = solve3(
             *without(
-                blind,
+                unobservable,
                 matched[0],
                 matched[1],
                 matched[2],
@@ -222,30 +204,27 @@ def gauss_newton(
         )
         if not solved:
             return steps, False
-        dpsi = min(max(dpsi, -max_yaw_step), max_yaw_step)
+        dpsi = min(max(dpsi, -limits.max_yaw_step), limits.max_yaw_step)
         pose[0] += dx
         pose[1] += dy
         pose[2] += dpsi
         steps += 1
         if k < len(trace):
             trace[k, 0], trace[k, 1], trace[k, 2] = pose[0], pose[1], pose[2]
-        if max(abs(dx), abs(dy), abs(dpsi)) < converged_step:
+        if max(abs(dx), abs(dy), abs(dpsi)) < limits.converged_step:
             return steps, True
-    return steps, converged_step == 0.0
+    return steps, limits.converged_step == 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def joint_cost(cells, corner, inverse, xs, ys, along_x, along_y, pose, prior, residuals, words, arms):
-    """The cost of (7) at a pose (3,) and what the prior, as in `gauss_newton`, says against that pose."""
-    cost = normal_equations(
-        cells, corner, inverse, xs, ys, along_x, along_y, pose[0], pose[1], pose[2], residuals, words, arms
-    )[9]
-    return cost + against(prior, pose)
+def joint_cost(level, beams, pose, prior, residuals, workspace):
+    """The cost of (7) at a pose (3,) with that of the prior, as in `gauss_newton`."""
+    return normal_equations(level, beams, pose, residuals, workspace)[9] + prior_cost(prior, pose)
 
 
 @njit(cache=True, error_model="numpy")
-def against(prior, pose):
-    """(xi - mean)^T P^-1 (xi - mean), as a cost: what the prior of `gauss_newton` says against a pose (3,)."""
+def prior_cost(prior, pose):
+    """(xi - mean)^T P^-1 (xi - mean) in units of the cost, with the prior of `gauss_newton`, at a pose (3,)."""
     sum_ = 0.0
     for i in range(3):
         for j in range(3):

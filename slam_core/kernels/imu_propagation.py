@@ -1,7 +1,7 @@
-"""The belief carried through recorded samples in one call; state, covariance and model as in `.navigation`.
+"""IMU propagation through recorded samples in one call; state, covariance and model as in `.navigation`.
 
 Recorded are stamps (n,) in nanoseconds and samples (n, 7), input u and a squared noise density that is added to
-the gyros', which count from `begin` to `end`; the first is not later than where one begins. Between two samples
+the gyros', which count from `begin` to `end`; the first is not later than the given estimate. Between two samples
 their mean holds, after the last it alone, over a gap nothing. The system is the model, the one that holds over a
 gap, and the bounds.
 """
@@ -25,20 +25,21 @@ BLIND_SPAN = 10.0  # s, after which nothing more can be forgotten
 Rows = tuple[Float64s, Float64s, Int64s]
 Recorded = tuple[Int64s, Float64s, int, int]
 System = tuple[Float64s, Float64s, Float64s]
+Output = tuple[Float64s, Float64s, Float64s]
 
 
 @njit(cache=True, error_model="numpy")
 def predict(
     x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System
 ) -> tuple[Float64s, Float64s]:
-    """The belief of one instant at a later one, in arrays of its own."""
+    """The estimate of one time at a later one, in new arrays."""
     x, P = x.copy(), P.copy()
-    _go_on(x, P, from_ns, to_ns, recorded, system, workspace())
+    _propagate(x, P, from_ns, to_ns, recorded, system, workspace())
     return x, P
 
 
 @njit(cache=True, error_model="numpy")
-def _go_on(
+def _propagate(
     x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System, work: Float64s
 ) -> None:
     """`predict` in place."""
@@ -61,33 +62,23 @@ def _go_on(
 
 
 @njit(cache=True, error_model="numpy")
-def believe(
-    xs: Float64s,
-    Ps: Float64s,
-    known: Int64s,
+def propagate(
+    rows: Rows,
     count: int,
     from_ns: int,
     since_ns: Int64s,
     to_ns: int,
-    stamps: Int64s,
-    samples: Float64s,
-    begin: int,
-    end: int,
-    model: Float64s,
-    blind: Float64s,
-    bounds: Float64s,
-    states: Float64s,
-    x: Float64s,
-    P: Float64s,
+    recorded: Recorded,
+    system: System,
+    output: Output,
 ) -> int:
-    """The belief at `to_ns` into x and P, and the states alone at the instants from_ns + since_ns (k,): (k, 19).
+    """The estimate at `to_ns`, and the states alone at the times from_ns + since_ns (k,).
 
-    xs: (n, 19), Ps: (n, 15, 15), known: (n,), a belief a row: one that is given, and those at the samples after
-    it, of which `count` are known; returns how many are known then. They are worked out up to the last of all
-    instants, or until all rows are full: then the answers may be anything. Called for every scan, it takes all of
-    that one by one: tuples take longer to hand over.
+    rows: xs (n, 19), Ps (n, 15, 15), stamps (n,): a given estimate, and those at the samples after it, of which
+    `count` are known. Returns how many are known then. They are computed up to the last of all times, or until all
+    rows are full: then the output is not valid. output: takes the states (k, 19), and x and P.
     """
-    rows, recorded, system = (xs, Ps, known), (stamps, samples, begin, end), (model, blind, bounds)
+    (xs, Ps, known), (states, x, P), model = rows, output, system[0]
     last_ns = to_ns
     for i in range(len(since_ns)):
         last_ns = max(last_ns, from_ns + since_ns[i])
@@ -101,7 +92,7 @@ def believe(
             states[i, j] = state[j]
     k = _last(known, count, to_ns)
     fill_belief(x, P, xs[k], Ps[k])
-    _go_on(x, P, known[k], to_ns, recorded, system, work)
+    _propagate(x, P, known[k], to_ns, recorded, system, work)
     return count
 
 
@@ -117,7 +108,7 @@ def _extend(rows: Rows, count: int, to_ns: int, recorded: Recorded, system: Syst
                 break
             x, P, known[n] = xs[n], Ps[n], stamps[k]
             fill_belief(x, P, xs[n - 1], Ps[n - 1])
-            _go_on(x, P, known[n - 1], known[n], recorded, system, work)
+            _propagate(x, P, known[n - 1], known[n], recorded, system, work)
             n += 1
     return n
 
@@ -167,7 +158,7 @@ def _interval(k: int, to_ns: int, recorded: Recorded, u: Float64s) -> tuple[int,
 
 @njit(cache=True, error_model="numpy")
 def coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s) -> tuple[Float64s, Float64s]:
-    """The belief after `dt` seconds without input: straight on, in small steps, with the noise of the unknown."""
+    """The estimate after `dt` seconds without input: constant velocity in small steps, with its noise."""
     x, P = x.copy(), P.copy()
     _coast(x, P, dt, blind, bounds, workspace())
     return x, P

@@ -10,6 +10,7 @@ from numba import njit
 from slam_core.kernels.bilinear import WHOLE
 from slam_core.kernels.intrinsics import lane, prefetch
 from slam_core.kernels.ray_tracing import mark_ways
+from slam_core.kernels.structures import Steps
 
 OCCUPIED = np.uint8(2)
 BEHIND = np.uint8(3)
@@ -55,16 +56,18 @@ def cell_box(points, corner, resolution):
 
 
 @njit(cache=True, error_model="numpy")
-def write_scan(log_odds, cells, marks, corner, resolution, start, hits, empty, free, occupied, low, high, behind):
-    """Change every cell of one scan: beams' ends by the step `occupied`, the ways to them by `free`, within caps.
+def write_scan(grid, corner, resolution, start, hits, empty, steps):
+    """Change every cell of one scan: endpoints by the occupied step, the cells before them by the free step.
 
-    A cell behind an end, of which no beam says anything, takes the step `free` too, but not below `behind`; 0
-    leaves it alone.
+    A cell behind an endpoint that no beam marks takes the free step too, but not below `behind`; 0: none does.
 
-    marks: bytes, rows as many as the map's, of whole cache lines and no shorter, all 0 before and after.
+    grid: log_odds, cells, marks. steps: the fields of `Steps`. marks: bytes, rows as many as the map's, of whole
+    cache lines and no shorter, all 0 before and after.
     start, hits, empty: (2,) laser, (n, 2) ends, (m, 2) ends of beams that hit nothing, in metres.
     Returns row0, row1, column0, column1 (half open) around all that was touched.
     """
+    log_odds, _, marks = grid
+    steps = Steps(*steps)
     rows, columns = log_odds.shape
     laser = cells_of(start.reshape(1, 2), corner, resolution)
     ends, cleared = cells_of(hits, corner, resolution), cells_of(empty, corner, resolution)
@@ -73,15 +76,16 @@ def write_scan(log_odds, cells, marks, corner, resolution, start, hits, empty, f
     _mark_ends(marks, rows, columns, ends)
     column0, column1 = _span(columns, laser[0], ends[0], cleared[0])
     row0, row1 = _span(rows, laser[1], ends[1], cleared[1])
-    if behind < 0.0:
+    if steps.behind < 0.0:
         _mark_behind(marks, rows, columns, corner, resolution, start, hits)
         column0, column1 = max(column0 - 1, 0), min(column1 + 1, columns)
         row0, row1 = max(row0 - 1, 0), min(row1 + 1, rows)
-    limits = np.float32(free), np.float32(occupied), np.float32(low), np.float32(high), np.float32(behind)
+    free, occupied = np.float32(steps.free), np.float32(steps.occupied)
+    narrow = free, occupied, np.float32(steps.low), np.float32(steps.high), np.float32(steps.behind)
     if columns >= BLOCK:
-        _change(log_odds, cells, marks, row0, row1, column0, column1, *limits)
+        _change(grid, (row0, row1, column0, column1), narrow)
     else:
-        _change_narrow(log_odds, cells, marks, row0, row1, column0, column1, *limits)
+        _change_narrow(grid, (row0, row1, column0, column1), narrow)
     return row0, row1, column0, column1
 
 
@@ -131,12 +135,14 @@ def _span(size, laser, ends, cleared):
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def _change(log_odds, cells, marks, row0, row1, column0, column1, free, occupied, low, high, behind):
+def _change(grid, box, steps):
     """Change the marked cells of a box and take the marks away; blocks without a mark are skipped.
 
     A loop over a whole block becomes a few instructions for all of its cells, as nothing in it is a call and LLVM
     knows how many they are. The last block of a row begins early, where the block before has taken the marks away.
     """
+    (log_odds, cells, marks), (row0, row1, column0, column1) = grid, box
+    free, occupied, low, high, behind = steps
     columns, stride = log_odds.shape[1], marks.shape[1]
     odds, parts, flat = log_odds.reshape(-1), cells.reshape(-1), marks.reshape(-1)
     words = flat.view(np.uint64)
@@ -159,8 +165,10 @@ def _change(log_odds, cells, marks, row0, row1, column0, column1, free, occupied
 
 
 @njit(cache=True, fastmath={"contract"}, error_model="numpy")
-def _change_narrow(log_odds, cells, marks, row0, row1, column0, column1, free, occupied, low, high, behind):
+def _change_narrow(grid, box, steps):
     """The same for a map of which no row holds a block."""
+    (log_odds, cells, marks), (row0, row1, column0, column1) = grid, box
+    free, occupied, low, high, behind = steps
     for row in range(row0, row1):
         for column in range(column0, column1):
             value = _changed(log_odds[row, column], marks[row, column], free, occupied, low, high, behind)

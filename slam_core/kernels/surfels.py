@@ -49,7 +49,7 @@ def write_surfels(surfels, corner, resolution, points, laser, ends, psi):
     tangents(xs, ys, along_x, along_y)
     where, lines = np.empty(n, np.int64), np.empty((3, n), np.float32)
     rows, columns = surfels.shape
-    _lines(along_x, along_y, ends.reshape(-1), laser, psi, rows, columns, corner, resolution, where, lines)
+    _lines((along_x, along_y), ends.reshape(-1), laser, psi, (rows, columns), corner, resolution, where, lines)
     flat, k = surfels.reshape(-1), 0
     while k < n:
         here, beams, x, y, offset = where[k], ZERO, ZERO, ZERO, ZERO
@@ -61,8 +61,9 @@ def write_surfels(surfels, corner, resolution, points, laser, ends, psi):
 
 
 @njit(cache=True, error_model="numpy")
-def _lines(along_x, along_y, ends, laser, psi, rows, columns, corner, resolution, where, lines):
+def _lines(along, ends, laser, psi, shape, corner, resolution, where, lines):
     """Of n ends (2n,) the cells, -1 for those that stay out, and `lines` (3, n): normals, offsets; no branch."""
+    (along_x, along_y), (rows, columns) = along, shape
     n, inverse, flat = len(where), 1.0 / resolution, lines.reshape(-1)
     c, s, left, low = math.cos(psi), math.sin(psi), corner[0], corner[1]
     for k in range(n):
@@ -118,24 +119,24 @@ def _packed(n, nx, ny, offset):
 
 
 @njit(cache=True, error_model="numpy")
-def settle(surfels, corner, inverse, halves, pose, matched, weight, blind):
+def settle(level, halves, pose, matched, weight, unobservable):
     """Move a matched pose (3,) to where the beams' ends lie on the surfels too, at most a cell on.
 
     Minimises (xi - pose)^T H (xi - pose) + weight sum_i w_i r_i^2 by Gauss-Newton, where r_i is the distance in
     cells of end i from the mean line of the surfels in the four cells around it that look at the robot. Each step
     takes one of `halves` (xs, ys), every other beam: neighbours tell nearly the same.
-    matched: (6,) upper entries of H, what the match says of itself. blind: as in `gauss_newton`.
+    level: a `Level` of surfels. matched: (6,) upper entries of H of the match. unobservable: as in `gauss_newton`.
     """
-    x, y, psi = pose[0], pose[1], pose[2]
+    settled, inverse = pose.copy(), level.inverse
     m00, m01, m02, m11, m12, m22 = matched
     weight *= len(halves)
     k, kk = weight * inverse, weight * inverse * inverse
     for xs, ys in halves:
-        h00, h01, h02, h11, h12, h22, b0, b1, b2 = normal_equations(surfels, corner, inverse, xs, ys, x, y, psi)
-        e0, e1, e2 = pose[0] - x, pose[1] - y, pose[2] - psi
+        h00, h01, h02, h11, h12, h22, b0, b1, b2 = normal_equations(level, xs, ys, settled)
+        e0, e1, e2 = pose[0] - settled[0], pose[1] - settled[1], pose[2] - settled[2]
         dx, dy, dpsi, solved = solve3(
             *without(
-                blind,
+                unobservable,
                 m00 + kk * h00,
                 m01 + kk * h01,
                 m02 + k * h02,
@@ -149,24 +150,24 @@ def settle(surfels, corner, inverse, halves, pose, matched, weight, blind):
         )
         if not solved:
             return
-        x, y, psi = x + dx, y + dy, psi + dpsi
-    if math.hypot(x - pose[0], y - pose[1]) * inverse < 1.0:
-        pose[0], pose[1], pose[2] = x, y, psi
+        settled[0], settled[1], settled[2] = settled[0] + dx, settled[1] + dy, settled[2] + dpsi
+    if math.hypot(settled[0] - pose[0], settled[1] - pose[1]) * inverse < 1.0:
+        pose[:] = settled
 
 
 @njit(cache=True, error_model="numpy")
-def normal_equations(surfels, corner, inverse, xs, ys, x, y, psi):
+def normal_equations(level, xs, ys, pose):
     """The six upper entries and the right side of what `settle` minimises, in cells and radians."""
-    turn, shift, box = in_lattice(surfels, corner, inverse, x, y, psi)
+    frame, surfels = in_lattice(level, pose), level.cells
     flat, columns, room = surfels.reshape(-1), surfels.shape[1], min(TOGETHER, len(xs))
     where, words, arms = np.empty(room, np.uint32), np.empty((4, room), np.int32), np.empty((2, room), np.float32)
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = ZERO
     for begin in range(0, len(xs), TOGETHER):
         n = min(TOGETHER, len(xs) - begin)
-        place(xs, ys, begin, n, turn, shift, box, columns, where, arms[0], arms[1])
+        place(xs, ys, begin, n, frame, columns, where, (arms[0], arms[1]))
         _fetch(flat, columns, where, n, words[0], words[1], words[2], words[3])
         s00, s01, s02, s11, s12, s22, t0, t1, t2 = _add_up(
-            words[0], words[1], words[2], words[3], arms[0], arms[1], n, shift, box
+            words[0], words[1], words[2], words[3], arms[0], arms[1], n, frame.shift, frame.box
         )
         h00, h01, h02, h11, h12, h22 = h00 + s00, h01 + s01, h02 + s02, h11 + s11, h12 + s12, h22 + s22
         b0, b1, b2 = b0 + t0, b1 + t1, b2 + t2

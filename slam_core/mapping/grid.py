@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
-from slam_core.kernels.dynamic_objects import doubt_passed, ends_in_free_space
+from slam_core.kernels.dynamic_objects import clear_passed, ends_in_free_space
 from slam_core.kernels.map_update import derive_cells, write_scan
 from slam_core.kernels.surfels import write_surfels
 from slam_core.measurements import Float32s, Float64s
@@ -91,8 +91,9 @@ class GridLevel:
         steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds. behind: how low the cells
         behind the ends may sink by this; 0 leaves them alone.
         """
-        arrays = self.log_odds, self.cells, self._marks, self.corner, self.resolution
-        touched = write_scan(*arrays, start, ends, cleared, *steps, *caps, behind)
+        grid = self.log_odds, self.cells, self._marks
+        changes = *steps, *caps, behind
+        touched = write_scan(grid, self.corner, self.resolution, start, ends, cleared, changes)
         row0, row1, column0, column1 = self.known if self.known[1] else touched
         self.known = (
             min(row0, touched[0]),
@@ -136,8 +137,9 @@ class GridLevel:
 
         laser: (2,) map metres. beams: their ends `by_bearing`. behind: metres. Returns how many.
         """
-        arrays = self.log_odds, self.cells, self.surfels, self.corner, self.resolution, self.known
-        return int(doubt_passed(*arrays, laser, *beams, behind, most, free))
+        grid, window = (self.log_odds, self.cells, self.surfels), (self.corner, self.resolution, self.known)
+        clearing = np.float32(behind), np.float32(most), np.float32(free)
+        return int(clear_passed(grid, *window, laser, beams, clearing))
 
     def unexpected(self, points: Float32s, pose: Float64s, apart: float) -> NDArray[np.bool_]:
         """Which points (n, 2) of a scan at `pose` (3,) lie in free space, `apart` metres from what is occupied."""

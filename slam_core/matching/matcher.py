@@ -1,4 +1,4 @@
-"""Section IV-B: align a scan with the map by Gauss-Newton, coarse to fine, and say how sure that is."""
+"""Section IV-B: align a scan with the map by Gauss-Newton, coarse to fine, with its covariance."""
 
 import math
 from collections.abc import Sequence
@@ -6,9 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from slam_core.config import MatcherConfig
-from slam_core.kernels import coarse_to_fine as climbing
-from slam_core.kernels import gauss_newton as matching
-from slam_core.kernels.coarse_to_fine import climb
+from slam_core.kernels import coarse_to_fine as kernels
+from slam_core.kernels import gauss_newton
+from slam_core.kernels.structures import Beams as BeamArrays
+from slam_core.kernels.structures import Level
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float32s, Float64s
@@ -19,7 +20,7 @@ from slam_core.scan.surfaces import Beams
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 
 NO_TRACE = np.empty((0, 4))
-NOTHING_KNOWN = np.eye(3)  # in the place of a prior's covariance, with a weight of 0
+NO_COVARIANCE = np.eye(3)  # of a prior that does not count
 
 
 def coarse_to_fine(
@@ -46,30 +47,17 @@ def coarse_to_fine(
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
     steps = np.empty((len(levels), kept, 3))
     found, taken = np.empty((8, 3)), np.empty(len(levels), np.int64)
-    converged, known, hits = climb(
+    finest, weight = levels[0], config.prior_weight
+    converged, known, hits = kernels.match_coarse_to_fine(
         tuple([level.cells for level in levels]),
-        levels[0].corner,
-        levels[0].resolution,
-        levels[0].surfels,
+        finest.corner,
+        finest.resolution,
+        finest.surfels,
         points,
         start,
-        start if prior is None else prior.mean,
-        NOTHING_KNOWN if prior is None else prior.covariance,
-        0.0 if prior is None else config.prior_weight,
-        config.iterations_coarse,
-        config.iterations_fine,
-        config.converged_step,
-        config.max_yaw_step,
-        config.coarse_beams,
-        config.prior_restart_sigmas,
-        config.sigma,
-        config.surfel_weight,
-        config.weak_observability_threshold,
-        config.degeneracy_threshold,
-        found,
-        taken,
-        residuals,
-        steps,
+        (start, NO_COVARIANCE, 0.0) if prior is None else (prior.mean, prior.covariance, weight),
+        _settings(config),
+        (found, taken, residuals, steps),
     )
     pose, unobservable, hessian, covariance = found[0], found[1, :2], found[2:5], found[5:]
     if config.covariance == "sampled":
@@ -82,6 +70,22 @@ def coarse_to_fine(
     )  # fmt: skip
 
 
+def _settings(config: MatcherConfig) -> tuple[float, ...]:
+    """The fields of `kernels.structures.MatchSettings`."""
+    return (
+        config.iterations_coarse,
+        config.iterations_fine,
+        config.converged_step,
+        config.max_yaw_step,
+        config.coarse_beams,
+        config.prior_restart_sigmas,
+        config.sigma,
+        config.surfel_weight,
+        config.weak_observability_threshold,
+        config.degeneracy_threshold,
+    )
+
+
 def _in_order(steps: Float64s, taken: Sequence[int]) -> Float64s:
     """(k, 4) level and pose after each step, coarse to fine, from the poses of each level."""
     levels = reversed(range(len(taken)))
@@ -90,17 +94,17 @@ def _in_order(steps: Float64s, taken: Sequence[int]) -> Float64s:
 
 def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Float64s, Float64s, float]:
     """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
-    h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = matching.normal_equations(
-        level.cells, level.corner, 1.0 / level.resolution, *beams.arrays, pose[0], pose[1], pose[2],
-        np.empty_like(beams.xs), *matching.notes(),
-    )  # fmt: skip
+    grid, residuals = Level(level.cells, level.corner, 1.0 / level.resolution), np.empty_like(beams.xs)
+    h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = gauss_newton.normal_equations(
+        grid, BeamArrays(*beams.arrays), pose, residuals, gauss_newton.workspace()
+    )
     hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
     return hessian, np.array([b0, b1, b2]), float(cost)
 
 
 def hessian_covariance(hessian: Float64s, sigma: float, unobservable: Float64s = NOWHERE) -> Float64s:
     """R = sigma^2 H^-1, eq. (15), by LARGEST_SIGMA along `unobservable` (2,) and where H is (nearly) singular."""
-    covariance: Float64s = climbing.hessian_covariance(hessian, sigma, unobservable)
+    covariance: Float64s = kernels.hessian_covariance(hessian, sigma, unobservable)
     return covariance
 
 

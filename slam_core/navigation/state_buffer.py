@@ -1,10 +1,8 @@
 """A belief and those that follow from it at the samples after it, in arrays that compiled code runs through."""
 
-from typing import Any
-
 import numpy as np
 
-from slam_core.kernels import imu_propagation as passage
+from slam_core.kernels.imu_propagation import Rows, propagate
 from slam_core.kernels.navigation import ERRORS, STATES
 from slam_core.measurements import Float64s, Int64s
 from slam_core.navigation.imu_buffer import ImuBuffer
@@ -37,9 +35,9 @@ class StateBuffer:
     ) -> tuple[Float64s, Float64s, Float64s]:
         """The x and P at an instant, those of the first row for one before it; (k, 19) x at from_ns + since_ns."""
         x, P, states = np.empty(STATES), np.empty((ERRORS, ERRORS)), np.empty((len(since_ns), STATES))
-        given: tuple[Any, ...] = from_ns, since_ns, time_ns, *samples.rows, *model.constants, states, x, P
+        times, output = (from_ns, since_ns, time_ns), (states, x, P)
         while True:
-            self._count = passage.believe(*self._rows, self._count, *given)
+            self._count = propagate(self._rows, self._count, *times, samples.rows, model.constants, output)
             if self._count < len(self._rows[2]):
                 return x, P, states
             self._make_room()  # it may have lacked some
@@ -68,5 +66,5 @@ class StateBuffer:
         self._rows = grown
 
 
-def _rows(n: int) -> passage.Rows:
+def _rows(n: int) -> Rows:
     return np.empty((n, STATES)), np.empty((n, ERRORS, ERRORS)), np.empty(n, np.int64)

@@ -43,20 +43,19 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
     free = np.empty((n, 2), np.float32) if config.clear_range > 0.0 else NO_END
     kept, cleared = place_beams(
         np.ascontiguousarray(scan.ranges[:n], np.float32),
-        *_directions(scan.angle_min, scan.angle_increment, n),
+        _directions(scan.angle_min, scan.angle_increment, n),
         motion(*_instants(scan, config)),
         _mount(scan.T_base_laser),
         config.stabilise,
-        max(config.range_min, scan.range_min),
-        min(config.range_max, _end(scan.range_max)),
-        scan.range_max,
-        config.clear_range,
-        config.z_min,
-        config.z_max,
-        points,
-        heights,
-        free,
-        laser,
+        (
+            max(config.range_min, scan.range_min),
+            min(config.range_max, _end(scan.range_max)),
+            scan.range_max,
+            config.clear_range,
+            config.z_min,
+            config.z_max,
+        ),
+        (points, heights, free, laser),
     )
     return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser)
 

@@ -23,7 +23,7 @@ def _core() -> Path:
 
 PACKAGES = (_core(), PACKAGE)
 # What numba compiles and how, and the geometry that kernels compile into themselves.
-COMPILED = re.compile(rb"njit|intrinsic|_unboxers|^def cosines", re.MULTILINE)
+COMPILED = re.compile(rb"njit|intrinsic|NamedTuple|^def cosines", re.MULTILINE)
 
 
 def keep_compiled(caches: Path) -> None:

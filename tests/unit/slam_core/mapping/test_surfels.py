@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from slam_core.config import MapConfig, MatcherConfig
 from slam_core.kernels.gauss_newton import TOGETHER
+from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations, settle
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.mapping.surfels import pieces
@@ -20,6 +21,11 @@ CELL = CONFIG.resolution
 NONE, LASER, HERE = np.empty((0, 2), np.float32), np.zeros(2), np.zeros(3)
 CELLS_ALONE, WITH_SURFELS = MatcherConfig(surfel_weight=0.0), MatcherConfig()
 OPEN = np.zeros(2)
+
+
+def grid(level):
+    """The surfels of a level as the kernels take them."""
+    return Level(level.surfels, level.corner, 1.0 / level.resolution)
 
 
 def room(rng, pose=HERE, *, ahead=4.0, aside=3.0, noise=0.01):
@@ -57,7 +63,7 @@ def pulled(pyramid, points, pose=HERE):
     """Where surfels alone take a pose that a match holds weakly."""
     level, moved = pyramid.levels[0], pose.copy()
     weak = np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0])
-    settle(level.surfels, level.corner, 1.0 / level.resolution, halves(points), moved, weak, 1.0, OPEN)
+    settle(grid(level), halves(points), moved, weak, 1.0, OPEN)
     return moved
 
 
@@ -135,7 +141,7 @@ def test_surfels_pull_as_plain_numpy_says():
             hessian += weight * np.outer(jacobian, jacobian)
             right += weight * jacobian * distance
     xs, ys = points[:, 0].copy(), points[:, 1].copy()
-    found = normal_equations(level.surfels, level.corner, 1.0 / CELL, xs, ys, *pose)
+    found = normal_equations(grid(level), xs, ys, np.array(pose))
     upper = hessian[np.triu_indices(3)]
     np.testing.assert_allclose(found[:6], upper, rtol=1e-3, atol=1e-3 * upper.max() ** 0.5)
     np.testing.assert_allclose(found[6:], right, rtol=2e-2, atol=0.5)
@@ -248,7 +254,7 @@ def test_an_open_direction_is_left_as_it_is():
     level = pyramid.levels[0]
     pose, blind = np.array([0.01, 0.0, 0.0]), np.array([1.0, 0.0])
     loose = np.array([1.0, 0, 0, 1.0, 0, 1.0])
-    settle(level.surfels, level.corner, 1.0 / CELL, halves(points), pose, loose, 1.0, blind)
+    settle(grid(level), halves(points), pose, loose, 1.0, blind)
     assert pose[0] == 0.01
 
 

@@ -1,0 +1,121 @@
+"""Arguments that belong together: named tuples, which compiled code passes on without a cost.
+
+Python hands them over as plain tuples, which numba unpacks three times as fast; a kernel gives them their names.
+"""
+
+from typing import Any, NamedTuple
+
+from slam_core.measurements import Float32s, Float64s, Int64s
+
+
+class Level(NamedTuple):
+    """One level as the matcher reads it.
+
+    cells: (rows, columns) probabilities in parts of 2^16. corner: (2,) column and row of cell [0, 0] in the
+    lattice. inverse: cells a metre.
+    """
+
+    cells: Any
+    corner: Int64s
+    inverse: float
+
+
+class Beams(NamedTuple):
+    """xs, ys: (n,) endpoints in the stabilised frame, metres. along_x, along_y: (n,) surface directions, or 0."""
+
+    xs: Float32s
+    ys: Float32s
+    along_x: Float32s
+    along_y: Float32s
+
+
+class LatticePose(NamedTuple):
+    """A pose in cells, float32: turn (cosine, sine), shift (u, v), and the box of cells with a next neighbour."""
+
+    turn: tuple[Any, Any]
+    shift: tuple[Any, Any]
+    box: tuple[Any, Any, Any, Any]
+
+
+class Limits(NamedTuple):
+    """Of Gauss-Newton on one level: most steps, the step in metres that ends it, the largest turn in radians."""
+
+    iterations: int
+    converged_step: float
+    max_yaw_step: float
+
+
+class Prior(NamedTuple):
+    """A predicted pose: mean (3,), covariance (3, 3), and how much it counts; 0 for none."""
+
+    mean: Float64s
+    covariance: Float64s
+    weight: float
+
+
+class MatchSettings(NamedTuple):
+    """Of `MatcherConfig`, in its order."""
+
+    iterations_coarse: int
+    iterations_fine: int
+    converged_step: float
+    max_yaw_step: float
+    coarse_beams: int
+    prior_restart_sigmas: float
+    sigma: float
+    surfel_weight: float
+    weak_observability_threshold: float
+    degeneracy_threshold: float
+
+
+class MatchOutput(NamedTuple):
+    """Arrays that a match fills.
+
+    found: (8, 3) the pose; the direction that the scan observes worst with the share of beams that fix it; the
+    Hessian (13); the covariance (15). taken: (levels,) steps of each level. residuals: (n,). trace: (levels, k, 3)
+    the first k iterates of each level.
+    """
+
+    found: Float64s
+    taken: Int64s
+    residuals: Float32s
+    trace: Float64s
+
+
+class Steps(NamedTuple):
+    """Of a map update, in log-odds: free and occupied step, lower and upper cap, cap of a cell behind a hit."""
+
+    free: float
+    occupied: float
+    low: float
+    high: float
+    behind: float
+
+
+class Clearing(NamedTuple):
+    """Of dynamic-object removal: metres behind a cell at which a passing beam ends; cap and step in log-odds."""
+
+    behind: float
+    cap: float
+    free: float
+
+
+class BeamLimits(NamedTuple):
+    """Of a sweep, metres: endpoints in [low, high); from no_return on a beam clears up to clear_range; z band."""
+
+    low: float
+    high: float
+    no_return: float
+    clear_range: float
+    z_min: float
+    z_max: float
+
+
+class FusionRule(NamedTuple):
+    """How a match is fused: method and omega, unobservable direction (2,), and the parts of P that are widened."""
+
+    method: int
+    omega: float
+    unobservable: Float64s
+    observed_only: bool
+    widen_vertical: bool
