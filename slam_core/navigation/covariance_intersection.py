@@ -50,13 +50,3 @@ def intersect(
         P, C, R, innovation, RULES[method], omega, unobservable, held, observed_only, fusion.NONE
     )
     return fused
-
-
-def intersect_information(
-    x: Float64s, P: Float64s, C: Float64s, xi: Float64s, R: Float64s, omega: float
-) -> tuple[Float64s, Float64s]:
-    """Eqs. (16)-(17): x+ and P+ by adding the weighed information; inverts P, which (18)-(20) avoid."""
-    prior = (1.0 - omega) * np.linalg.inv(P)
-    match = omega * C.T @ np.linalg.inv(R)
-    fused: Float64s = np.linalg.inv(prior + match @ C).astype(np.float64)
-    return fused @ (prior @ x + match @ xi), fused

@@ -10,7 +10,7 @@ def intersect_information(
 ) -> tuple[Float64s, Float64s]:
     """x+ and P+ by eqs. (16)-(17). x: (n,), P: (n, n), C: (m, n), xi: (m,), R: (m, m), omega in (0, 1)."""
     prior, match = (1.0 - omega) * np.linalg.inv(P), omega * C.T @ np.linalg.inv(R)
-    fused: Float64s = np.linalg.inv(prior + match @ C)  # (16)
+    fused = np.asarray(np.linalg.inv(prior + match @ C), np.float64)  # (16)
     return fused @ (prior @ x + match @ xi), fused  # (17)
 
 

@@ -69,12 +69,13 @@ class OccupancyGrid:
 
 
 def bresenham(start: Int64s, end: Int64s) -> Cells:
-    """The cells (n, 2) of a line from one cell up to another, without that; halves are rounded towards the start."""
+    """The cells (n, 2) of a line from one cell up to another, without that; halves round towards the start."""
     delta = end - start
     n = int(np.abs(delta).max())
     k = np.arange(n)[:, None]
     # Along the longer axis k, along the other k * short / n, rounded.
-    return start + np.sign(delta) * ((2 * k * np.abs(delta) + n - 1) // max(2 * n, 1))
+    cells: Cells = start + np.sign(delta) * ((2 * k * np.abs(delta) + n - 1) // max(2 * n, 1))
+    return cells
 
 
 def log_odds(probability: float) -> float:

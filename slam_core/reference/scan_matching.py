@@ -32,7 +32,8 @@ def transformed(points: Float64s, pose: Float64s) -> Float64s:
     """S_i(xi) of eq. (8): endpoints (n, 2) of the stabilised frame in the map."""
     x, y, psi = pose
     c, s = math.cos(psi), math.sin(psi)
-    return points @ np.array([[c, s], [-s, c]]) + np.array([x, y])
+    placed: Float64s = points @ np.array([[c, s], [-s, c]]) + np.array([x, y])
+    return placed
 
 
 def derivatives(points: Float64s, psi: float) -> Float64s:
@@ -66,8 +67,8 @@ def match(
 ) -> Iterator[Iteration]:
     """Every iteration from the coarsest level to the finest, and last an evaluation at the matched pose.
 
-    levels: finest first. points: (n, 2) in the stabilised frame. start: (3,). iterations: on each coarser level, and
-    on the finest. The matched pose xi* is that of the last iteration, whose step is 0.
+    levels: finest first. points: (n, 2) in the stabilised frame. start: (3,). iterations: on each coarser level,
+    and on the finest. The matched pose xi* is that of the last iteration, whose step is 0.
     """
     pose = np.array(start, float)
     for level in range(len(levels) - 1, -1, -1):
@@ -83,7 +84,7 @@ def match(
 
 def hessian_covariance(H: Float64s, sigma: float) -> Float64s:
     """R = sigma^2 H^-1 of eq. (15), metres and radians."""
-    R: Float64s = sigma**2 * np.linalg.inv(H)
+    R: Float64s = sigma**2 * np.asarray(np.linalg.inv(H), np.float64)
     return R
 
 

@@ -10,8 +10,8 @@ from slam_core.measurements import Float64s, LaserScan
 def stabilise(scan: LaserScan, attitude: Float64s, config: ScanConfig) -> tuple[Float64s, Float64s]:
     """Endpoints (n, 2) and the laser (2,) in the stabilised frame, metres.
 
-    attitude: (4,) quaternion of the base in the map. The stabilised frame has its origin and heading, and is level.
-    Beams out of range or out of the band of heights around the laser are left out.
+    attitude: (4,) quaternion of the base in the map. The stabilised frame has its origin and heading and is
+    level. Beams out of range or out of the band of heights around the laser are left out.
     """
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     ranges = np.asarray(scan.ranges, float)

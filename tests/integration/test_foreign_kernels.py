@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-FOREIGN = '''
+FOREIGN = """
 import numpy as np
 {imports}
 from numba import njit
@@ -53,15 +53,15 @@ for k, (rest, (first, last, whole), third, holder) in enumerate(kept):
     assert (third == a.reshape(10, 100)[:, 3]).all() and (holder.held == a[1:]).all()
 assert grown([1.0, 2.0]) == [1.0, 2.0, 3.0]
 print("unharmed")
-'''
-RUN = '''
+"""
+RUN = """
 slam = hs.HectorSlam()
 angles = np.linspace(-np.pi, np.pi, 361)
 for k in range(5):
     ranges = 2.02 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
     slam.add(hs.LaserScan(k * 100_000_000, ranges, angles[0], angles[1] - angles[0]))
 assert slam.finish()
-'''
+"""
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from slam_core.config import FusionMethod
 from slam_core.kernels.fusion import kalman
 from slam_core.kernels.linear import is_covariance, sandwich
-from slam_core.navigation.covariance_intersection import intersect, intersect_information
+from slam_core.navigation.covariance_intersection import intersect
+from slam_core.reference.covariance_intersection import intersect_information
 
 omegas = st.floats(0.01, 0.99)
 seeds = st.integers(0, 10**6)
@@ -94,21 +95,25 @@ def test_widening_only_what_is_observed_covers_errors_that_correlate_through_it(
 
 
 @given(seeds, omegas, st.booleans(), st.floats(-np.pi, np.pi))
-def test_a_blind_direction_is_left_alone(seed: int, omega: float, observed_only: bool, angle: float) -> None:
+def test_an_unobservable_direction_is_left_alone(
+    seed: int, omega: float, observed_only: bool, angle: float
+) -> None:
     """Neither the mean nor the variance of what is held changes, whatever becomes of the rest."""
     rng = np.random.default_rng(seed)
     P, R, C = covariance(rng, 8), covariance(rng, 3), np.eye(3, 8)
-    blind = np.array([np.cos(angle), np.sin(angle)])
+    direction = np.array([np.cos(angle), np.sin(angle)])
     held = np.zeros((2, 8))
-    held[0, :2] = held[1, 3:5] = blind
+    held[0, :2] = held[1, 3:5] = direction
     innovation = rng.normal(size=3)
-    step, fused = intersect(P, C, R, innovation, omega, blind=blind, held=held, observed_only=observed_only)
+    step, fused = intersect(
+        P, C, R, innovation, omega, unobservable=direction, held=held, observed_only=observed_only
+    )
     size = np.sqrt(np.diag(held @ P @ held.T))
     assert np.allclose(held @ step / size, 0.0, atol=1e-6)
     assert np.allclose(np.diag(held @ fused @ held.T) / size**2, 1.0, atol=1e-6)
     assert np.linalg.eigvalsh(fused)[0] > -1e-9 * np.linalg.norm(fused)
-    further = innovation + 7.0 * np.array([*blind, 0.0])
-    again, _ = intersect(P, C, R, further, omega, blind=blind, held=held, observed_only=observed_only)
+    further = innovation + 7.0 * np.array([*direction, 0.0])
+    again, _ = intersect(P, C, R, further, omega, unobservable=direction, held=held, observed_only=observed_only)
     assert np.allclose(again, step, rtol=1e-6, atol=1e-9)
 
 
