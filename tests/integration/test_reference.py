@@ -1,8 +1,8 @@
 """The fast core under the paper's configuration agrees with the paper in plain numpy, scan by scan.
 
 What differs by design: the core keeps probabilities in parts of 2^16 (7.6e-6 of a probability) and endpoints in
-float32 (1e-6 of 10 m). Most matches agree to some micrometres. Now and then an endpoint lies so near to the edge of
-a cell that the two read gradients on different sides of it; six iterations then end some tenths of a millimetre
+float32 (1e-6 of 10 m). Most matches agree to some micrometres. Now and then an endpoint lies so near to the edge
+of a cell that the two read gradients on different sides of it; six iterations then end some tenths of a millimetre
 apart, and the next match agrees again.
 """
 
@@ -57,7 +57,7 @@ def arena() -> tuple[list[Pair], HectorSlam, ReferenceSlam]:
 
 
 def check_matches(pairs: list[Pair]) -> None:
-    """Poses within 1 mm and 1 mrad, nine in ten within a hundredth of that; R of (15) within 2 %; same keyframes."""
+    """Poses within 1 mm and 1 mrad, nine in ten within 1 % of that; R of (15) within 2 %; the same keyframes."""
     assert len(pairs) == SCANS
     apart = np.array([np.abs(result.planar - found.pose).max() for result, found in pairs])
     assert apart.max() < 1e-3

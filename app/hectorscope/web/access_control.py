@@ -1,8 +1,8 @@
-"""Who may come in, and what they get.
+"""Access control of the server: who gets the page, and who may open its WebSocket.
 
-viser has no login, no check of Origin or Host, and believes every value a browser sends. The gate stands before
-it: it answers every HTTP request itself and lets a WebSocket through only from our own page (messages.py then
-passes on only what this page's controls need).
+viser has no login, checks neither Origin nor Host, and accepts every value that a browser sends. Every request
+comes here first. All of them are answered here but one kind: a WebSocket of our own page, which `admits_socket`
+decides. It refuses whatever it does not know. `messages.py` then passes on what the controls of the page need.
 """
 
 import hmac
@@ -18,7 +18,10 @@ from hectorscope.page.static_files import File
 
 HOST = re.compile(r"(?P<name>[A-Za-z0-9.\-]+|\[[0-9A-Fa-f:.]+\])(:\d+)?")
 FORBIDDEN_QUERIES = ("websocket", "playbackPath")  # they make the page take scripts or scenes from elsewhere
-HEALTH = "/healthz"  # open to anybody: says only that the server runs
+HEALTH = "/healthz"  # open to anybody: reports only that the server runs
+PAGE = ("/", "/index.html")
+SOCKET = "/"  # the only path at which a WebSocket is opened
+NO_SOCKET = "No WebSocket is opened here.\n"
 FOREIGN_HOST = "Unknown host name: use the address that was printed when the program started.\n"
 FOREIGN_ORIGIN = "Requests from other sites are refused.\n"
 FOREIGN_SERVER = "This page shows its own server only.\n"
@@ -35,7 +38,7 @@ class Reply:
 
 
 @dataclass(frozen=True, slots=True)
-class Gate:
+class AccessControl:
     """Decides over HTTP requests. `files` is everything that is served, by path; "/" is the page.
 
     token: None lets everybody in who can reach a loopback address. any_host: the server is reachable by names that
@@ -48,31 +51,41 @@ class Gate:
     any_host: bool = False
 
     def answer(self, target: str, headers: Mapping[str, str]) -> Reply | None:
-        """The reply to a request for `target`; None: a WebSocket may be opened. Header names in lower case."""
-        url = urlsplit(target)
-        path, query = unquote(url.path), parse_qs(url.query, keep_blank_values=True)
-        host = headers.get("host", "")
+        """The reply to a request for `target`; None: a WebSocket is opened. Header names in lower case."""
+        path, _, query = target.partition("?")
+        fields, host = parse_qs(query, keep_blank_values=True), headers.get("host", "")
         for refused, status, text in (
             (not self.is_our_host(host), HTTPStatus.MISDIRECTED_REQUEST, FOREIGN_HOST),
             (not is_same_origin(headers.get("origin"), host), HTTPStatus.FORBIDDEN, FOREIGN_ORIGIN),
-            (any(name in query for name in FORBIDDEN_QUERIES), HTTPStatus.BAD_REQUEST, FOREIGN_SERVER),
+            (any(name in fields for name in FORBIDDEN_QUERIES), HTTPStatus.BAD_REQUEST, FOREIGN_SERVER),
         ):
             if refused:
                 return plain(status, text)
-        if self.token is not None and "token" in query:
-            return self._exchange(path, query["token"][0])
-        if path != HEALTH and not self.is_admitted(headers.get("cookie", "")):
+        if "upgrade" in headers:
+            return None if self.admits_socket(path, headers) else plain(HTTPStatus.FORBIDDEN, NO_SOCKET)
+        if path in PAGE and self.token is not None and "token" in fields:
+            return self._exchange(fields["token"][0])
+        if path != HEALTH and not self.has_token(headers.get("cookie", "")):
             return plain(HTTPStatus.UNAUTHORIZED, NO_TOKEN)
-        if headers.get("upgrade", "").lower() == "websocket":
-            return None
-        return self._serve(path, headers)
+        return self._serve(unquote(path), headers)
+
+    def admits_socket(self, path: str, headers: Mapping[str, str]) -> bool:
+        """Whether a WebSocket is opened: at one path, from our host and origin, with the token; else refused."""
+        host = headers.get("host", "")
+        return (
+            path == SOCKET
+            and headers.get("upgrade", "").strip().lower() == "websocket"
+            and self.is_our_host(host)
+            and is_same_origin(headers.get("origin"), host)
+            and self.has_token(headers.get("cookie", ""))
+        )
 
     def is_our_host(self, host: str) -> bool:
         """Whether the Host header names this machine; a foreign name is another site's, bound to our address."""
         name = host_name(host)
         return name is not None and (self.any_host or is_loopback(name))
 
-    def is_admitted(self, cookies: str) -> bool:
+    def has_token(self, cookies: str) -> bool:
         """Whether the cookie carries the token."""
         if self.token is None:
             return True
@@ -82,13 +95,12 @@ class Gate:
             return False
         return morsel is not None and hmac.compare_digest(morsel.value.encode(), self.token.encode())
 
-    def _exchange(self, path: str, token: str) -> Reply:
+    def _exchange(self, token: str) -> Reply:
         """Token for cookie: the token leaves the address bar, and scripts cannot read the cookie."""
         if self.token is None or not hmac.compare_digest(token.encode(), self.token.encode()):
             return plain(HTTPStatus.UNAUTHORIZED, NO_TOKEN)
         cookie = f"{self.cookie}={self.token}; HttpOnly; SameSite=Lax; Path=/"
-        here = path.rsplit("/", 1)[-1] or "./"
-        return Reply(HTTPStatus.SEE_OTHER, {"Location": here, "Set-Cookie": cookie, **guards("")})
+        return Reply(HTTPStatus.SEE_OTHER, {"Location": "./", "Set-Cookie": cookie, **guards("")})
 
     def _serve(self, path: str, headers: Mapping[str, str]) -> Reply:
         found = self.files.get("/" if path == "/index.html" else path)

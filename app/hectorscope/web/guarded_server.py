@@ -5,6 +5,7 @@ viser is pinned exactly; tests pin each of these uses. A page that cannot be gua
 
 import contextlib
 import io
+import logging
 import socket
 import threading
 import time
@@ -23,7 +24,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from hectorscope.page.viser_private import input_control
-from hectorscope.web.access_control import Gate
+from hectorscope.web.access_control import AccessControl
 from hectorscope.web.messages import admit
 from slam_core.errors import SlamError
 
@@ -33,11 +34,11 @@ _starting = threading.Lock()
 
 
 class UnguardedError(SlamError):
-    """The gate cannot be put before the viser that is installed."""
+    """The access control cannot be put before the viser that is installed."""
 
 
-def open_server(listener: socket.socket, gate: Gate) -> viser.ViserServer:
-    """A viser server that accepts on `listener` only, behind `gate`. Takes over the socket."""
+def open_server(listener: socket.socket, access: AccessControl) -> viser.ViserServer:
+    """A viser server that accepts on `listener` only, behind the access control. Takes over the socket."""
     host, port = listener.getsockname()[:2]
     guarded: list[bool] = []
     controls: list[viser.ViserServer] = []
@@ -48,10 +49,11 @@ def open_server(listener: socket.socket, gate: Gate) -> viser.ViserServer:
     def serve(handler: Any, _host: str, _port: int, **options: Any) -> Any:
         guarded.append(True)
         options |= {
-            "process_request": lambda _, request: answer(gate, request),
+            "process_request": lambda _, request: answer(access, request),
             "create_connection": listening(find),
             "max_size": MAX_MESSAGE,
             "server_header": None,
+            "logger": _silent(),
         }
         return websockets.asyncio.server.serve(handler, sock=listener, **options)
 
@@ -77,15 +79,24 @@ def stop_server(server: viser.ViserServer) -> None:
         server.stop()
 
 
+def _silent() -> logging.Logger:
+    """For the WebSocket library, which logs a traceback for every request that is not HTTP."""
+    logger = logging.getLogger("hectorscope.web.websockets")
+    logger.propagate = False
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
+    return logger
+
+
 def quiet() -> contextlib.AbstractContextManager[Any]:
     """Viser prints a banner of its own; ours says what to open."""
     return contextlib.redirect_stdout(io.StringIO())
 
 
-def answer(gate: Gate, request: Request) -> Response | None:
-    """The gate's decision in the words of the WebSocket library."""
+def answer(access: AccessControl, request: Request) -> Response | None:
+    """The decision of the access control, as the WebSocket library takes it."""
     headers = {name.lower(): ", ".join(request.headers.get_all(name)) for name in request.headers}
-    reply = gate.answer(request.path, headers)
+    reply = access.answer(request.path, headers)
     if reply is None:
         return None
     sent = Headers({**reply.headers, "Content-Length": str(len(reply.body)), "Connection": "close"})

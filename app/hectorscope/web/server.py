@@ -1,4 +1,4 @@
-"""The page's server: port, gate, stage, views, panels and the display thread, put together."""
+"""The page's server: port, access control, scene, views, panels and the display thread, put together."""
 
 import logging
 import re
@@ -16,7 +16,7 @@ from hectorscope.session.commands import Command
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views import view_classes
-from hectorscope.web.access_control import HEALTH, Gate, is_loopback
+from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.heartbeat import Pulse
 from hectorscope.web.renderer import Painter
@@ -74,7 +74,7 @@ class PageServer:
         """Take the port, build the page and begin to draw; returns at once."""
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
-        self._server = open_server(listener, self._gate())
+        self._server = open_server(listener, self._access())
         self.stage = Stage(self._server, self._engine.send)
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.stage)  # before the panels, which list the views' layers
@@ -87,7 +87,7 @@ class PageServer:
         self._painter.stop()
         stop_server(self._server)
 
-    def _gate(self) -> Gate:
+    def _access(self) -> AccessControl:
         static = static_files(resource_folder("static"))
         files = {
             "/": page(viser_private.INDEX.read_bytes(), static),
@@ -96,7 +96,7 @@ class PageServer:
         }
         # Cookies are shared by the ports of a host: the name keeps two programs apart.
         cookie = f"hectorscope_{self._port}"
-        return Gate(files, self._token, cookie, any_host=not is_loopback(self._host))
+        return AccessControl(files, self._token, cookie, any_host=not is_loopback(self._host))
 
 
 def serve(

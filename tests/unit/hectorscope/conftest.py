@@ -6,7 +6,7 @@ import pytest
 import viser
 
 from hectorscope.page.scene import Stage
-from hectorscope.web.access_control import Gate
+from hectorscope.web.access_control import AccessControl
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.server import listen
 
@@ -14,7 +14,7 @@ from hectorscope.web.server import listen
 @pytest.fixture(scope="module")
 def server() -> Iterator[viser.ViserServer]:
     """Once for all tests of a module that only need one to exist."""
-    made = open_server(listen("127.0.0.1", 0), Gate({}))
+    made = open_server(listen("127.0.0.1", 0), AccessControl({}))
     yield made
     stop_server(made)
 
@@ -22,6 +22,6 @@ def server() -> Iterator[viser.ViserServer]:
 @pytest.fixture
 def stage() -> Iterator[Stage]:
     """With a server of its own."""
-    made = open_server(listen("127.0.0.1", 0), Gate({}))
+    made = open_server(listen("127.0.0.1", 0), AccessControl({}))
     yield Stage(made, lambda command: None)
     stop_server(made)

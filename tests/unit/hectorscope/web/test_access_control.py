@@ -1,17 +1,18 @@
-"""What the gate decides, request by request."""
+"""What the access control decides, request by request."""
 
+import itertools
 from http import HTTPStatus
 
 import pytest
 
 from hectorscope.page.static_files import File
-from hectorscope.web.access_control import Gate, Reply, host_name, is_loopback
+from hectorscope.web.access_control import AccessControl, Reply, host_name, is_loopback
 
 OURS = {"host": "127.0.0.1:8080"}
 SOCKET = {**OURS, "upgrade": "websocket"}
 FILES = {"/": File("text/html; charset=utf-8", b"<html>page</html>"), "/healthz": File("text/plain", b"ok\n")}
-OPEN = Gate(FILES)
-LOCKED = Gate(FILES, token="sesame-1234", cookie="hectorscope_8080", any_host=True)
+OPEN = AccessControl(FILES)
+LOCKED = AccessControl(FILES, token="sesame-1234", cookie="hectorscope_8080", any_host=True)
 
 
 def status(reply: Reply | None) -> HTTPStatus | None:
@@ -81,7 +82,8 @@ def test_health_needs_no_token() -> None:
 )
 def test_without_the_token_nobody_comes_in(headers: dict[str, str]) -> None:
     """Neither page nor socket without the cookie."""
-    assert status(LOCKED.answer("/", {"host": "robot:8080", **headers})) == HTTPStatus.UNAUTHORIZED
+    refused = HTTPStatus.FORBIDDEN if "upgrade" in headers else HTTPStatus.UNAUTHORIZED
+    assert status(LOCKED.answer("/", {"host": "robot:8080", **headers})) == refused
 
 
 def test_a_wrong_token_gives_no_cookie() -> None:
@@ -125,3 +127,68 @@ def test_loopback_names() -> None:
     assert [is_loopback(n) for n in ("localhost", "127.9.9.9", "::1", "0.0.0.0", "10.0.0.1", "x")] == [
         True
     ] * 3 + [False] * 3
+
+
+PATHS = (
+    "/",
+    "/index.html",
+    "/healthz",
+    "/static/x.js",
+    "//",
+    "/.",
+    "/%2f",
+    "/healthz/",
+    "/?",
+    "/healthz?x=/",
+    "*",
+    "",
+)
+UPGRADES = (None, "websocket", "WebSocket", "h2c", "websocket, h2c", "")
+COOKIES = (None, "hectorscope_8080=sesame-1234", "hectorscope_8080=wrong-1234", "other=sesame-1234")
+ORIGINS = (None, "http://robot:8080", "https://robot:8080", "http://evil.example", "null")
+HOSTS = ("robot:8080", "127.0.0.1:8080", "evil example", "")
+
+
+@pytest.mark.parametrize("access", [OPEN, LOCKED], ids=["open", "locked"])
+def test_a_socket_is_opened_for_one_kind_of_request_only(access: AccessControl) -> None:
+    """Of every path, upgrade, cookie, origin and host: at "/", from our host and origin, with the token if any."""
+    opened = set()
+    for path, upgrade, cookie, origin, host in itertools.product(PATHS, UPGRADES, COOKIES, ORIGINS, HOSTS):
+        given = {"upgrade": upgrade, "cookie": cookie, "origin": origin, "host": host}
+        reply = access.answer(path, {name: value for name, value in given.items() if value is not None})
+        if reply is None:
+            opened.add((path, upgrade, cookie, origin, host))
+        elif upgrade is not None:
+            assert reply.status >= HTTPStatus.BAD_REQUEST, (path, given)
+        elif access.token and reply.status == HTTPStatus.OK:
+            assert path.partition("?")[0] == "/healthz" or cookie == COOKIES[1], (path, given)
+    hosts = ("robot:8080", "127.0.0.1:8080") if access is LOCKED else ("127.0.0.1:8080",)
+    cookies = COOKIES[1:2] if access is LOCKED else COOKIES
+    assert opened == {
+        (path, upgrade, cookie, origin, host)
+        for path in ("/", "/?")
+        for upgrade in ("websocket", "WebSocket")
+        for cookie in cookies
+        for host in hosts
+        for origin in (None, f"http://{host}", f"https://{host}")
+        if origin in ORIGINS
+    }
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        "/%0d%0aSet-Cookie:x?token=sesame-1234",
+        "/https:evil.example?token=sesame-1234",
+        "//evil.example/?token=sesame-1234",
+        "/\\evil.example?token=sesame-1234",
+        "/healthz/..//evil.example?token=sesame-1234",
+    ],
+)
+def test_a_token_redirects_nowhere_but_to_the_page(target: str) -> None:
+    """At other paths the token in the address is ignored; no reply sends a browser to another site."""
+    reply = LOCKED.answer(target, {"host": "robot:8080"})
+    assert reply is not None and reply.status == HTTPStatus.UNAUTHORIZED
+    assert "Location" not in reply.headers
+    page = LOCKED.answer("/?token=sesame-1234", {"host": "robot:8080"})
+    assert page is not None and page.headers["Location"] == "./"

@@ -1,0 +1,72 @@
+"""A running server: sockets without the token, and requests that are not HTTP."""
+
+import asyncio
+import socket
+from collections.abc import Iterator
+
+import pytest
+import viser
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus
+
+from hectorscope.page.static_files import File
+from hectorscope.web.access_control import AccessControl
+from hectorscope.web.guarded_server import open_server, stop_server
+from hectorscope.web.server import listen
+
+TOKEN = "open-sesame"
+
+
+@pytest.fixture(scope="module")
+def locked() -> Iterator[viser.ViserServer]:
+    """A server that asks for a token."""
+    access = AccessControl({"/healthz": File("text/plain", b"ok")}, token=TOKEN)
+    made = open_server(listen("127.0.0.1", 0), access)
+    yield made
+    stop_server(made)
+
+
+def knock(server: viser.ViserServer, path: str, cookie: str = "") -> int:
+    """The status of a handshake: 101 if the socket opens."""
+
+    async def handshake() -> int:
+        headers = {"Cookie": cookie} if cookie else {}
+        address = f"ws://127.0.0.1:{server.get_port()}{path}"
+        try:
+            async with connect(address, subprotocols=[f"viser-v{viser.__version__}"], additional_headers=headers):  # type: ignore[list-item]
+                return 101
+        except InvalidStatus as refused:
+            return refused.response.status_code
+
+    return asyncio.run(handshake())
+
+
+@pytest.mark.parametrize("path", ["/", "/healthz", "/index.html", "/anything"])
+def test_no_path_opens_a_socket_without_the_token(locked: viser.ViserServer, path: str) -> None:
+    """Not even the one that answers monitors without a token."""
+    assert knock(locked, path) == 403
+    assert locked.get_clients() == {}
+
+
+def test_the_cookie_opens_the_socket_at_one_path(locked: viser.ViserServer) -> None:
+    """At "/" with the token, and nowhere else."""
+    cookie = f"hectorscope={TOKEN}"
+    assert knock(locked, "/", cookie) == 101
+    assert knock(locked, "/healthz", cookie) == 403
+
+
+@pytest.mark.parametrize(
+    "request_", [b"\x00\xff\r\n\r\n", b"POST / HTTP/1.1\r\n\r\n", b"GET / HTTP/1.1\r\nbad header\r\n\r\n"]
+)
+def test_what_is_not_http_is_refused_without_a_traceback(
+    locked: viser.ViserServer, request_: bytes, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The connection is closed, nothing is printed, and the server goes on."""
+    with socket.create_connection(("127.0.0.1", locked.get_port()), timeout=10) as peer:
+        peer.sendall(request_)
+        peer.settimeout(10)
+        while peer.recv(4096):
+            pass
+    assert not caplog.records
+    assert "Traceback" not in capfd.readouterr().err
+    assert knock(locked, "/") == 403
