@@ -2,7 +2,7 @@
 
 from slam_core.config.changes import needs_restart, with_value, with_values
 from slam_core.config.leaves import ConfigError, Leaf, Leaves, Param, leaves
-from slam_core.config.presets import ADDITIONS, PRESETS, Addition, preset
+from slam_core.config.presets import ADDITIONS, PRESETS, Addition, preset, preset_values
 from slam_core.config.tree import (
     AidingConfig,
     CovarianceMethod,
@@ -43,6 +43,7 @@ __all__ = [
     "leaves",
     "needs_restart",
     "preset",
+    "preset_values",
     "with_value",
     "with_values",
 ]

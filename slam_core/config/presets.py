@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from slam_core.config.changes import with_values
+from slam_core.config.leaves import Leaves
 from slam_core.config.tree import SlamConfig
 
 Value = float | bool | str
@@ -58,6 +59,12 @@ ADDITIONS = (
 
 PAPER: Mapping[str, Value] = {name: value for addition in ADDITIONS for name, value in addition.values.items()}
 PRESETS: Mapping[str, Mapping[str, Value]] = {"default": {}, "paper": PAPER}
+
+
+def preset_values(name: str) -> dict[str, Value]:
+    """The values of a preset of every setting in which presets differ; KeyError for a name that is none."""
+    config = Leaves(preset(name))
+    return {setting: config[setting].value for setting in PAPER}
 
 
 def preset(name: str) -> SlamConfig:

@@ -11,9 +11,10 @@ from hectorscope.page.scene import Stage
 from hectorscope.panels import _workspace
 from hectorscope.panels._controls import control_for
 from hectorscope.panels._format import label
-from hectorscope.session.commands import Configure
+from hectorscope.panels._handles import put_value
+from hectorscope.session.commands import ApplyPreset, Configure
 from hectorscope.session.snapshot import Snapshot
-from slam_core.config import ConfigError, Leaf, SlamConfig, leaves
+from slam_core.config import PRESETS, ConfigError, Leaf, SlamConfig, leaves, preset_values
 
 TITLES = {
     "scan": "Scan · section IV",
@@ -24,6 +25,7 @@ TITLES = {
     "fusion": "Fusion · V-B",
 }
 OPEN = {"fusion", "matcher", "map"}
+CUSTOM = "custom"
 RESTART_SETTLE = 0.6  # seconds at rest before the map is rebuilt: one rebuild a drag, not one a pixel
 PATIENCE = 2.0  # seconds that a control waits for the run to take its value over
 
@@ -39,6 +41,7 @@ class SettingsPanel:
         self._groups: list[Group] = []
         with _workspace.tab(stage, self.title, Icon.ADJUSTMENTS_HORIZONTAL):
             _workspace.mark(stage, "settings")
+            self._preset = PresetChoice(stage)
             for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
                 self._groups.append(Group(stage, name, list(members)))
 
@@ -47,8 +50,31 @@ class SettingsPanel:
         if snapshot.sequence == 0:
             return  # no run yet: nothing to go back to either
         values = {leaf.name: leaf.value for leaf in leaves(snapshot.config)}
+        self._preset.draw(values)
         for group in self._groups:
             group.draw(values, snapshot.playback.live)
+
+
+class PresetChoice:
+    """A choice among the presets. It shows which one the run uses, or that it uses none."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._presets = {name: preset_values(name) for name in PRESETS}
+        self._control = stage.server.gui.add_dropdown(
+            "Preset", (*PRESETS, CUSTOM), hint="The defaults, or the method of the paper without additions."
+        )
+        self._control.on_update(lambda event: self._choose(stage, event))
+
+    def _choose(self, stage: Stage, event: GuiEvent[Any]) -> None:
+        if event.client is not None and self._control.value in self._presets:
+            stage.send(ApplyPreset(self._control.value))
+
+    def draw(self, values: dict[str, Any]) -> None:
+        """values: what the run uses, by name."""
+        used = (name for name, preset in self._presets.items() if preset.items() <= values.items())
+        shown = next(used, CUSTOM)
+        if self._control.value != shown:
+            put_value(self._control, shown)
 
 
 class Group:

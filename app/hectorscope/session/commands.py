@@ -51,6 +51,13 @@ class Configure:
 
 
 @dataclass(frozen=True, slots=True)
+class ApplyPreset:
+    """Set all settings that a preset is about; acts from the next scan."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Save:
     """Leave the results so far in the folder that the program was started with."""
 
@@ -60,4 +67,4 @@ class Quit:
     """End the engine."""
 
 
-Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | Save | Quit
+Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | ApplyPreset | Save | Quit

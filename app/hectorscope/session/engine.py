@@ -13,6 +13,7 @@ from hectorscope.inputs import Source, SourceReport, merged
 from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.settings import Setting, Settings, value_of
 from hectorscope.session.commands import (
+    ApplyPreset,
     Command,
     Configure,
     Pause,
@@ -30,7 +31,7 @@ from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking
 from hectorscope.session.snapshot import LogEntry, Snapshot
 from hectorscope.session.transport import Transport, valid_speed
-from slam_core.config import MapConfig, needs_restart
+from slam_core.config import PRESETS, MapConfig, needs_restart, preset_values
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.pyramid import check_room
@@ -234,6 +235,8 @@ class Engine:
                 self._seek(time_ns)
             case Configure(name, value):
                 self._configure(name, value)
+            case ApplyPreset(name):
+                self._apply_preset(name)
             case Save():
                 self._save()
 
@@ -289,6 +292,18 @@ class Engine:
         else:
             self._settings = self._pipeline.settings = after
         self._log(f"{name}: {old} → {new}")
+
+    def _apply_preset(self, name: str) -> None:
+        """All settings of a preset at once; those that the presets do not differ in stay as they are."""
+        if name not in PRESETS:
+            self._log(f"{name!r} is no preset: choose one of {', '.join(PRESETS)}", "warning", answer=True)
+            return
+        values, settings, now_ns = preset_values(name), self._settings, self._now_ns
+        for setting, value in values.items():
+            settings = settings.changed(now_ns, setting, value)
+        self._by_hand = True
+        self._settings = self._pipeline.settings = settings
+        self._log(f"Preset {name}: {len(values)} settings from here on")
 
     def _check_map(self, config: MapConfig) -> None:
         """Refuse what the next run could not begin with."""

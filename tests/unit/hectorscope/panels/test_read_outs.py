@@ -13,6 +13,7 @@ from hectorscope.panels.match import legend_html, match_html, sigmas_html
 from hectorscope.panels.status import REASONS_SHOWN, losses_html, run_html
 from hectorscope.panels.transport import clock_html, name_of_speed
 from hectorscope.session.snapshot import LogEntry, PlaybackStatus
+from slam_core.results import Verdict
 from tests.page import room_snapshot, without_filter
 
 S = 1_000_000_000
@@ -130,7 +131,7 @@ def test_the_match_says_whether_it_converged_and_is_believed() -> None:
     html = match_html(result, snapshot)
     for part in ("converged", "3 · 4 · 4", "0.500", 'hs-good"><small></small>tracking', "weakest</small>2.0 mm"):
         assert part in html
-    slow = result._replace(match=result.match._replace(converged=False), tracking="lost")
+    slow = result._replace(match=result.match._replace(converged=False), verdict=Verdict("lost"))
     assert "out of steps" in match_html(slow, snapshot)
     assert 'hs-bad"><small></small>lost' in match_html(slow, snapshot)
     assert "first scan" in match_html(result._replace(match=None), snapshot)
