@@ -1,5 +1,5 @@
-# The house: one environment in .venv, made from constraints.txt, and a handful of commands on it.
-# Only Python 3.11 to 3.14 with venv, and make, are needed beforehand.
+# One environment in .venv, made from constraints.txt, and the commands that use it.
+# Python 3.11 to 3.14 with venv and make have to be installed before.
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -8,10 +8,10 @@ INSTALL := $(PIP) install --constraint constraints.txt --editable
 ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench screenshots docs constraints clean chromium
+.PHONY: help demo test check wheel-check bench screenshots docs constraints clean chromium
 
 help:  ## this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: $(VENV)/ready-run  ## a robot maps a rescue arena in the browser; ARGS=littoral or handheld for another place
 	$(BIN)/hectorscope demo $(ARGS)
@@ -24,6 +24,9 @@ check: $(VENV)/ready-dev  ## style, types and import rules
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+wheel-check: $(VENV)/ready-dev  ## build the wheel, install it in an empty environment and use it there
+	$(BIN)/python tests/packaging/check_wheel.py
 
 bench: $(VENV)/ready-bench  ## measure and write docs/performance.md
 	$(BIN)/python -m benchmarks.performance $(ARGS)
@@ -58,7 +61,7 @@ python = python=; for candidate in $(PYTHON) python3 python3.13 python3.12 pytho
 	if [ -z "$$python" ]; then echo "Python 3.11 to 3.14 with venv is missing. Install it with:" \
 	  "sudo apt-get install python3 python3-venv (or name one: make PYTHON=/path/to/python3.12 ...)" >&2; exit 1; fi
 
-# A stamp is touched last, so an interrupted installation is done again.
+# The stamp is touched last, so that an interrupted installation is repeated.
 $(VENV)/made:
 	@$(call python); echo "Making $(VENV) with $$($$python --version)"; "$$python" -m venv --clear $(VENV)
 	@touch $@
