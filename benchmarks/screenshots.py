@@ -71,7 +71,7 @@ def standing_still(shot: Shot) -> Iterator[PageServer]:
     try:
         engine.send(Seek(wanted_ns))
         wait_until(engine, wanted_ns)
-        page.stage.show(**shot.display)
+        page.scene.show(**shot.display)
         yield page
     finally:
         page.stop()
@@ -101,7 +101,7 @@ def take(browser: Browser, shot: Shot, folder: Path) -> Path:
         page.wait_for_timeout(SETTLE_MS)
         for notice in page.locator(NOTICE).all():  # that drawing is done in software
             notice.click()
-        server.stage.camera(shot.camera)
+        server.scene.camera(shot.camera)
         target.write_bytes(settled(page))
         page.close()
     return target

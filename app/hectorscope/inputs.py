@@ -17,9 +17,9 @@ class SourceError(SlamError):
 
 @dataclass(frozen=True, slots=True)
 class SourceOptions:
-    """What a person may override; None lets the source find it by message type, or believe the message.
+    """What a person may override; None: found by message type, or as the message states.
 
-    Of what is stated here nothing is doubted any more (see hectorscope.checks.findings).
+    What is stated here is not checked any more (see hectorscope.checks.findings).
     """
 
     scan_topic: str | None = None

@@ -103,8 +103,8 @@ def test_each_person_has_a_view_of_their_own(show: Show, open_page: Open) -> Non
     look(one, "fit")
     look(other, "fit")
     before = other.evaluate(CAMERA)
-    first = min(show.server.stage.server.get_clients().items())[1]
-    show.server.stage.camera("top", first)
+    first = min(show.server.scene.server.get_clients().items())[1]
+    show.server.scene.camera("top", first)
     one.wait_for_function("window.__viserMutable.cameraControl.polarAngle < 0.05")
     assert other.evaluate(CAMERA)["polar"] == pytest.approx(before["polar"], abs=0.01)
     assert node(one, "/robot") == node(other, "/robot")

@@ -60,7 +60,7 @@ def settled(page: Page) -> None:
 
 def test_values_out_of_range_are_clamped(show: Show, open_page: Open) -> None:
     """A slider told to go beyond its end stops there, and the settings stay in their range."""
-    slider = show.server.stage.server.gui.add_slider("probe", 0.0, 1.0, 0.1, 0.3)
+    slider = show.server.scene.server.gui.add_slider("probe", 0.0, 1.0, 0.1, 0.3)
     page = open_page(show.url)
     page.evaluate(SAY, {"type": "GuiUpdateMessage", "uuid": slider._impl.uuid, "updates": {"value": 1e9}})
     settled(page)
@@ -73,8 +73,8 @@ def test_internals_and_tunnels_are_out_of_reach(show: Show, open_page: Open) -> 
     page.evaluate(SAY, {"type": "ShareUrlRequest"})
     page.evaluate(SAY, {"type": "SceneNodeUpdateMessage", "name": "/robot", "updates": {}, "owner": ""})
     settled(page)
-    assert show.server.stage.server._share_tunnel is None
-    assert len(show.server.stage.server.get_clients()) == 1
+    assert show.server.scene.server._share_tunnel is None
+    assert len(show.server.scene.server.get_clients()) == 1
 
 
 def test_the_page_cannot_be_pointed_elsewhere(show: Show, browser: Browser) -> None:

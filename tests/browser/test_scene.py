@@ -37,8 +37,8 @@ def expect(page: Page, place: tuple[float, ...], colour: Rgb) -> None:
 @pytest.mark.parametrize("level", range(LEVELS))
 def test_each_level_shows_its_cells(show: Show, open_page: Open, level: int) -> None:
     """Alone and from above, every level has free, occupied and unknown cells where the map has them."""
-    show.server.stage.show(layout="one", level=level)
-    show.server.stage.show_layer("grid", False)
+    show.server.scene.show(layout="one", level=level)
+    show.server.scene.show_layer("grid", False)
     page = open_page(show.url)
     page.wait_for_function(f"window.__viserMutable.nodeRefFromName['/floor/map/level{level}']?.visible")
     look(page, "top")
@@ -60,8 +60,8 @@ def test_cells_are_crisp(show: Show, open_page: Open) -> None:
 
 def test_levels_stack_without_hiding_the_finest_from_above(show: Show, open_page: Open) -> None:
     """In a stack the levels lie over each other; looked at from above, the finest one is seen."""
-    show.server.stage.show(layout="stacked", gap=0.5)
-    show.server.stage.show_layer("grid", False)
+    show.server.scene.show(layout="stacked", gap=0.5)
+    show.server.scene.show_layer("grid", False)
     page = open_page(show.url)
     heights = [node(page, f"/floor/map/level{i}")["position"][2] for i in range(LEVELS)]  # type: ignore[index]
     assert heights == pytest.approx([0.0, 6.0, 12.0])
@@ -72,7 +72,7 @@ def test_levels_stack_without_hiding_the_finest_from_above(show: Show, open_page
 @pytest.mark.parametrize("layout", ["stacked", "side"])
 def test_the_first_view_fits_the_map(show: Show, open_page: Open, layout: Layout) -> None:
     """Who opens the page sees all levels inside the window, at a size that fills it."""
-    show.server.stage.show(layout=layout)
+    show.server.scene.show(layout=layout)
     page = open_page(show.url)
     look(page, "fit")
     script = """() => {
@@ -91,22 +91,22 @@ def test_the_first_view_fits_the_map(show: Show, open_page: Open, layout: Layout
 
 def test_light_and_dark(show: Show, open_page: Open) -> None:
     """The theme changes the map in an open page."""
-    show.server.stage.show(layout="one", dark=False)
-    show.server.stage.show_layer("grid", False)
+    show.server.scene.show(layout="one", dark=False)
+    show.server.scene.show_layer("grid", False)
     page = open_page(show.url)
     look(page, "top")
     expect(page, FREE, LIGHT.free)
     expect(page, WALL, LIGHT.occupied)
-    show.server.stage.show(dark=True)
+    show.server.scene.show(dark=True)
     expect(page, WALL, DARK.occupied)
 
 
 def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
     """A hidden layer is gone from the picture, the others stay."""
-    show.server.stage.show(layout="one")
+    show.server.scene.show(layout="one")
     page = open_page(show.url)
     look(page, "top")
-    show.server.stage.show_layer("map", False)
+    show.server.scene.show_layer("map", False)
     page.wait_for_function("!window.__viserMutable.nodeRefFromName['/floor/map'].visible")
     page.wait_for_timeout(1500)
     assert not is_near(pixel(page, *WALL), DARK.occupied)
@@ -116,10 +116,10 @@ def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
 @pytest.mark.parametrize("colour", [LIGHT.trajectory, DARK.truth, LIGHT.fused])
 def test_lines_have_the_colours_of_the_legend(show: Show, open_page: Open, colour: Rgb) -> None:
     """The page sends lines through a film curve; what was made for that comes out as the theme says."""
-    show.server.stage.show_layer("map", False)
+    show.server.scene.show_layer("map", False)
     page = open_page(show.url)
     ends = np.array([[[-6.0, 3.0, 0.3], [6.0, 3.0, 0.3]]], np.float32)
-    show.server.stage.server.scene.add_line_segments(
+    show.server.scene.server.scene.add_line_segments(
         "/line", ends, for_lines(colour), thickness=30.0, thickness_units="screen"
     )
     page.wait_for_function("'/line' in window.__viserMutable.nodeRefFromName")

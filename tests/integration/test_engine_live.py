@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hectorscope.checks.sensor_check import examined
+from hectorscope.checks.sensor_check import checked_source
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.session.commands import Configure, Pause, Play, Seek
 from hectorscope.session.feeder import Feeder
@@ -25,7 +25,7 @@ def test_a_stream_whose_devices_lie_fails_with_the_remedy():
             for item in Simulation("rooms", options).items()
         ]
     )
-    with running(examined(stream, SourceOptions())) as engine:
+    with running(checked_source(stream, SourceOptions())) as engine:
         failed = until(engine, state("failed"))
     assert "so in degrees a second" in failed.playback.detail
     assert "--imu-gyro-unit deg/s" in failed.playback.detail

@@ -93,8 +93,8 @@ def page() -> Iterator[PageServer]:
 def test_view_draws_on_the_page(added: str, page: PageServer):
     """The example is one of the views that the page was made with; it shows itself from the first scan on."""
     (view,) = [v for v in view_classes() if v.title == "Origin"]
-    assert "origin" in {layer.key for layer in page.stage.layers}
-    drawn = view(page.stage)
+    assert "origin" in {layer.key for layer in page.scene.layers}
+    drawn = view(page.scene)
     drawn.draw(Snapshot())
     assert not drawn._axes.visible
     drawn.draw(Snapshot(scans=1))
@@ -105,6 +105,6 @@ def test_view_draws_on_the_page(added: str, page: PageServer):
 def test_panel_reads_out(added: str, page: PageServer):
     """The example is one of the panels; it sums the path."""
     (panel,) = [p for p in panel_classes() if p.title == "Distance"]
-    made = panel(page.stage)
+    made = panel(page.scene)
     made.draw(Snapshot(trajectory=np.array([[0.0, 0, 0, 0, 1, 0, 0, 0], [1.0, 3, 4, 0, 1, 0, 0, 0]])))
     assert "5.00 m" in made._length.content

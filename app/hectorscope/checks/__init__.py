@@ -1,1 +1,1 @@
-"""What the sensors say of each other, what contradicts their messages, and the options that repair it."""
+"""Sensor checks: statistics of the data, contradictions to the messages, and the options that repair them."""

@@ -1,4 +1,4 @@
-"""Whether sensors tell of one motion: gravity as an accelerometer sees it, and accounts of one turn compared."""
+"""Whether sensors measure one motion: gravity by the accelerometer, and the same turn by several sensors."""
 
 import math
 from dataclasses import dataclass
@@ -124,7 +124,7 @@ def compare_tilts(times: Float64s, rates: Float64s, forces: Float64s) -> Agreeme
 
 
 def _correlation(a: Float64s, b: Float64s) -> float:
-    """Without the means: a bias of the gyroscope says nothing."""
+    """Without the means: a bias of the gyroscope does not count."""
     a, b = a - a.mean(), b - b.mean()
     return float(np.sum(a * b) / max(np.sqrt(np.sum(a * a) * np.sum(b * b)), 1e-12))
 

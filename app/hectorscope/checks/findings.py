@@ -1,8 +1,8 @@
 """Whether the sensors are what their messages promise, judged by the data, and which options repair it.
 
-The accelerometer's norm tells its unit, its direction which way up it sits. The turn about that direction, held
-against the turn that the scans show, tells the gyroscope's unit, the handedness of scan and IMU, and the delay.
-Nothing is said where the data cannot tell, and nothing that a person has stated is doubted.
+The norm of the accelerometer gives its unit, its direction which way up it sits. The turn about that direction,
+compared with the turn that the scans show, gives the unit of the gyroscope, the handedness of scan and IMU, and
+the delay. Nothing is reported where the data does not show it, and what a person has stated is not checked.
 """
 
 import math

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from hectorscope.checks.findings import Finding, findings, remedy
-from hectorscope.checks.sensor_statistics import Evidence, Measures
+from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Item, Source, SourceError, SourceOptions, SourceReport
 from hectorscope.ros.roles import Roles, Topic
@@ -101,7 +101,7 @@ def inspect_bag(path: Path, options: SourceOptions) -> BagReport:
     source = open_bag(path, options) if BAG.accepts(str(path)) else open_source(str(path), options)
     if not isinstance(source, Recorded) or source.span_ns is None:
         raise SourceError(f"{path} is no recording: give one")
-    evidence = Evidence()
+    evidence = SensorStatistics()
     counts = dict.fromkeys(_MEASURES.values(), 0)
     first_scan: LaserScan | None = None
     for item in source.items():
@@ -185,7 +185,7 @@ def _render(report: BagReport) -> Iterator[str]:
 
 
 def _devices(measures: Measures) -> Iterator[str]:
-    """What the data tells of the sensors, whether it is as it should be or not."""
+    """What the data shows of the sensors, right or wrong."""
     felt = measures.gravity
     if felt is not None:
         up = " ".join(f"{part:z.2f}" for part in felt.up)

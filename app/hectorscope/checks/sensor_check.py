@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from hectorscope.checks.findings import findings, remedy
-from hectorscope.checks.sensor_statistics import Evidence, Measures
+from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.inputs import Item, Source, SourceError, SourceOptions, SourceReport
 
 REST_S = 1.5  # of a stream: then gravity is looked at, which needs no turn
@@ -16,7 +16,7 @@ class DeviceError(SourceError):
     """A sensor contradicts what its messages promise; the options that repair it are named."""
 
 
-class Examiner:
+class SensorCheck:
     """Takes the items from the beginning of a source; settled: it has seen enough and found nothing wrong.
 
     warnings: what contradicts the messages without spoiling the run, or not surely. live: do not wait for a turn
@@ -28,7 +28,7 @@ class Examiner:
         self.warnings: tuple[str, ...] = ()
         self._glance = live
         self._name, self._options = name, options
-        self._evidence = Evidence()
+        self._evidence = SensorStatistics()
         self._asked_s = STEP_S
 
     def take(self, item: Item) -> None:
@@ -43,7 +43,7 @@ class Examiner:
             self.judge(last=time_s >= PREFIX_S or not self._evidence.comparable)
 
     def judge(self, *, last: bool) -> None:
-        """By what was taken so far; judgement waits for a turn, so that all that is wrong is told at once."""
+        """By the data so far. The verdict waits for a turn, so that all faults are reported at once."""
         measures = self._evidence.measures()
         self.settled = last or measures.turn is not None or measures.wheels is not None
         if self.settled:
@@ -59,7 +59,7 @@ class Examiner:
 
 
 class Watched:
-    """A stream that is examined as it flows: a DeviceError ends it."""
+    """A stream that is checked_source as it flows: a DeviceError ends it."""
 
     live = True
     span_ns = None
@@ -67,7 +67,7 @@ class Watched:
     def __init__(self, source: Source, options: SourceOptions) -> None:
         self.name = source.name
         self._source = source
-        self._examiner = Examiner(source.name, options, live=True)
+        self._examiner = SensorCheck(source.name, options, live=True)
 
     @property
     def report(self) -> SourceReport:
@@ -86,11 +86,11 @@ class Watched:
         self._source.close()
 
 
-def examined(source: Source, options: SourceOptions) -> Source:
+def checked_source(source: Source, options: SourceOptions) -> Source:
     """The source, once the beginning of a recording has borne out its messages; DeviceError if it does not."""
     if source.live:
         return Watched(source, options)
-    examiner = Examiner(source.name, options)
+    examiner = SensorCheck(source.name, options)
     for item in source.items():
         examiner.take(item)
         if examiner.settled:

@@ -12,7 +12,7 @@ from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
 
 LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
-SCAN_PERIOD_NS = 80_000_000  # more scans a second tell no more about turns
+SCAN_PERIOD_NS = 80_000_000  # more scans a second add nothing about turns
 FEWEST_SAMPLES = 20
 FEWEST_SPANS = 12
 SURE = 0.7  # correlation
@@ -22,7 +22,7 @@ TILTED = 0.03  # rad in a span of tilting, likewise
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """What could be measured; None where the data cannot tell.
+    """What could be measured; None where the data does not show it.
 
     turn: the gyroscope's turn about the vertical, against that of the scans. wheels: the odometry's, likewise.
     tilt: the gyroscope against the way gravity moves through the IMU.
@@ -34,7 +34,7 @@ class Measures:
     tilt: Agreement | None = None
 
 
-class Evidence:
+class SensorStatistics:
     """Takes the items of a source as they come."""
 
     def __init__(self) -> None:
@@ -66,16 +66,16 @@ class Evidence:
 
     @property
     def comparable(self) -> bool:
-        """Whether anything but the scans tells of turns."""
+        """Whether anything but the scans measures turns."""
         return bool(self._imu or self._wheels)
 
     def at_rest(self) -> Measures:
-        """What can be told before anything turns, and without matching a scan."""
+        """What is known before anything turns, and without matching a scan."""
         forces = np.array(self._imu)[:, 4:7] if len(self._imu) >= FEWEST_SAMPLES else None
         return Measures() if forces is None else Measures(gravity=gravity(forces))
 
     def measures(self) -> Measures:
-        """All that can be told so far. Scans are matched as they are, without the sensors that are in doubt."""
+        """All that is known so far. Scans are matched without the sensors that are checked."""
         headings = self._turns_of_scans()
         imu, wheels = np.array(self._imu), np.array(self._wheels)
         if len(imu) < FEWEST_SAMPLES:
@@ -122,7 +122,7 @@ def _turns(headings: Float64s, rates: Float64s) -> Agreement | None:
 
 
 def _sure(agreement: Agreement | None, moved: float) -> Agreement | None:
-    """The agreement if there was motion enough to believe it."""
+    """The agreement, if there was enough motion for it."""
     if agreement is None or agreement.spans < FEWEST_SPANS or agreement.moved < moved:
         return None
     return agreement if abs(agreement.correlation) >= SURE else None

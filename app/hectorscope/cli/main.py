@@ -58,7 +58,7 @@ def demo(
 
 def view(bag: Bag, *, settings: SettingArgs, saved: MapArgs, source: SourceArgs, page: PageArgs) -> None:
     """Show a recording in the browser."""
-    _show(_examined(str(bag), source), settings, saved, page)
+    _show(_checked(str(bag), source), settings, saved, page)
 
 
 def live(
@@ -72,7 +72,7 @@ def live(
     page: PageArgs,
 ) -> None:
     """Show the stream of a running robot in the browser."""
-    _show(_examined(address, source), settings, saved, page)
+    _show(_checked(address, source), settings, saved, page)
 
 
 def run(
@@ -89,7 +89,7 @@ def run(
 
     chosen = settings.settings()
     given = saved.given(chosen)
-    recording = _examined(str(bag), source)
+    recording = _checked(str(bag), source)
     _get_ready()
     with show_progress(recording) as progress:
         figures = run_to_files(recording, chosen, out, truth=source.truth_topic, progress=progress, given=given)
@@ -97,18 +97,18 @@ def run(
 
 
 def inspect(bag: Bag, *, source: SourceArgs) -> None:
-    """Say what a recording holds and what would be used for what."""
+    """List what a recording contains and what each topic would be used for."""
     from hectorscope.checks.inspect import inspect_bag  # noqa: PLC0415
 
     print(inspect_bag(bag, source_options(source)))
 
 
-def _examined(uri: str, flags: Any) -> Source:
+def _checked(uri: str, flags: Any) -> Source:
     """The source behind a path or address; SlamError if it cannot be used, or contradicts its own messages."""
-    from hectorscope.checks.sensor_check import examined  # noqa: PLC0415
+    from hectorscope.checks.sensor_check import checked_source  # noqa: PLC0415
 
     options = source_options(flags)
-    return examined(open_source(uri, options), options)
+    return checked_source(open_source(uri, options), options)
 
 
 def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
@@ -127,17 +127,17 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
     finally:
         with undisturbed():
             engine.stop()
-            told = engine.save() if engine.started and page.out is not None else ""
-    if told:
-        print(printable(told))
+            message = engine.save() if engine.started and page.out is not None else ""
+    if message:
+        print(printable(message))
     sys.exit(INTERRUPTED)  # nothing else ends the serving
 
 
-def _get_ready(tell: Callable[[str], None] = lambda _: None) -> None:
+def _get_ready(report: Callable[[str], None] = lambda _: None) -> None:
     """Load or compile the kernels."""
     from hectorscope.run.warmup import warm_up  # noqa: PLC0415
 
-    warm_up(tell)
+    warm_up(report)
     gc.enable()
 
 
@@ -191,7 +191,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 commands,
                 prog="hectorscope",
                 description="Watch a SLAM system think: Hector SLAM on a bag or a live stream."
-                " Alone, --version says which this is.",
+                " --version alone prints the version.",
                 args=arguments,
                 config=(tyro.conf.DisallowNone,),
             )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class _Words(NamedTuple):
-    """What --help says of a flag about the source; default: what holds without it."""
+    """The help of a flag about the source; default: what holds without it."""
 
     help: str
     default: str = "found by type"
@@ -56,7 +56,7 @@ _SOURCE = {
     "imu_rotation": _Words("How the IMU is turned in the base, radians; on top of tf.", "0 0 0", "ROLL PITCH YAW"),
     "imu_delay": _Words("How late the stamps of the inertial data are, seconds.", "0", "SECONDS"),
     "scan_mirrored": _Words(
-        "Whether the beams run the other way round than the scan says.", "false", "{true,false}"
+        "Whether the beams run against the sign of the angle increment.", "false", "{true,false}"
     ),
     "scan_delay": _Words("How late the stamps of the scans are, seconds.", "0", "SECONDS"),
 }

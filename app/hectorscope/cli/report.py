@@ -52,7 +52,7 @@ def show_progress(source: Source) -> Iterator[Callable[[int], None]]:
 
 
 def show_simulation(options: "SimulateOptions") -> None:
-    """Make the recording behind a bar, and say where it is."""
+    """Make the recording with a progress bar, and print its path."""
     from hectorscope.simulation import simulate  # noqa: PLC0415  nobody else waits for the simulator
 
     with _bar(options.scenario) as show:

@@ -1,10 +1,10 @@
-"""What stands in the way to a file that a person named."""
+"""Why a file that a person named cannot be used."""
 
 from pathlib import Path
 
 
 def absence(path: Path) -> str:
-    """Why nothing is found at a path, as a message says it; empty if there is something."""
+    """Why nothing is found at a path, as part of a message; empty if there is something."""
     try:
         path.stat()
     except FileNotFoundError:

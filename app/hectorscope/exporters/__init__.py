@@ -67,7 +67,7 @@ def _names() -> list[str]:
 
 
 def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
-    """Write every format, whatever becomes of the others; the files written. OutputError tells what is missing."""
+    """Write every format, even if another fails; the files written. OutputError names what is missing."""
     run = Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
@@ -92,7 +92,7 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
 
 
 def save(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> str:
-    """Write every format of a run that need not be at its end, and say so; OutputError if that cannot be."""
+    """Write every format of a run that may still go on; the sentence for the log. OutputError if that fails."""
     if folder is None:
         raise OutputError("there is no folder to save to: start the program with --out DIR")
     if not pipeline.scans:

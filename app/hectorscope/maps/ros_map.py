@@ -20,7 +20,7 @@ LOG_ODDS = np.array([0.0, -3.0, 3.0], np.float32)  # of unknown, free, occupied
 
 @dataclass(frozen=True, slots=True)
 class Described:
-    """What the yaml file says. x, y, yaw: the lower left corner of the image, metres and radians."""
+    """The content of the yaml file. x, y, yaw: the lower left corner of the image, metres and radians."""
 
     image: str
     resolution: float

@@ -1,4 +1,4 @@
-"""What views and panels are made with: the page's scene and GUI, display settings, and the way to the engine."""
+"""What views and panels are made with: scene and GUI of the page, display settings, commands to the engine."""
 
 import threading
 from collections.abc import Callable
@@ -16,7 +16,7 @@ Layout = Literal["stacked", "side", "one"]
 Points = Literal["residual", "height", "plain"]
 Camera = Literal["free", "follow", "top", "fit"]
 
-TOLD_S = 8.0  # seconds that a notice stays
+NOTICE_S = 8.0  # seconds that a notice stays
 GAP_RANGE = (0.05, 2.0)  # between stacked levels, times the depth of the map
 ELLIPSE_SCALE_RANGE = (1.0, 2000.0)  # times one sigma
 
@@ -66,8 +66,8 @@ class Layer:
 
 
 @dataclass(slots=True)
-class Stage:
-    """Hands to views and panels what they may touch. Views are made before panels: `layers` is then complete.
+class Scene:
+    """What views and panels may use. Views are made before panels: `layers` is then complete.
 
     server: add nodes by `server.scene` and controls by `server.gui`. send: enqueues a command for the engine.
     floor: the node of the finest level's plane; it sinks when the robot goes below the height it started at.
@@ -94,7 +94,7 @@ class Stage:
     def layer(
         self, key: str, title: str, *, colour: str = "", on_floor: bool = False, shown: bool = True
     ) -> Layer:
-        """A new layer; `title` is what its switch says. on_floor: it lies on the plane of the finest level."""
+        """A new layer; `title` is the label of its switch. on_floor: it lies on the plane of the finest level."""
         name = f"{self.floor.name if on_floor else ''}/{key}"
         root = self.server.scene.add_frame(name, show_axes=False, visible=shown)
         layer = Layer(key, title, root, colour)
@@ -126,10 +126,10 @@ class Stage:
         if mode in get_args(Camera):
             self.run(f"window.hectorscope?.camera('{mode}')", client)
 
-    def tell(self, sentence: str) -> None:
-        """Say something in a corner of every open page, for some seconds."""
+    def notify(self, sentence: str) -> None:
+        """Show a sentence in a corner of every open page, for some seconds."""
         for client in self.server.get_clients().values():
-            client.add_notification("", sentence, auto_close_seconds=TOLD_S)
+            client.add_notification("", sentence, auto_close_seconds=NOTICE_S)
 
     def run(self, script: str, client: viser.ClientHandle | None = None) -> None:
         """Run JavaScript once in one browser, or in all that are connected now; late joiners never see it.

@@ -4,7 +4,7 @@ import sys
 from typing import Protocol
 
 from hectorscope.common.registry import members
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 
 
@@ -14,7 +14,7 @@ class Panel(Protocol):
     title: str
     order: int
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, scene: Scene) -> None:
         """Make the controls."""
 
     def draw(self, snapshot: Snapshot) -> None:

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 
 from viser import GuiFolderHandle, GuiTabGroupHandle, GuiTabHandle, IconName, ViserServer
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 
 WIDTH = 372  # pixels of the docked panels
 
@@ -16,33 +16,33 @@ _tabs: WeakKeyDictionary[ViserServer, dict[str, GuiTabHandle]] = WeakKeyDictiona
 _groups: WeakKeyDictionary[ViserServer, GuiTabGroupHandle] = WeakKeyDictionary()
 
 
-def bar(stage: Stage, name: str) -> GuiFolderHandle:
+def bar(scene: Scene, name: str) -> GuiFolderHandle:
     """A folder that the style sheet shows as the bar `name`."""
-    folder = stage.server.gui.add_folder(name.capitalize())
+    folder = scene.server.gui.add_folder(name.capitalize())
     with folder:
-        mark(stage, f"bar hs-bar-{name}")
+        mark(scene, f"bar hs-bar-{name}")
     return folder
 
 
-def tab(stage: Stage, title: str, icon: IconName) -> GuiTabHandle:
+def tab(scene: Scene, title: str, icon: IconName) -> GuiTabHandle:
     """The tab `title` of the main panel, made on first use, for panels that share it too."""
-    tabs = _tabs.setdefault(stage.server, {})
+    tabs = _tabs.setdefault(scene.server, {})
     if title not in tabs:
-        tabs[title] = _tab_group(stage).add_tab(title, icon)
+        tabs[title] = _tab_group(scene).add_tab(title, icon)
     return tabs[title]
 
 
-def _tab_group(stage: Stage) -> GuiTabGroupHandle:
+def _tab_group(scene: Scene) -> GuiTabGroupHandle:
     """The group of tabs; the main panel that holds it is docked at the right on first use."""
-    group = _groups.get(stage.server)
+    group = _groups.get(scene.server)
     if group is None:
-        group = _groups[stage.server] = stage.server.gui.add_tab_group()
-        stage.server.gui.set_panel_label(None)  # the header then tells the state of the connection
-        stage.server.gui.main_panel.dock_right()
-        stage.server.gui.main_panel.set_width(WIDTH)
+        group = _groups[scene.server] = scene.server.gui.add_tab_group()
+        scene.server.gui.set_panel_label(None)  # the header then shows the state of the connection
+        scene.server.gui.main_panel.dock_right()
+        scene.server.gui.main_panel.set_width(WIDTH)
     return group
 
 
-def mark(stage: Stage, name: str) -> None:
-    """An invisible element that tells the style sheet what the container around it is."""
-    stage.server.gui.add_html(f'<i class="hs-mark hs-{name}"></i>')
+def mark(scene: Scene, name: str) -> None:
+    """An invisible element that marks the container around it for the style sheet."""
+    scene.server.gui.add_html(f'<i class="hs-mark hs-{name}"></i>')

@@ -7,7 +7,7 @@ import math
 
 from viser import Icon
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._dials import compass_svg, horizon_svg, turn_css
 from hectorscope.panels._format import figure, fixed
@@ -22,10 +22,10 @@ class AttitudePanel:
     order = 20
     rate = 10.0
 
-    def __init__(self, stage: Stage) -> None:
-        gui = stage.server.gui
-        with _workspace.tab(stage, "Live", Icon.GAUGE):
-            _workspace.mark(stage, "live")
+    def __init__(self, scene: Scene) -> None:
+        gui = scene.server.gui
+        with _workspace.tab(scene, "Live", Icon.GAUGE):
+            _workspace.mark(scene, "live")
             gui.add_html(f'<div class="hs-attitude">{horizon_svg("hs-live-horizon")}{compass_svg()}</div>')
             self._turn = gui.add_html("")
             self._numbers = gui.add_html("")
@@ -43,7 +43,7 @@ class AttitudePanel:
 
 
 def is_planar(snapshot: Snapshot) -> bool:
-    """Whether nothing has told the attitude and the height: they are taken to be zero."""
+    """Whether attitude and height are unobserved: they are taken to be zero."""
     result, row = snapshot.result, snapshot.series[-1]
     return (result is None or result.navigation is None) and not any(row[name] for name in TAKEN)
 

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 from viser import GuiButtonGroupHandle, GuiEvent, Icon
 
-from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Layer, Stage
+from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Layer, Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._controls import Choice, Control, LinearSlider, LogSlider, Switch
 from hectorscope.panels._slider import Scale
@@ -23,19 +23,19 @@ SIGMAS = Scale(
 
 
 class DisplayPanel:
-    """Controls of Stage.display, which all browsers share; the camera belongs to each browser alone."""
+    """Controls of Scene.display, which all browsers share; the camera belongs to each browser alone."""
 
     title = "Display"
     order = 60
     rate = 5.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._drawn = stage.display
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._drawn = scene.display
         self._resolutions: tuple[float, ...] = ()
-        gui = stage.server.gui
-        with _workspace.tab(stage, self.title, Icon.EYE):
-            _workspace.mark(stage, "display")
+        gui = scene.server.gui
+        with _workspace.tab(scene, self.title, Icon.EYE):
+            _workspace.mark(scene, "display")
             camera = gui.add_button_group(
                 "Camera", tuple(CAMERAS), hint="Moves this browser's camera alone. Keys 1 to 4."
             )
@@ -44,14 +44,14 @@ class DisplayPanel:
                 "Level", ("finest",), initial_value="finest", hint="The one level shown."
             )
             with gui.add_folder("Layers"):
-                self._layers = {layer.key: self._add_layer(layer) for layer in stage.layers}
+                self._layers = {layer.key: self._add_layer(layer) for layer in scene.layers}
         camera.on_click(self._point_camera)
         for key, name in enumerate(CAMERAS, start=1):
             self._add_hotkey(str(key), name)
         self._level.on_update(self._choose_level)
 
     def _add_controls(self) -> dict[str, Control]:
-        gui, now = self._stage.server.gui, self._stage.display
+        gui, now = self._scene.server.gui, self._scene.display
         layout = Choice(
             gui, "Map", LAYOUTS, now.layout, "How the levels of the pyramid are laid out.", self._setter("layout")
         )
@@ -70,30 +70,30 @@ class DisplayPanel:
         return {"layout": layout, "gap": gap, "ellipse_scale": scale, "points": points}
 
     def _setter(self, name: str) -> Callable[[GuiEvent[Any]], None]:
-        return lambda _: self._stage.show(**{name: self._controls[name].read()})
+        return lambda _: self._scene.show(**{name: self._controls[name].read()})
 
     def _add_layer(self, layer: Layer) -> Control:
-        shown = layer.key not in self._stage.display.hidden
+        shown = layer.key not in self._scene.display.hidden
         if layer.colour:
-            _workspace.mark(self._stage, f"swatch hs-{layer.colour}")
+            _workspace.mark(self._scene, f"swatch hs-{layer.colour}")
         box = Switch(
-            self._stage.server.gui,
+            self._scene.server.gui,
             layer.title,
             shown,
             None,
-            lambda e: self._stage.show_layer(layer.key, e.target.value),
+            lambda e: self._scene.show_layer(layer.key, e.target.value),
         )
         return cast(Control, box)
 
     def _add_hotkey(self, key: str, name: str) -> None:
         title = f"Camera: {name.lower()}"
-        command = self._stage.server.gui.add_command(title, hotkey=cast(Any, key), icon=Icon.CAMERA)
-        command.on_trigger(lambda event: self._stage.camera(CAMERAS[name], event.client))
+        command = self._scene.server.gui.add_command(title, hotkey=cast(Any, key), icon=Icon.CAMERA)
+        command.on_trigger(lambda event: self._scene.camera(CAMERAS[name], event.client))
 
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the display settings, whoever changed them, and the number of levels."""
         self._draw_levels(snapshot.maps)
-        display, before = self._stage.display, self._drawn
+        display, before = self._scene.display, self._drawn
         if display == before:
             return
         self._drawn = display
@@ -109,18 +109,18 @@ class DisplayPanel:
         if resolutions and resolutions != self._resolutions:
             self._resolutions = resolutions
             self._level.options = [level_name(r) for r in resolutions]
-        only = self._stage.display.layout == "one"
+        only = self._scene.display.layout == "one"
         if self._level.visible != only:
             self._level.visible = only
 
     def _choose_level(self, event: GuiEvent[Any]) -> None:
         names = [level_name(r) for r in self._resolutions]
         if event.client is not None and event.target.value in names:
-            self._stage.show(level=names.index(event.target.value))
+            self._scene.show(level=names.index(event.target.value))
 
     def _point_camera(self, event: GuiEvent[GuiButtonGroupHandle]) -> None:
         if event.target.value in CAMERAS:
-            self._stage.camera(CAMERAS[event.target.value], event.client)
+            self._scene.camera(CAMERAS[event.target.value], event.client)
 
 
 def level_name(resolution: float) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from viser import Icon
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._format import clock, text
 from hectorscope.session.snapshot import LogEntry, Snapshot
@@ -20,18 +20,18 @@ class LogPanel:
     order = 70
     rate = 2.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
         self._drawn: tuple[LogEntry, ...] = ()
-        with _workspace.tab(stage, self.title, Icon.LIST_DETAILS):
-            self._list = stage.server.gui.add_html(EMPTY)
+        with _workspace.tab(scene, self.title, Icon.LIST_DETAILS):
+            self._list = scene.server.gui.add_html(EMPTY)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send the newest entries, if there are new ones."""
         if snapshot.log is self._drawn:
             return
         for answer in answers(snapshot.log, self._drawn):
-            self._stage.tell(answer.text)
+            self._scene.notify(answer.text)
         self._drawn = snapshot.log
         playback = snapshot.playback
         self._list.content = log_html(snapshot.log, playback.start_ns, jumps=playback.end_ns is not None)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from viser import Icon
 
-from hectorscope.page.scene import Display, Stage
+from hectorscope.page.scene import Display, Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._format import figure, fixed, number
 from hectorscope.panels._handles import put
@@ -22,10 +22,10 @@ class MatchPanel:
     order = 30
     rate = 5.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        gui = stage.server.gui
-        with _workspace.tab(stage, "Live", Icon.GAUGE):
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        gui = scene.server.gui
+        with _workspace.tab(scene, "Live", Icon.GAUGE):
             self._match = gui.add_html("")
             self._sigmas = gui.add_html("")
             self._legend = gui.add_html("")
@@ -37,7 +37,7 @@ class MatchPanel:
             return
         put(self._match, match_html(result, snapshot))
         put(self._sigmas, sigmas_html(snapshot.series[-1]))
-        put(self._legend, legend_html(snapshot, self._stage.display))
+        put(self._legend, legend_html(snapshot, self._scene.display))
 
 
 def match_html(result: StepResult, snapshot: Snapshot) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from viser import Icon
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._dials import horizon_svg, turn_css
 from hectorscope.panels._ellipses import SIGMAS, ellipses_svg
@@ -41,9 +41,9 @@ class NavigationPanel:
     order = 35
     rate = 4.0
 
-    def __init__(self, stage: Stage) -> None:
-        gui = stage.server.gui
-        with _workspace.tab(stage, "Filter", Icon.COMPASS):
+    def __init__(self, scene: Scene) -> None:
+        gui = scene.server.gui
+        with _workspace.tab(scene, "Filter", Icon.COMPASS):
             self._turn = gui.add_html("")
             self._faults = gui.add_html("")
             self._fusion = gui.add_html(NO_FILTER)
@@ -107,7 +107,7 @@ def fusion_html(result: StepResult, state: NavigationState) -> str:
 
 
 def _world(pose: PlanarGaussian | None) -> list[str]:
-    """How far the map's x axis is turned from east, once satellites have told."""
+    """How far the map's x axis is turned from east, once satellites have measured it."""
     if pose is None:
         return []
     turn, sigma = math.degrees(float(pose.mean[2])), math.degrees(math.sqrt(float(pose.covariance[2, 2])))

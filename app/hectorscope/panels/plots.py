@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import GuiUplotHandle, Icon, ViserServer
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.page.theme import Theme, css
 from hectorscope.panels._curves import LOG_FLOOR, PAGES, WINDOWS, Chart
 from hectorscope.panels._decimate import decimate
@@ -24,10 +24,10 @@ class PlotsPanel:
     order = 40
     rate = 2.5  # a curve of 30 s moves by four pixels in between; each time it takes 19 KB
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
         self._drawn: tuple[int, str, str, Theme] | None = None
-        gui = stage.server.gui
+        gui = scene.server.gui
         panel = gui.add_panel()
         with panel.add_tab(self.title, Icon.CHART_LINE):
             gui.add_html('<i class="hs-mark hs-plots"></i>')
@@ -35,13 +35,13 @@ class PlotsPanel:
             self._window = gui.add_dropdown("Window", tuple(WINDOWS), initial_value="30 s")
             self._nothing = gui.add_html(NOTHING)
             self._charts = {
-                page: [ChartPlot(stage.server, c, stage.theme) for c in charts] for page, charts in PAGES.items()
+                page: [ChartPlot(scene.server, c, scene.theme) for c in charts] for page, charts in PAGES.items()
             }
         panel.dock_below(gui.main_panel)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send the shown page's curves if there is something new in them."""
-        page, window, theme = self._page.value, self._window.value, self._stage.theme
+        page, window, theme = self._page.value, self._window.value, self._scene.theme
         state = (snapshot.sequence, page, window, theme)
         if state == self._drawn:
             return
@@ -87,7 +87,7 @@ class ChartPlot:
         )
 
     def draw(self, series: NDArray[np.void] | None, first: int) -> bool:
-        """Show the rows from `first` on, if there is something in them, and say so; None hides the chart."""
+        """Show the rows from `first` on, and whether there are any; None hides the chart."""
         data = curves(self._chart, series, first) if series is not None else ()
         with self._server.atomic():
             if data:
@@ -131,7 +131,7 @@ def colour(name: str | int, theme: Theme) -> str:
     return css(theme.series[name % len(theme.series)] if isinstance(name, int) else getattr(theme, name))
 
 
-NOTHING = '<p class="hs-empty">This run has told nothing of it yet.</p>'
+NOTHING = '<p class="hs-empty">No data yet.</p>'
 AXES: tuple[Any, ...] = (
     {"size": 22, "font": "11px system-ui, sans-serif", "space": 60, "ticks": {"size": 3}},
     {"size": 44, "font": "11px system-ui, sans-serif", "space": 24, "ticks": {"size": 3}},

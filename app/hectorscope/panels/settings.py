@@ -7,7 +7,7 @@ from typing import Any
 
 from viser import GuiApi, GuiEvent, Icon
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._controls import control_for
 from hectorscope.panels._format import label
@@ -37,13 +37,13 @@ class SettingsPanel:
     order = 50
     rate = 5.0
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, scene: Scene) -> None:
         self._groups: list[Group] = []
-        with _workspace.tab(stage, self.title, Icon.ADJUSTMENTS_HORIZONTAL):
-            _workspace.mark(stage, "settings")
-            self._preset = PresetChoice(stage)
+        with _workspace.tab(scene, self.title, Icon.ADJUSTMENTS_HORIZONTAL):
+            _workspace.mark(scene, "settings")
+            self._preset = PresetChoice(scene)
             for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
-                self._groups.append(Group(stage, name, list(members)))
+                self._groups.append(Group(scene, name, list(members)))
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send what was touched, show what the run uses."""
@@ -58,16 +58,16 @@ class SettingsPanel:
 class PresetChoice:
     """A choice among the presets. It shows which one the run uses, or that it uses none."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, scene: Scene) -> None:
         self._presets = {name: preset_values(name) for name in PRESETS}
-        self._control = stage.server.gui.add_dropdown(
+        self._control = scene.server.gui.add_dropdown(
             "Preset", (*PRESETS, CUSTOM), hint="The defaults, or the method of the paper without additions."
         )
-        self._control.on_update(lambda event: self._choose(stage, event))
+        self._control.on_update(lambda event: self._choose(scene, event))
 
-    def _choose(self, stage: Stage, event: GuiEvent[Any]) -> None:
+    def _choose(self, scene: Scene, event: GuiEvent[Any]) -> None:
         if event.client is not None and self._control.value in self._presets:
-            stage.send(ApplyPreset(self._control.value))
+            scene.send(ApplyPreset(self._control.value))
 
     def draw(self, values: dict[str, Any]) -> None:
         """values: what the run uses, by name."""
@@ -80,13 +80,13 @@ class PresetChoice:
 class Group:
     """The settings of one part of the pipeline."""
 
-    def __init__(self, stage: Stage, name: str, members: list[Leaf]) -> None:
-        gui = stage.server.gui
+    def __init__(self, scene: Scene, name: str, members: list[Leaf]) -> None:
+        gui = scene.server.gui
         self._first: dict[str, Any] = {}
         self._values: dict[str, Any] = {}
-        self._send = stage.send
+        self._send = scene.send
         with gui.add_folder(TITLES.get(name, name.capitalize()), expand_by_default=name in OPEN):
-            self._settings = [Setting(gui, leaf, stage.send) for leaf in members]
+            self._settings = [Setting(gui, leaf, scene.send) for leaf in members]
             self._reset = gui.add_button("Reset", icon=Icon.RESTORE, disabled=True)
         self._reset.on_click(lambda _: self._reset_all())
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from viser import GuiButtonHandle, GuiEvent, Icon
 
 from hectorscope.inputs import SourceReport
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._format import clock, figure, fixed, text
 from hectorscope.panels._handles import put
@@ -23,10 +23,10 @@ class StatusPanel:
     order = 0
     rate = 5.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        gui = stage.server.gui
-        with _workspace.bar(stage, "status"):
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        gui = scene.server.gui
+        with _workspace.bar(scene, "status"):
             gui.add_html(BRAND)
             self._run = gui.add_html("")
             self._losses = gui.add_html("")
@@ -36,13 +36,13 @@ class StatusPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Assign what changed."""
         put(self._run, run_html(snapshot.source, snapshot.playback, snapshot.mode, snapshot.searching))
-        put(self._losses, losses_html(snapshot.report, self._stage.failures, snapshot.warnings))
-        label, icon = ("Light theme", Icon.SUN) if self._stage.display.dark else ("Dark theme", Icon.MOON)
+        put(self._losses, losses_html(snapshot.report, self._scene.failures, snapshot.warnings))
+        label, icon = ("Light theme", Icon.SUN) if self._scene.display.dark else ("Dark theme", Icon.MOON)
         if self._theme.label != label:
             self._theme.label, self._theme.icon = label, icon
 
     def _switch_theme(self, _: GuiEvent[GuiButtonHandle]) -> None:
-        self._stage.show(dark=not self._stage.display.dark)
+        self._scene.show(dark=not self._scene.display.dark)
 
 
 def run_html(source: str, playback: PlaybackStatus, mode: Mode = "map", searching: str = "") -> str:

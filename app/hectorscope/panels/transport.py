@@ -9,7 +9,7 @@ from typing import Any, cast
 from viser import GuiEvent, GuiSliderHandle, Icon, IconName
 
 from hectorscope.page import viser_private
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._format import clock
 from hectorscope.panels._handles import put, put_value
@@ -30,12 +30,12 @@ class TransportPanel:
     order = 10
     rate = 10.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
         self._playback = PlaybackStatus()
         self._speed_drawn = ""
-        gui = stage.server.gui
-        with _workspace.bar(stage, "transport"):
+        gui = scene.server.gui
+        with _workspace.bar(scene, "transport"):
             self._restart = gui.add_button("Restart · R", icon=Icon.PLAYER_SKIP_BACK_FILLED)
             self._toggle = gui.add_button("Play · space", icon=Icon.PLAYER_PLAY_FILLED)
             self._step = gui.add_button("Step one scan · .", icon=Icon.PLAYER_TRACK_NEXT_FILLED)
@@ -48,10 +48,10 @@ class TransportPanel:
                 "Speed", tuple(SPEEDS), initial_value="1×", hint="Times real time. Keys [ and ]."
             )
         self._timeline = Timeline(timeline)
-        self._restart.on_click(lambda _: stage.send(Restart()))
-        self._toggle.on_click(lambda _: stage.send(PlayPause()))
-        self._step.on_click(lambda _: stage.send(StepScan()))
-        self._save.on_click(lambda _: stage.send(Save()))
+        self._restart.on_click(lambda _: scene.send(Restart()))
+        self._toggle.on_click(lambda _: scene.send(PlayPause()))
+        self._step.on_click(lambda _: scene.send(StepScan()))
+        self._save.on_click(lambda _: scene.send(Save()))
         self._speed.on_update(self._choose_speed)
         self._add_hotkeys()
 
@@ -66,7 +66,7 @@ class TransportPanel:
         if self._save.visible != snapshot.saves:
             self._save.visible = snapshot.saves
         self._draw_speed(name_of_speed(playback.speed))
-        self._timeline.draw(playback, self._stage.send, monotonic())
+        self._timeline.draw(playback, self._scene.send, monotonic())
         put(self._clock, clock_html(playback))
 
     def _draw_speed(self, name: str) -> None:
@@ -81,14 +81,14 @@ class TransportPanel:
         at = speeds.index(SPEEDS[name_of_speed(self._playback.speed)])
         speed = speeds[min(max(at + by, 0), len(speeds) - 1)]
         self._playback = replace(self._playback, speed=speed)
-        self._stage.send(SetSpeed(speed))
+        self._scene.send(SetSpeed(speed))
 
     def _choose_speed(self, event: GuiEvent[Any]) -> None:
         if event.client is not None and event.target.value in SPEEDS:
-            self._stage.send(SetSpeed(SPEEDS[event.target.value]))
+            self._scene.send(SetSpeed(SPEEDS[event.target.value]))
 
     def _add_hotkeys(self) -> None:
-        send = self._stage.send
+        send = self._scene.send
         self._hotkey("Play or pause", "space", Icon.PLAYER_PLAY, lambda: send(PlayPause()))
         self._hotkey("Step one scan", ".", Icon.PLAYER_TRACK_NEXT, lambda: send(StepScan()))
         self._hotkey("Restart", "R", Icon.PLAYER_SKIP_BACK, lambda: send(Restart()))
@@ -97,7 +97,7 @@ class TransportPanel:
 
     def _hotkey(self, title: str, key: str, icon: IconName, act: Callable[[], None]) -> None:
         # The page takes any key that a keyboard event names; the declared type lists letters and a few more.
-        command = self._stage.server.gui.add_command(title, hotkey=cast(Any, key), icon=icon)
+        command = self._scene.server.gui.add_command(title, hotkey=cast(Any, key), icon=icon)
         command.on_trigger(lambda _: act())
 
 

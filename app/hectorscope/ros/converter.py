@@ -42,7 +42,7 @@ class _Pending:
     receive_ns: int
 
 
-# Gives the item of a message; None while tf does not tell its mount. The number: nanoseconds waited so far.
+# Gives the item of a message; None while tf does not contain its mount. The number: nanoseconds waited so far.
 _Duty = Callable[[_Pending, float], Item | None]
 
 

@@ -58,7 +58,7 @@ class Quaternion:
 
 @dataclass(slots=True, eq=False)
 class Imu:
-    """sensor_msgs/Imu; of its covariances the first value, which may say that the rest is absent."""
+    """sensor_msgs/Imu; of its covariances the first value, which may mark the rest as absent."""
 
     header: Header
     orientation: Quaternion

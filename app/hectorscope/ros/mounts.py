@@ -9,7 +9,7 @@ BASE_NAMES = ("base_link", "base_footprint")
 WORLD_NAMES = ("map", "odom", "world", "earth")
 # A message waits this long for the chain of transforms that places its sensor to appear at all.
 PATIENCE_NS = 1_000_000_000
-# It waits this long for a moving mount (a tilting laser) to be told up to the message's time.
+# It waits this long for a moving mount (a tilting laser) to be known up to the time of the message.
 MOVING_PATIENCE_NS = 300_000_000
 
 

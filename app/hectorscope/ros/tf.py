@@ -1,4 +1,4 @@
-"""The tree of coordinate frames (REP-105) as /tf and /tf_static tell it."""
+"""The tree of coordinate frames (REP-105) as in /tf and /tf_static."""
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ class _Edge:
     values: list[Transform] = field(default_factory=list)
 
     def add(self, stamp_ns: int, T: Transform) -> bool:
-        """Take in one sample; true when the edge changed its nature (a fixed one now lies elsewhere)."""
+        """Take in one sample; true when the edge changed its kind (a fixed one is elsewhere now)."""
         if self.static:
             changed = not self.values or not _same(self.values[0], T)
             self.stamps, self.values = [stamp_ns], [T]

@@ -7,7 +7,7 @@ from hectorscope.ros.stamps import SET_BACK_NS
 from hectorscope.ros.tf import TfTree
 from slam_core.measurements import Attitude, Transform, TruthPose
 
-# A base that never leans further than this says nothing about attitude: sin^2 of half of 0.1 degrees.
+# A base that never leans further than this gives no attitude: sin^2 of half of 0.1 degrees.
 LEVEL = 7.6e-7
 
 
@@ -31,7 +31,7 @@ class TfPoses:
         self._truth = tf_spec(roles.truth or "")
 
     def after(self, updated: dict[str, int]) -> list[Item]:
-        """The poses that tf tells anew, after transforms of these child frames came with these stamps."""
+        """The new poses in tf, after transforms of these child frames came with these stamps."""
         items: list[Item] = []
         spec = self._automatic_chain() if self._automatic else self._attitude
         pose = self._news("attitude", spec, updated)

@@ -14,7 +14,7 @@ from slam_core.localization.prior_map import SavedLevel
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """What a run has to tell.
+    """The results of a run.
 
     trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
     is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of

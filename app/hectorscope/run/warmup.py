@@ -25,16 +25,16 @@ GARBAGE = 20_000
 # For another process, as numba compiles one kernel after the other. Both find what is compiled where it is kept.
 HELP = "import sys; sys.path[:] = {!r}; from hectorscope.run.warmup import _help; _help()"
 
-Tell = Callable[[str], None]
+Report = Callable[[str], None]
 
 
-def warm_up(tell: Tell = lambda _: None) -> None:
+def warm_up(report: Report = lambda _: None) -> None:
     """A few scans of a small made-up room through every branch.
 
-    When it takes longer it says how far it is, on stderr and to `tell` (from another thread, until it returns).
+    When it takes longer it reports its progress, on stderr and to `report` (from another thread, while it runs).
     Another process then begins with what inertial data needs, which therefore comes last here.
     """
-    with _watched(tell):
+    with _watched(report):
         for inertial in (False, True):
             _run(inertial)
     gc.freeze()  # what is loaded by now stays: the garbage collector may pass it over
@@ -42,7 +42,7 @@ def warm_up(tell: Tell = lambda _: None) -> None:
 
 
 @contextmanager
-def _watched(tell: Tell) -> Iterator[None]:
+def _watched(report: Report) -> Iterator[None]:
     done = threading.Event()
 
     moving = sys.stderr.isatty()  # elsewhere one line is enough
@@ -54,7 +54,7 @@ def _watched(tell: Tell) -> Iterator[None]:
             helper = helper or _helper()
             progress, wait = _progress(), PERIOD_S
             if progress != said:
-                tell(progress)
+                report(progress)
                 if moving or not said:
                     print(f"\r{progress}", end="" if moving else "\n", file=sys.stderr, flush=True)
                 said = progress

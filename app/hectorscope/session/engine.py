@@ -83,7 +83,7 @@ class Engine:
 
     @property
     def mailbox(self) -> Mailbox[Snapshot]:
-        """Where the newest snapshot lies."""
+        """The newest snapshot."""
         return self._publisher.mailbox
 
     def start(self) -> None:
@@ -113,7 +113,7 @@ class Engine:
             self._thread.join(timeout=10.0)
 
     def save(self) -> str:
-        """Leave the results so far, and say so; SlamError if that cannot be. Only once it has stopped."""
+        """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
         return save(self._pipeline, self._source.report, self._out)
 
     # ------------------------------------------------------------------------------------ the engine's thread

@@ -1,4 +1,4 @@
-"""What happened, in lines for the page: the newest, each drag of a control as one."""
+"""The event log of the page: the newest lines, each drag of a control as one."""
 
 import re
 from dataclasses import replace
@@ -10,14 +10,14 @@ DRAG_NS = 1_000_000_000  # changes of one setting this close together are one mo
 CHANGE = re.compile(r"(?P<name>[\w.]+): (?P<old>\S+) → (?P<new>\S+)")
 
 
-class Journal:
-    """Keeps the newest lines. entries: oldest first, a new tuple whenever there is news."""
+class EventLog:
+    """Keeps the newest lines. entries: oldest first, a new tuple whenever a line is added."""
 
     def __init__(self) -> None:
         self.entries: tuple[LogEntry, ...] = ()
 
     def add(self, entry: LogEntry) -> None:
-        """One more line, or the last one told anew where a hand moved the same control on."""
+        """One more line, or the last one replaced where the same control was moved on."""
         last = self.entries[-1:]
         drag = drawn_on(last[0], entry) if last else None
         self.entries = (*self.entries[:-1], drag) if drag else (*self.entries, entry)[-LINES:]

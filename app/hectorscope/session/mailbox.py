@@ -15,7 +15,7 @@ class Mailbox(Generic[T]):
         self._fresh = False
 
     def put(self, value: T) -> None:
-        """Replace whatever lies here."""
+        """Replace the content."""
         with self._filled:
             self._value, self._fresh = value, True
             self._filled.notify_all()

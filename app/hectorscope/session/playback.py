@@ -13,7 +13,7 @@ WINDOW_S = 2.0
 
 
 class Pacer:
-    """Says how long to wait for a scan at the present speed. clock: seconds, monotonic."""
+    """How long to wait for a scan at the present speed. clock: seconds, monotonic."""
 
     def __init__(self, speed: float = 1.0, clock: Clock = time.monotonic) -> None:
         self._clock = clock

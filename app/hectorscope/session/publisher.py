@@ -9,7 +9,7 @@ from hectorscope.run.map_images import MapImage, map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
-from hectorscope.session.event_log import Journal
+from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import LogEntry, PlaybackStatus, Snapshot
 from hectorscope.session.transport import Transport
@@ -42,7 +42,7 @@ class Publisher:
     def __init__(self, source: Source) -> None:
         self.mailbox: Mailbox[Snapshot] = Mailbox()
         self._source = source
-        self._journal = Journal()
+        self._event_log = EventLog()
         self._noted: set[str] = set()
         self._news = True
         self._sequence = 0
@@ -54,7 +54,7 @@ class Publisher:
 
     def log(self, entry: LogEntry) -> None:
         """One more line for the page."""
-        self._journal.add(entry)
+        self._event_log.add(entry)
         self.touch()
 
     def touch(self) -> None:
@@ -91,7 +91,7 @@ class Publisher:
             map_updates=pipeline.slam.map.updates,
             scans=pipeline.scans,
             report=run.report,
-            log=self._journal.entries,
+            log=self._event_log.entries,
             mode=pipeline.mode,
             searching=pipeline.searching,
             warnings=warnings,

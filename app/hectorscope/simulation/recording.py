@@ -108,7 +108,7 @@ def _scan(bag: Recorder, scan: LaserScan, scan_time: float) -> object:
 
 def _imu(bag: Recorder, imu: Imu) -> object:
     no_orientation = np.zeros(9)
-    no_orientation[0] = -1.0  # so the message's definition says
+    no_orientation[0] = -1.0  # as the definition of the message has it
     return bag.make(
         "sensor_msgs/msg/Imu",
         header=bag.header(imu.stamp_ns, "imu_link"),

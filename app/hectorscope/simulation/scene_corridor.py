@@ -1,4 +1,4 @@
-"""A bare corridor of 120 m: walls and nothing else, so that a scan says where across it is and not where along.
+"""A bare corridor of 120 m: two walls, so that a scan observes the position across it and not along it.
 
 Both ends are out of the laser's sight for most of the way.
 """

@@ -15,7 +15,7 @@ _USABLE_TYPES = frozenset(name for names in (*ROLE_TYPES.values(), TF_TYPES) for
 
 
 class ChannelError(Exception):
-    """A channel that is wanted cannot be decoded; the text says why."""
+    """A channel that is needed cannot be decoded; the text gives the reason."""
 
 
 class Channels:

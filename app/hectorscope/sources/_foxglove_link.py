@@ -25,8 +25,8 @@ CONNECT_TIMEOUT_S = 5.0
 LARGEST_FRAME = 32 * 2**20
 
 _FAILURES = (OSError, WebSocketException, UnicodeError)
-# What went wrong and what to do about it; the first kind that fits is told.
-_NEEDED = "it must be a Foxglove WebSocket server, such as foxglove_bridge (port 8765 unless told otherwise)"
+# Errors with their remedies; the first kind that fits is reported.
+_NEEDED = "it must be a Foxglove WebSocket server, such as foxglove_bridge (port 8765 by default)"
 _REMEDIES: tuple[tuple[type[Exception], str], ...] = (
     (InvalidURI, "{uri} is no WebSocket address: give ws://HOST:PORT or wss://HOST:PORT"),
     (UnicodeError, "{uri} names no possible host: give ws://HOST:PORT or wss://HOST:PORT"),

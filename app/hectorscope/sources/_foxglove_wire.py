@@ -1,4 +1,4 @@
-"""Frames of the Foxglove WebSocket protocol: what a server says and what a client asks.
+"""Frames of the Foxglove WebSocket protocol: messages of the server and requests of the client.
 
 Nothing that a server sends is trusted: what cannot be read becomes a `Malformed`, what is not needed here
 (services, parameters, the server's clock) is passed over.
@@ -58,7 +58,7 @@ Event = Offer | Withdrawal | Payload | Malformed
 
 
 def parse(frame: str | bytes) -> list[Event]:
-    """What a server's frame says; empty for everything that is not needed."""
+    """The event in a frame of the server; empty for everything that is not needed."""
     return _parse_text(frame) if isinstance(frame, str) else _parse_binary(frame)
 
 

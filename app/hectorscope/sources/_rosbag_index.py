@@ -1,4 +1,4 @@
-"""Reads the messages of a ROS 1 bag where its index says they lie, without taking every record to pieces."""
+"""Reads the messages of a ROS 1 bag at the places of its index, without taking every record to pieces."""
 
 import struct
 from collections.abc import Collection, Iterator
@@ -24,7 +24,7 @@ class BagIndex:
     def messages(self, connections: Collection[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
         """Connection, time and content of the messages of some connections, by time.
 
-        ReaderError where no message lies.
+        ReaderError where there is no message.
         """
         entries = chain.from_iterable(zip(self._entries[c.id], repeat(c), strict=False) for c in connections)
         with self._path.open("rb") as file:
@@ -48,9 +48,9 @@ def _content(chunk: bytes, position: int) -> bytes:
             begin = position + _SIZE.size + _SIZE.unpack_from(chunk, position)[0]
             end = begin + _SIZE.size + _SIZE.unpack_from(chunk, begin)[0]
         except struct.error as error:
-            raise ReaderError("a message lies beyond the end of its chunk") from error
+            raise ReaderError("a message reaches beyond the end of its chunk") from error
         if end > len(chunk):
-            raise ReaderError("a message lies beyond the end of its chunk")
+            raise ReaderError("a message reaches beyond the end of its chunk")
         if chunk.find(_IS_MESSAGE, position, begin) >= 0:
             return chunk[begin + _SIZE.size : end]
         if chunk.find(_IS_CONNECTION, position, begin) < 0:

@@ -1,4 +1,4 @@
-"""Logs of text that hold a laser and the wheels, a line an instant; what a line means is told by each format."""
+"""Text logs of a laser and wheels, one line a time; each format defines its lines."""
 
 import gzip
 import zlib
@@ -68,7 +68,7 @@ class TextLog:
         return SourceReport({SCANS: self._read}, dict(self._skipped), notes=self._notes)
 
     def log_times_ns(self) -> dict[str, list[int]]:
-        """When each topic has something to say."""
+        """The times of each topic."""
         times = sorted(instant.scan.stamp_ns for instant in self.instants)
         return dict.fromkeys((SCANS, WHEELS), times)
 

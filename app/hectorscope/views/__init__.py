@@ -4,19 +4,19 @@ import sys
 from typing import Protocol
 
 from hectorscope.common.registry import members
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 
 
 class View(Protocol):
-    """Draws one thing. Made once with the Stage; `draw` runs on the display thread.
+    """Draws one thing. Made once with the Scene; `draw` runs on the display thread.
 
     An attribute `rate` asks for fewer drawings a second than the display's own rate.
     """
 
     title: str
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, scene: Scene) -> None:
         """Make the scene nodes."""
 
     def draw(self, snapshot: Snapshot) -> None:

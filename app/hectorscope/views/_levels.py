@@ -11,7 +11,9 @@ from slam_core.measurements import Float64s
 
 AISLE = 2.0  # metres between levels side by side
 OCCUPIED = 2  # class of a cell
-STRAYS = 0.03  # share of the walls on each side that may lie outside: a few beams far out must not shrink the rest
+OUTLIERS = (
+    0.03  # share of the walls on each side that may be outside: a few beams far out must not shrink the rest
+)
 
 Bounds = tuple[Float64s, Float64s]  # lowest and highest x, y in the map, metres
 
@@ -60,6 +62,6 @@ def bulk(image: MapImage) -> Bounds:
 
 
 def span(counts: np.ndarray) -> tuple[int, int]:
-    """First and last index (exclusive) between which all but STRAYS of the counts on each side lie."""
+    """First and last index (exclusive) between which all but OUTLIERS of the counts on each side lie."""
     share = np.cumsum(counts) / counts.sum()
-    return int(np.searchsorted(share, STRAYS)), int(np.searchsorted(share, 1.0 - STRAYS)) + 1
+    return int(np.searchsorted(share, OUTLIERS)), int(np.searchsorted(share, 1.0 - OUTLIERS)) + 1

@@ -1,6 +1,6 @@
-"""What each estimate believes of itself: ellipses of match, filter and fused pose, ellipsoid of the position."""
+"""The covariance of each estimate: ellipses of match, filter and fused pose, ellipsoid of the position."""
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.page.theme import Rgb, Theme, for_line
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._shapes import disc, ellipse, ellipsoid, ring
@@ -16,24 +16,24 @@ class CovarianceView:
 
     title = "Covariances"
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._ellipses = [_Ellipse(stage, key, LIFT * (1 + i)) for i, key in enumerate(TITLES)]
-        root = stage.layer("position", "Position (3D)", colour="position", shown=False).root.name
-        self._ellipsoid = stage.server.scene.add_icosphere(
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._ellipses = [_Ellipse(scene, key, LIFT * (1 + i)) for i, key in enumerate(TITLES)]
+        root = scene.layer("position", "Position (3D)", colour="position", shown=False).root.name
+        self._ellipsoid = scene.server.scene.add_icosphere(
             f"{root}/ellipsoid", radius=1.0, subdivisions=3, opacity=SEE_THROUGH, cast_shadow=False, visible=False
         )
         self._drawn: object = None
 
     def draw(self, snapshot: Snapshot) -> None:
         """Scale them to the newest covariances."""
-        display = self._stage.display
+        display = self._scene.display
         state = (snapshot.sequence, display.ellipse_scale, display.dark)
         if state == self._drawn:
             return
         self._drawn = state
         planes = gaussians(snapshot.result)
-        with self._stage.server.atomic():
+        with self._scene.server.atomic():
             for item in self._ellipses:
                 item.draw(planes.get(item.key), display.ellipse_scale, display.theme)
             self._draw_position(snapshot.result, display.ellipse_scale, display.theme.position)
@@ -62,16 +62,16 @@ def gaussians(result: StepResult | None) -> dict[str, PlanarGaussian]:
 class _Ellipse:
     """A see-through disc with a rim."""
 
-    def __init__(self, stage: Stage, key: str, height: float) -> None:
+    def __init__(self, scene: Scene, key: str, height: float) -> None:
         self.key = key
-        scene = stage.server.scene
-        root = stage.layer(key, TITLES[key], colour=key, on_floor=True).root.name
-        self._frame = scene.add_frame(f"{root}/pose", show_axes=False, visible=False)
+        nodes = scene.server.scene
+        root = scene.layer(key, TITLES[key], colour=key, on_floor=True).root.name
+        self._frame = nodes.add_frame(f"{root}/pose", show_axes=False, visible=False)
         self._height = height
-        self._rim = scene.add_line_segments(
+        self._rim = nodes.add_line_segments(
             f"{root}/pose/rim", ring(), (0, 0, 0), thickness=3.0, thickness_units="screen"
         )
-        self._disc = scene.add_mesh_simple(
+        self._disc = nodes.add_mesh_simple(
             f"{root}/pose/disc",
             *disc(),
             opacity=SEE_THROUGH,

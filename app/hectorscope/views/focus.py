@@ -3,7 +3,7 @@
 import numpy as np
 import viser
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._levels import Bounds, Placement, bulk, placements
 from slam_core.measurements import Float64s
@@ -17,30 +17,30 @@ class FocusView:
     title = "Focus"
     rate = 2.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        root = f"{stage.floor.name}/focus"
-        stage.server.scene.add_frame(root, show_axes=False, visible=False)
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        root = f"{scene.floor.name}/focus"
+        scene.server.scene.add_frame(root, show_axes=False, visible=False)
         self._root = root
         self._boxes: list[viser.BoxHandle] = []
         self._drawn: object = None
 
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the map, the trajectory and the layout."""
-        display, maps = self._stage.display, snapshot.maps
+        display, maps = self._scene.display, snapshot.maps
         revisions = tuple((image.revision, image.x, image.y) for image in maps)
         state = (snapshot.epoch, revisions, display.layout, display.gap, display.level)
         if state == self._drawn or not maps or not maps[0].cells.size:
             return
         self._drawn = state
         bounds = around(bulk(maps[0]), snapshot.trajectory[:, 1:3])
-        with self._stage.server.atomic():
+        with self._scene.server.atomic():
             self._show(bounds, placements(display, maps))
 
     def _show(self, bounds: Bounds, places: list[Placement]) -> None:
         while len(self._boxes) < len(places):
             name = f"{self._root}/level{len(self._boxes)}"
-            self._boxes.append(self._stage.server.scene.add_box(name, cast_shadow=False, receive_shadow=False))
+            self._boxes.append(self._scene.server.scene.add_box(name, cast_shadow=False, receive_shadow=False))
         (low, high), spare = bounds, len(self._boxes) - len(places)
         size, centre = high - low, (low + high) / 2
         for box, place in zip(self._boxes, [*places, *[Placement(shown=False)] * spare], strict=True):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 from slam_core.geometry import split_heading, yaw_quaternion
 
@@ -15,12 +15,12 @@ class FramesView:
 
     title = "Frames"
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        scene, layer = stage.server.scene, stage.layer("frames", "Frames")
-        scene.add_frame(f"{layer.root.name}/map", axes_length=1.0, axes_radius=0.02)
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        nodes, layer = scene.server.scene, scene.layer("frames", "Frames")
+        nodes.add_frame(f"{layer.root.name}/map", axes_length=1.0, axes_radius=0.02)
         self._frames = {
-            name: scene.add_frame(
+            name: nodes.add_frame(
                 f"{layer.root.name}/{name}", axes_length=LENGTH * share, axes_radius=radius, visible=False
             )
             for name, (share, radius) in SHAPES.items()
@@ -37,11 +37,11 @@ class FramesView:
         psi, _ = split_heading(result.T_map_base.rotation)
         level = yaw_quaternion(psi)
         poses = {
-            "base_footprint": (np.array([*position[:2], self._stage.floor.position[2]]), level),
+            "base_footprint": (np.array([*position[:2], self._scene.floor.position[2]]), level),
             "base_stabilized": (position, level),
             "base_link": (position, result.T_map_base.rotation),
         }
-        with self._stage.server.atomic():
+        with self._scene.server.atomic():
             for name, frame in self._frames.items():
                 frame.visible = True
                 frame.position, frame.wxyz = poses[name]

@@ -4,7 +4,7 @@ import numpy as np
 import viser
 
 from hectorscope.page import palette_png
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.page.theme import Theme
 from hectorscope.page.viser_private import set_png
 from hectorscope.run.map_images import MapImage
@@ -23,30 +23,30 @@ class LevelsView:
     title = "Maps"
     rate = 5.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._root = stage.layer("map", "Maps", on_floor=True).root.name
-        self._names = stage.layer("names", "Level names", on_floor=True).root.name
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._root = scene.layer("map", "Maps", on_floor=True).root.name
+        self._names = scene.layer("names", "Level names", on_floor=True).root.name
         self._levels: list[_Level] = []
         self._epoch = 0
         self._rows = 0
 
     def draw(self, snapshot: Snapshot) -> None:
         """Encode what changed, then show it all at once."""
-        display, maps = self._stage.display, snapshot.maps
+        display, maps = self._scene.display, snapshot.maps
         self._match_count(len(maps))
         places = placements(display, maps)
         pngs = [
             level.encoded(image, snapshot.epoch, place, display.theme)
             for level, image, place in zip(self._levels, maps, places, strict=True)
         ]
-        with self._stage.server.atomic():
+        with self._scene.server.atomic():
             for level, image, place, png in zip(self._levels, maps, places, pngs, strict=True):
                 level.show(image, place, png)
             self._sink(snapshot)
 
     def _match_count(self, count: int) -> None:
-        scene = self._stage.server.scene
+        scene = self._scene.server.scene
         while len(self._levels) < count:
             self._levels.append(_Level(scene, self._root, self._names, len(self._levels)))
         while len(self._levels) > count:
@@ -54,7 +54,7 @@ class LevelsView:
 
     def _sink(self, snapshot: Snapshot) -> None:
         """Keep the floor below everything that was driven, so that it hides nothing."""
-        floor = self._stage.floor
+        floor = self._scene.floor
         if snapshot.epoch != self._epoch or len(snapshot.trajectory) < self._rows:
             self._epoch, self._rows = snapshot.epoch, 0
             floor.position = (0.0, 0.0, -SAFETY)

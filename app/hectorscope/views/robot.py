@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.page.theme import for_line
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._shapes import prism, ring
@@ -18,31 +18,31 @@ class RobotView:
 
     title = "Robot"
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        scene = stage.server.scene
-        self._body = stage.layer("robot", "Robot", colour="robot").root
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        nodes = scene.server.scene
+        self._body = scene.layer("robot", "Robot", colour="robot").root
         name = self._body.name
-        self._hull = scene.add_mesh_simple(
+        self._hull = nodes.add_mesh_simple(
             f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True, visible=False
         )
-        scene.add_cylinder(
+        nodes.add_cylinder(
             f"{name}/hull/laser", radius=0.07, height=0.1, color=LASER_COLOUR, position=(0.08, 0.0, 0.21)
         )
-        self._ring = scene.add_line_segments(
-            f"{stage.floor.name}/footprint", ring(32) * 0.45, (0, 0, 0), thickness=2.0, thickness_units="screen",
+        self._ring = nodes.add_line_segments(
+            f"{scene.floor.name}/footprint", ring(32) * 0.45, (0, 0, 0), thickness=2.0, thickness_units="screen",
             visible=False,
         )  # fmt: skip
         self._drawn: object = None
 
     def draw(self, snapshot: Snapshot) -> None:
         """Move it to the newest pose."""
-        theme, result = self._stage.theme, snapshot.result
+        theme, result = self._scene.theme, snapshot.result
         state = (snapshot.sequence, theme.dark, self._body.visible)
         if state == self._drawn:
             return
         self._drawn = state
-        with self._stage.server.atomic():
+        with self._scene.server.atomic():
             self._hull.visible = result is not None
             self._ring.visible = result is not None and self._body.visible
             self._hull.color = theme.robot

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hectorscope.page.scene import Display, Stage
+from hectorscope.page.scene import Display, Scene
 from hectorscope.session.snapshot import Snapshot
 from slam_core.config import ScanConfig
 from slam_core.geometry import transform_points
@@ -22,11 +22,11 @@ class ScanView:
 
     title = "Scan"
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        layer = stage.layer("scan", "Scan", on_floor=True)
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        layer = scene.layer("scan", "Scan", on_floor=True)
         self._frame = layer.root
-        self._cloud = stage.server.scene.add_point_cloud(
+        self._cloud = scene.server.scene.add_point_cloud(
             f"{layer.root.name}/points",
             np.zeros((1, 3), np.float32),
             np.zeros((1, 3), np.uint8),
@@ -39,7 +39,7 @@ class ScanView:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send a new scan, or the same one in other colours."""
-        display, result = self._stage.display, snapshot.result
+        display, result = self._scene.display, snapshot.result
         state = (snapshot.epoch, result.index if result else None, display.points, display.dark)
         if state == self._drawn:
             return
@@ -50,7 +50,7 @@ class ScanView:
         points = np.zeros((len(result.points), 3), np.float16)
         points[:, :2] = transform_points(np.array([0.0, 0.0, result.planar[2]]), result.points)
         colours = point_colours(result, display, snapshot.config.scan)
-        with self._stage.server.atomic():
+        with self._scene.server.atomic():
             self._cloud.visible = True
             self._cloud.points = points
             self._cloud.colors = colours

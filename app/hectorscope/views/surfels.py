@@ -1,9 +1,9 @@
-"""Where in the cells of the finest level the surfaces lie, which the match settles on: a piece of line a cell."""
+"""The surfels of the finest level, which the match settles on: a piece of line a cell."""
 
 import numpy as np
 import viser
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.page.theme import for_lines
 from hectorscope.run.map_images import MapImage
 from hectorscope.session.snapshot import Snapshot
@@ -21,15 +21,15 @@ class SurfelsView:
     title = "Surfels"
     rate = 1.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        self._layer = stage.layer("surfels", "Surfels", colour="accent", on_floor=True, shown=False)
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._layer = scene.layer("surfels", "Surfels", colour="accent", on_floor=True, shown=False)
         self._lines: viser.LineSegmentsHandle | None = None
         self._drawn: object = None
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send the lines of a map that changed."""
-        display, maps = self._stage.display, snapshot.maps
+        display, maps = self._scene.display, snapshot.maps
         if self._layer.key in display.hidden:
             return
         finest = maps[0] if maps and placements(display, maps)[0].shown else None
@@ -38,7 +38,7 @@ class SurfelsView:
             return
         self._drawn = state
         segments, colours = self._encoded(finest)
-        with self._stage.server.atomic():
+        with self._scene.server.atomic():
             self._show(segments, colours)
 
     def _encoded(self, finest: MapImage | None) -> tuple[Float32s, np.ndarray]:
@@ -47,7 +47,7 @@ class SurfelsView:
             return np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8)
         ends, counts = pieces(finest.surfels, finest.resolution, finest.x, finest.y)
         segments = np.concatenate([ends, np.full((len(ends), 2, 1), LIFT, np.float32)], axis=2)
-        theme = self._stage.theme
+        theme = self._scene.theme
         none, whole = np.array(theme.free), np.array(theme.accent)
         colours = for_lines(none + counts[:, None] * (whole - none))
         return segments, np.repeat(colours[:, None], 2, axis=1)
@@ -58,7 +58,7 @@ class SurfelsView:
         if not len(segments):  # without any there can be no node
             return
         if self._lines is None:
-            self._lines = self._stage.server.scene.add_line_segments(
+            self._lines = self._scene.server.scene.add_line_segments(
                 f"{self._layer.root.name}/lines", segments, colours, thickness=PIXELS, thickness_units="screen"
             )
         else:

@@ -1,6 +1,6 @@
 """Where the robot was, as estimated at the time."""
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._polyline import Polyline
 
@@ -11,14 +11,14 @@ class TrajectoryView:
     title = "Trajectory"
     rate = 10.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
-        root = stage.layer("trajectory", "Trajectory", colour="trajectory").root.name
-        self._line = Polyline(stage.server.scene, root, spacing=0.03, pixels=2.5)
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        root = scene.layer("trajectory", "Trajectory", colour="trajectory").root.name
+        self._line = Polyline(scene.server.scene, root, spacing=0.03, pixels=2.5)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Add what was driven since."""
-        self._line.draw(snapshot.trajectory[:, 1:4], snapshot.epoch, self._stage.theme.trajectory)
+        self._line.draw(snapshot.trajectory[:, 1:4], snapshot.epoch, self._scene.theme.trajectory)
 
 
 VIEW = TrajectoryView

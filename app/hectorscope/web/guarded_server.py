@@ -89,7 +89,7 @@ def _silent() -> logging.Logger:
 
 
 def quiet() -> contextlib.AbstractContextManager[Any]:
-    """Viser prints a banner of its own; ours says what to open."""
+    """Viser prints a banner of its own; ours gives the address to open."""
     return contextlib.redirect_stdout(io.StringIO())
 
 

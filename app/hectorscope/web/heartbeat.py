@@ -1,18 +1,18 @@
 """A word to every page each second, so that a page whose link is broken knows it (static/link.js)."""
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 
 
-class Pulse:
+class Heartbeat:
     """Drawn like a view, whatever the run does."""
 
-    title = "Pulse"
+    title = "Heartbeat"
     rate = 1.0
 
-    def __init__(self, stage: Stage) -> None:
-        self._stage = stage
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
 
     def draw(self, _snapshot: Snapshot) -> None:
-        """Say that the server is there."""
-        self._stage.run("window.hectorscope?.beat?.()")
+        """Show that the server is alive."""
+        self._scene.run("window.hectorscope?.beat?.()")

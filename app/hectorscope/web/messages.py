@@ -1,4 +1,4 @@
-"""What a browser may say: values of controls, within the bounds that they show. Everything else is dropped."""
+"""Messages that a browser may send: values of controls, within their bounds. Everything else is dropped."""
 
 import math
 from collections.abc import Callable, Iterable

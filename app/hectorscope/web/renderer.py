@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import Snapshot
 
@@ -28,17 +28,17 @@ class Item:
     due: float = 0.0
 
 
-class Painter:
+class Renderer:
     """Draws `items` (views and panels) until stopped. One that raises is left out and named on the page."""
 
-    def __init__(self, stage: Stage, mailbox: Mailbox[Snapshot], items: Iterable[Any]) -> None:
-        self._stage = stage
+    def __init__(self, scene: Scene, mailbox: Mailbox[Snapshot], items: Iterable[Any]) -> None:
+        self._scene = scene
         self._mailbox = mailbox
         self._items = [Item(i.title, i.draw, 1.0 / getattr(i, "rate", RATE)) for i in items]
         self._wake = threading.Event()
         self._stopping = False
-        self._thread = threading.Thread(target=self._run, name="painter", daemon=True)
-        stage.server.on_client_connect(lambda _: self._wake.set())
+        self._thread = threading.Thread(target=self._run, name="renderer", daemon=True)
+        scene.server.on_client_connect(lambda _: self._wake.set())
 
     def start(self) -> None:
         """Begin to draw."""
@@ -54,7 +54,7 @@ class Painter:
         while not self._stopping:
             started = time.monotonic()
             self.tick(started)
-            rate = RATE if self._stage.server.get_clients() else IDLE_RATE
+            rate = RATE if self._scene.server.get_clients() else IDLE_RATE
             self._wake.wait(max(0.0, started + 1.0 / rate - time.monotonic()))
             self._wake.clear()
 
@@ -74,4 +74,4 @@ class Painter:
         except Exception as error:  # one broken view must not take the others away
             log.exception("%s cannot be drawn any more", item.title)
             self._items.remove(item)
-            self._stage.failures[item.title] = type(error).__name__
+            self._scene.failures[item.title] = type(error).__name__

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from hectorscope.common.resources import resource_folder
 from hectorscope.page import viser_private
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.page.static_files import File, page, static_files
 from hectorscope.panels import panel_classes
 from hectorscope.session.commands import Command
@@ -18,8 +18,8 @@ from hectorscope.session.snapshot import Snapshot
 from hectorscope.views import view_classes
 from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.guarded_server import open_server, stop_server
-from hectorscope.web.heartbeat import Pulse
-from hectorscope.web.renderer import Painter
+from hectorscope.web.heartbeat import Heartbeat
+from hectorscope.web.renderer import Renderer
 from slam_core.errors import SlamError
 
 log = logging.getLogger(__name__)
@@ -75,16 +75,16 @@ class PageServer:
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
         self._server = open_server(listener, self._access())
-        self.stage = Stage(self._server, self._engine.send)
+        self.scene = Scene(self._server, self._engine.send)
         with viser_private.icons_at_hand():
-            views = made(view_classes(), self.stage)  # before the panels, which list the views' layers
-            panels = made(panel_classes(), self.stage)
-        self._painter = Painter(self.stage, self._engine.mailbox, [*views, *panels, Pulse(self.stage)])
-        self._painter.start()
+            views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
+            panels = made(panel_classes(), self.scene)
+        self._renderer = Renderer(self.scene, self._engine.mailbox, [*views, *panels, Heartbeat(self.scene)])
+        self._renderer.start()
 
     def stop(self) -> None:
         """Close the page and give the port back."""
-        self._painter.stop()
+        self._renderer.stop()
         stop_server(self._server)
 
     def _access(self) -> AccessControl:
@@ -118,15 +118,15 @@ def serve(
         server.stop()
 
 
-def made(kinds: Iterable[Any], stage: Stage) -> list[Any]:
+def made(kinds: Iterable[Any], scene: Scene) -> list[Any]:
     """One of each view or panel; one that cannot be made is left out and named on the page."""
     items = []
     for kind in kinds:
         try:
-            items.append(kind(stage))
+            items.append(kind(scene))
         except Exception as error:  # one broken view must not take the page away
             log.exception("%s cannot be made", kind.title)
-            stage.failures[kind.title] = type(error).__name__
+            scene.failures[kind.title] = type(error).__name__
     return items
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 import viser
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.web.access_control import AccessControl
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.server import listen
@@ -20,8 +20,8 @@ def server() -> Iterator[viser.ViserServer]:
 
 
 @pytest.fixture
-def stage() -> Iterator[Stage]:
+def scene() -> Iterator[Scene]:
     """With a server of its own."""
     made = open_server(listen("127.0.0.1", 0), AccessControl({}))
-    yield Stage(made, lambda command: None)
+    yield Scene(made, lambda command: None)
     stop_server(made)

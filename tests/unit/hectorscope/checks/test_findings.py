@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hectorscope.checks.findings import findings, remedy
-from hectorscope.checks.sensor_check import DeviceError, Watched, examined
-from hectorscope.checks.sensor_statistics import Evidence, Measures
+from hectorscope.checks.sensor_check import DeviceError, Watched, checked_source
+from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.ros.repairs import Repairs
 from hectorscope.simulation.options import SceneOptions
@@ -56,7 +56,7 @@ def late(kind: type[Item], seconds: float) -> Lie:
 
 
 def measures(items: Iterable[Item]) -> Measures:
-    evidence = Evidence()
+    evidence = SensorStatistics()
     for item in items:
         evidence.take(item)
     return evidence.measures()
@@ -213,23 +213,23 @@ def test_a_recording_is_refused_by_its_beginning() -> None:
     with pytest.raises(
         DeviceError, match=r"memory: the gyroscope turns 5\d times .*--imu-gyro-unit deg/s, or .*none"
     ):
-        examined(MemoryRecording(items), SourceOptions())
+        checked_source(MemoryRecording(items), SourceOptions())
     for options in (SourceOptions(imu_gyro_unit="deg/s"), SourceOptions()):
         source = MemoryRecording(repaired(items, options) if options.imu_gyro_unit else honest())
-        assert examined(source, options) is source
+        assert checked_source(source, options) is source
 
 
 def test_a_delay_alone_refuses_nothing() -> None:
     """A run with late scans is worse, not wrong."""
     source = MemoryRecording([LIES["late scans"][0](item) for item in honest()])
-    assert examined(source, SourceOptions()) is source
+    assert checked_source(source, SourceOptions()) is source
 
 
 def test_a_stream_ends_when_its_devices_contradict_each_other() -> None:
     """What came until then is handed on; the reason ends it."""
     stream = MemoryStream()
     stream.send([LIES["milli-g"][0](item) for item in honest()])
-    watched = examined(stream, SourceOptions())
+    watched = checked_source(stream, SourceOptions())
     assert isinstance(watched, Watched)
     came = []
     with pytest.raises(DeviceError, match="milli-g"):
@@ -240,14 +240,14 @@ def test_a_stream_ends_when_its_devices_contradict_each_other() -> None:
     honest_stream = MemoryStream()
     honest_stream.send(honest())
     honest_stream.close()
-    assert len(list(examined(honest_stream, SourceOptions()).items())) == len(honest())
+    assert len(list(checked_source(honest_stream, SourceOptions()).items())) == len(honest())
 
 
 def test_a_stream_whose_imu_hangs_upside_down_is_warned_of_at_rest_and_ended_by_a_turn() -> None:
     """Within two seconds the report says which way is up; once the scans turn too it is sure."""
     stream = MemoryStream()
     stream.send([LIES["upside down"][0](item) for item in honest()])
-    watched = examined(stream, SourceOptions())
+    watched = checked_source(stream, SourceOptions())
     warned = next(item.stamp_ns for item in watched.items() if watched.report.warnings)
     assert warned - honest()[0].stamp_ns < 2 * SECOND
     assert "mounted upside down: run again with --imu-rotation 3.1416 0 0" in watched.report.warnings[0]

@@ -3,12 +3,12 @@
 import pytest
 import viser
 
-from hectorscope.page.scene import Display, Stage
+from hectorscope.page.scene import Display, Scene
 
 
 @pytest.fixture
-def stage(server: viser.ViserServer) -> Stage:
-    return Stage(server, lambda command: None)
+def scene(server: viser.ViserServer) -> Scene:
+    return Scene(server, lambda command: None)
 
 
 def test_settings_are_clamped() -> None:
@@ -17,32 +17,32 @@ def test_settings_are_clamped() -> None:
     assert wild == Display(layout="stacked", points="residual", gap=2.0, level=0, ellipse_scale=1.0)
 
 
-def test_an_unknown_setting_is_an_error(stage: Stage) -> None:
+def test_an_unknown_setting_is_an_error(scene: Scene) -> None:
     """A misspelt name is a mistake in the code that calls."""
     with pytest.raises(KeyError, match="gab"):
-        stage.show(gab=3.0)
+        scene.show(gab=3.0)
 
 
-def test_layers_are_switched(stage: Stage) -> None:
+def test_layers_are_switched(scene: Scene) -> None:
     """Hiding a layer hides the node that everything of it hangs below."""
-    layer = stage.layer("thing", "Thing")
-    stage.show_layer("thing", False)
+    layer = scene.layer("thing", "Thing")
+    scene.show_layer("thing", False)
     assert not layer.root.visible
-    stage.show_layer("thing", True)
+    scene.show_layer("thing", True)
     assert layer.root.visible
 
 
-def test_a_layer_may_begin_hidden(stage: Stage) -> None:
+def test_a_layer_may_begin_hidden(scene: Scene) -> None:
     """A layer that is not shown at first is known as hidden, and only that one."""
-    stage.layer("here", "Here")
-    layer = stage.layer("secret", "Secret", shown=False)
+    scene.layer("here", "Here")
+    layer = scene.layer("secret", "Secret", shown=False)
     assert not layer.root.visible
-    assert stage.display.hidden == {"secret"}
+    assert scene.display.hidden == {"secret"}
 
 
-def test_the_theme_follows_the_setting(stage: Stage) -> None:
+def test_the_theme_follows_the_setting(scene: Scene) -> None:
     """Dark and light have palettes of their own."""
-    stage.show(dark=False)
-    assert not stage.theme.dark
-    stage.show(dark=True)
-    assert stage.theme.dark
+    scene.show(dark=False)
+    assert not scene.theme.dark
+    scene.show(dark=True)
+    assert scene.theme.dark

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hectorscope.inputs import SourceReport
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels import Panel, panel_classes
 from hectorscope.session.snapshot import LogEntry, Snapshot
 from tests.page import restarted, room_snapshot, without_filter
@@ -13,9 +13,9 @@ from tests.page import restarted, room_snapshot, without_filter
 PANELS = pytest.mark.parametrize("panel", panel_classes(), ids=lambda panel: panel.__name__)
 
 
-def messages(stage: Stage) -> int:
+def messages(scene: Scene) -> int:
     """How many messages were ever queued for browsers."""
-    return int(stage.server._websock_server._broadcast_buffer.message_counter)
+    return int(scene.server._websock_server._broadcast_buffer.message_counter)
 
 
 def test_titles_and_places_are_unique() -> None:
@@ -26,9 +26,9 @@ def test_titles_and_places_are_unique() -> None:
 
 
 @PANELS
-def test_it_draws_whatever_a_run_shows(panel: type[Panel], stage: Stage) -> None:
+def test_it_draws_whatever_a_run_shows(panel: type[Panel], scene: Scene) -> None:
     """Nothing yet, a first scan, a full picture, a run begun again, a live one, a failed one: no error."""
-    made = panel(stage)
+    made = panel(scene)
     full = room_snapshot()
     live = replace(full, playback=replace(full.playback, live=True, end_ns=None))
     failed = replace(
@@ -42,21 +42,21 @@ def test_it_draws_whatever_a_run_shows(panel: type[Panel], stage: Stage) -> None
 
 
 @PANELS
-def test_it_draws_in_both_themes(panel: type[Panel], stage: Stage) -> None:
+def test_it_draws_in_both_themes(panel: type[Panel], scene: Scene) -> None:
     """The theme may change while nothing moves."""
-    made, snapshot = panel(stage), room_snapshot()
+    made, snapshot = panel(scene), room_snapshot()
     for dark in (True, False, True):
-        stage.show(dark=dark)
+        scene.show(dark=dark)
         made.draw(snapshot)
         made.draw(snapshot)
 
 
 @PANELS
-def test_it_sends_nothing_when_nothing_changed(panel: type[Panel], stage: Stage) -> None:
+def test_it_sends_nothing_when_nothing_changed(panel: type[Panel], scene: Scene) -> None:
     """Drawing the same snapshot again costs no bytes."""
-    made, snapshot = panel(stage), room_snapshot()
+    made, snapshot = panel(scene), room_snapshot()
     made.draw(snapshot)
     made.draw(snapshot)
-    before = messages(stage)
+    before = messages(scene)
     made.draw(snapshot)
-    assert messages(stage) == before
+    assert messages(scene) == before

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from viser import GuiEvent
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels.display import DisplayPanel
 from hectorscope.panels.settings import PATIENCE, RESTART_SETTLE, Setting
 from hectorscope.panels.transport import HOLD, SETTLE, STEP, Timeline, TransportPanel
@@ -33,14 +33,14 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return now
 
 
-def setting(stage: Stage, name: str) -> tuple[Setting, list[Configure]]:
+def setting(scene: Scene, name: str) -> tuple[Setting, list[Configure]]:
     sent: list[Configure] = []
-    return Setting(stage.server.gui, LEAVES[name], sent.append), sent
+    return Setting(scene.server.gui, LEAVES[name], sent.append), sent
 
 
-def test_a_moved_slider_is_sent_once_and_kept_until_the_run_follows(stage: Stage, clock: list[float]) -> None:
+def test_a_moved_slider_is_sent_once_and_kept_until_the_run_follows(scene: Scene, clock: list[float]) -> None:
     """The control does not jump back while the run still uses the old value."""
-    omega, sent = setting(stage, "fusion.omega")
+    omega, sent = setting(scene, "fusion.omega")
     by_hand(omega._control._slider, 0.5)
     omega.draw(0.1, False, 100.0)
     omega.draw(0.1, False, 100.5)
@@ -51,18 +51,18 @@ def test_a_moved_slider_is_sent_once_and_kept_until_the_run_follows(stage: Stage
     assert omega._control.read() == 0.7
 
 
-def test_a_value_that_the_run_refuses_falls_back(stage: Stage, clock: list[float]) -> None:
+def test_a_value_that_the_run_refuses_falls_back(scene: Scene, clock: list[float]) -> None:
     """After some patience the control shows again what the run uses."""
-    omega, _ = setting(stage, "fusion.omega")
+    omega, _ = setting(scene, "fusion.omega")
     by_hand(omega._control._slider, 0.5)
     omega.draw(0.1, False, 100.0)
     omega.draw(0.1, False, 100.0 + PATIENCE + 0.1)
     assert omega._control.read() == 0.1
 
 
-def test_a_setting_that_rebuilds_the_map_waits_for_the_hand_to_rest(stage: Stage, clock: list[float]) -> None:
+def test_a_setting_that_rebuilds_the_map_waits_for_the_hand_to_rest(scene: Scene, clock: list[float]) -> None:
     """A drag over a restart setting is one command, with its last value."""
-    levels, sent = setting(stage, "map.levels")
+    levels, sent = setting(scene, "map.levels")
     for step, value in enumerate((2, 4, 5)):
         clock[0] = 100.0 + 0.2 * step
         by_hand(levels._control._slider, value)
@@ -71,18 +71,18 @@ def test_a_setting_that_rebuilds_the_map_waits_for_the_hand_to_rest(stage: Stage
     assert sent == [Configure("map.levels", 5)]
 
 
-def test_a_control_moved_by_the_server_sends_nothing(stage: Stage, clock: list[float]) -> None:
+def test_a_control_moved_by_the_server_sends_nothing(scene: Scene, clock: list[float]) -> None:
     """Following another browser or the command line is no command."""
-    sigma, sent = setting(stage, "matcher.sigma")
+    sigma, sent = setting(scene, "matcher.sigma")
     sigma.draw(0.5, False, 100.0)
     sigma.draw(0.5, False, 101.0)
     assert sent == []
     assert sigma._control.read() == pytest.approx(0.5, rel=5e-3)
 
 
-def test_slider_and_box_of_a_logarithmic_setting_follow_each_other(stage: Stage, clock: list[float]) -> None:
+def test_slider_and_box_of_a_logarithmic_setting_follow_each_other(scene: Scene, clock: list[float]) -> None:
     """A typed value moves the slider, a moved slider fills the box."""
-    sigma, sent = setting(stage, "matcher.sigma")
+    sigma, sent = setting(scene, "matcher.sigma")
     by_hand(sigma._control._number, 1.0)
     sigma.draw(0.2, False, 100.0)
     sigma.draw(1.0, False, 100.1)
@@ -94,22 +94,22 @@ def test_slider_and_box_of_a_logarithmic_setting_follow_each_other(stage: Stage,
     assert sent == [Configure("matcher.sigma", 1.0), Configure("matcher.sigma", 10.0)]
 
 
-def timeline(stage: Stage) -> tuple[Timeline, Any, list[Seek]]:
-    slider = stage.server.gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0)
+def timeline(scene: Scene) -> tuple[Timeline, Any, list[Seek]]:
+    slider = scene.server.gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0)
     return Timeline(slider), slider, []
 
 
-def test_the_timeline_shows_the_time_and_never_seeks_by_itself(stage: Stage, clock: list[float]) -> None:
+def test_the_timeline_shows_the_time_and_never_seeks_by_itself(scene: Scene, clock: list[float]) -> None:
     """Times are since the start; following the run sends nothing."""
-    line, slider, sent = timeline(stage)
+    line, slider, sent = timeline(scene)
     line.draw(PlaybackStatus("playing", False, 12 * S, 10 * S, 60 * S), sent.append, 100.0)
     line.draw(PlaybackStatus("playing", False, 13 * S, 10 * S, 60 * S), sent.append, 101.0)
     assert (slider.value, slider.max, sent) == (3.0, 50.0, [])
 
 
-def test_a_dragged_timeline_is_one_jump(stage: Stage, clock: list[float]) -> None:
+def test_a_dragged_timeline_is_one_jump(scene: Scene, clock: list[float]) -> None:
     """It waits for the hand to rest, jumps once, and stays put until the run arrives."""
-    line, slider, sent = timeline(stage)
+    line, slider, sent = timeline(scene)
     playing = PlaybackStatus("playing", False, 12 * S, 10 * S, 60 * S)
     line.draw(playing, sent.append, 100.0)
     for value in (20.0, 30.0):
@@ -125,9 +125,9 @@ def test_a_dragged_timeline_is_one_jump(stage: Stage, clock: list[float]) -> Non
     assert slider.value == 31.0
 
 
-def test_a_jump_stays_inside_the_recording(stage: Stage, clock: list[float]) -> None:
+def test_a_jump_stays_inside_the_recording(scene: Scene, clock: list[float]) -> None:
     """Whatever a browser sends."""
-    line, slider, sent = timeline(stage)
+    line, slider, sent = timeline(scene)
     status = PlaybackStatus("paused", False, 12 * S, 10 * S, 60 * S)
     line.draw(status, sent.append, 100.0)
     by_hand(slider, 1e6)
@@ -135,9 +135,9 @@ def test_a_jump_stays_inside_the_recording(stage: Stage, clock: list[float]) -> 
     assert sent == [Seek(60 * S)]
 
 
-def test_a_stream_has_no_timeline(stage: Stage, clock: list[float]) -> None:
+def test_a_stream_has_no_timeline(scene: Scene, clock: list[float]) -> None:
     """There is nowhere to jump to."""
-    line, slider, sent = timeline(stage)
+    line, slider, sent = timeline(scene)
     status = PlaybackStatus("playing", True, 12 * S, 10 * S, None)
     line.draw(status, sent.append, 100.0)
     by_hand(slider, 0.05)
@@ -146,9 +146,9 @@ def test_a_stream_has_no_timeline(stage: Stage, clock: list[float]) -> None:
     assert sent == []
 
 
-def test_a_speed_that_was_just_chosen_stays(stage: Stage) -> None:
+def test_a_speed_that_was_just_chosen_stays(scene: Scene) -> None:
     """Until the run knows of it: a picture drawn in between does not put the old one back."""
-    panel = TransportPanel(stage)
+    panel = TransportPanel(scene)
     panel.draw(Snapshot(playback=PlaybackStatus(speed=1.0)))
     panel._speed._impl.value = "max"  # as viser has it before it calls anybody
     panel.draw(Snapshot(playback=PlaybackStatus(speed=1.0)))
@@ -157,13 +157,13 @@ def test_a_speed_that_was_just_chosen_stays(stage: Stage) -> None:
     assert panel._speed.value == "2×"
 
 
-def test_a_display_setting_that_was_just_chosen_stays(stage: Stage) -> None:
+def test_a_display_setting_that_was_just_chosen_stays(scene: Scene) -> None:
     """While another one changes, and its layer's box too."""
-    stage.layer("scan", "Scan")
-    panel = DisplayPanel(stage)
+    scene.layer("scan", "Scan")
+    panel = DisplayPanel(scene)
     layout, box = panel._controls["layout"], panel._layers["scan"]
     layout._list._impl.value = "one level"  # type: ignore[attr-defined]
     box._box._impl.value = False  # type: ignore[attr-defined]
-    stage.show(gap=1.0)
+    scene.show(gap=1.0)
     panel.draw(Snapshot())
     assert (layout.read(), box.read()) == ("one", False)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.panels._curves import PAGES
 from hectorscope.panels.plots import PlotsPanel, curves
 from hectorscope.run.series import SERIES_DTYPE
@@ -23,9 +23,9 @@ def test_a_chart_begins_with_its_first_value():
     assert all(np.isfinite(value).all() for value in values)
 
 
-def test_a_page_without_a_curve_says_so(stage: Stage) -> None:
+def test_a_page_without_a_curve_says_so(scene: Scene) -> None:
     """As of biases where there is no filter; the note goes with the first curve."""
-    panel, full = PlotsPanel(stage), room_snapshot()
+    panel, full = PlotsPanel(scene), room_snapshot()
     panel._page.value = "Biases"
     panel.draw(full)
     assert not panel._nothing.visible

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views import View, view_classes
 from tests.page import restarted, room_snapshot, without_filter
@@ -21,49 +21,49 @@ SETTINGS: list[dict[str, Any]] = [
 ]
 
 
-def messages(stage: Stage) -> int:
+def messages(scene: Scene) -> int:
     """How many messages were ever queued for browsers."""
-    return int(stage.server._websock_server._broadcast_buffer.message_counter)
+    return int(scene.server._websock_server._broadcast_buffer.message_counter)
 
 
-def whole(view: type[View], stage: Stage) -> View:
+def whole(view: type[View], scene: Scene) -> View:
     """The view with all of its layers switched on."""
-    made = view(stage)
-    for layer in stage.layers:
-        stage.show_layer(layer.key, True)
+    made = view(scene)
+    for layer in scene.layers:
+        scene.show_layer(layer.key, True)
     return made
 
 
 @VIEWS
-def test_it_draws_whatever_a_run_shows(view: type[View], stage: Stage) -> None:
+def test_it_draws_whatever_a_run_shows(view: type[View], scene: Scene) -> None:
     """Nothing yet, a first scan, a full picture, a run begun again, and the picture once more: no error."""
-    made = whole(view, stage)
+    made = whole(view, scene)
     full = room_snapshot()
     for snapshot in (Snapshot(), without_filter(full), full, restarted(full), full):
         made.draw(snapshot)
 
 
 @VIEWS
-def test_it_follows_every_setting(view: type[View], stage: Stage) -> None:
+def test_it_follows_every_setting(view: type[View], scene: Scene) -> None:
     """Every layout, theme and colouring can be chosen while nothing moves."""
-    made, snapshot = whole(view, stage), room_snapshot()
+    made, snapshot = whole(view, scene), room_snapshot()
     made.draw(snapshot)
     for change in SETTINGS:
-        stage.show(**change)
+        scene.show(**change)
         made.draw(snapshot)
 
 
 @VIEWS
-def test_it_sends_nothing_when_nothing_changed(view: type[View], stage: Stage) -> None:
+def test_it_sends_nothing_when_nothing_changed(view: type[View], scene: Scene) -> None:
     """Drawing the same snapshot again costs no bytes."""
-    made, snapshot = whole(view, stage), room_snapshot()
+    made, snapshot = whole(view, scene), room_snapshot()
     made.draw(snapshot)
-    before = messages(stage)
+    before = messages(scene)
     made.draw(snapshot)
-    assert messages(stage) == before
+    assert messages(scene) == before
 
 
 @VIEWS
-def test_it_has_a_title(view: type[View], stage: Stage) -> None:
+def test_it_has_a_title(view: type[View], scene: Scene) -> None:
     """The title names it on the page when it fails."""
-    assert view(stage).title
+    assert view(scene).title

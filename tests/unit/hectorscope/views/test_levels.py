@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hectorscope.page.scene import Display, Stage
+from hectorscope.page.scene import Display, Scene
 from hectorscope.run.map_images import MapImage
 from hectorscope.views._levels import AISLE, bulk, placements
 from hectorscope.views.levels import BLOCK, LevelsView, aligned
@@ -71,7 +71,7 @@ def test_a_map_without_walls_has_a_bulk() -> None:
     assert (low.tolist(), high.tolist()) == ([-2.0, -3.0], [2.0, 3.0])
 
 
-def test_the_floor_lies_below_what_is_driven(stage: Stage) -> None:
+def test_the_floor_lies_below_what_is_driven(scene: Scene) -> None:
     """Also where all of it lies in one plane: at the same height the map would hide stretches of the path."""
-    LevelsView(stage).draw(room_snapshot())
-    assert stage.floor.position[2] < room_snapshot().trajectory[:, 3].min()
+    LevelsView(scene).draw(room_snapshot())
+    assert scene.floor.position[2] < room_snapshot().trajectory[:, 3].min()

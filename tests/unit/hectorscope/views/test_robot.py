@@ -1,14 +1,14 @@
 """When the robot is on the page."""
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views.robot import RobotView
 from tests.page import room_snapshot
 
 
-def test_no_robot_is_shown_before_its_first_pose(stage: Stage) -> None:
+def test_no_robot_is_shown_before_its_first_pose(scene: Scene) -> None:
     """Neither body nor outline is there until a scan has a result, or once a run begins anew: 0, 0 is no pose."""
-    view = RobotView(stage)
+    view = RobotView(scene)
     shown = [_shown(view)]
     for snapshot in (Snapshot(), room_snapshot(), Snapshot()):
         view.draw(snapshot)

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.views.scan import LIFT, ScanView
 from slam_core.geometry import transform_points
 from tests.page import room_snapshot
 
 
-def test_points_are_turned_into_the_map(stage: Stage) -> None:
+def test_points_are_turned_into_the_map(scene: Scene) -> None:
     """The node takes the place alone: one that turns before its points are drawn shows them beside their walls."""
-    view, snapshot = ScanView(stage), room_snapshot()
+    view, snapshot = ScanView(scene), room_snapshot()
     result = snapshot.result
     assert result is not None
     planar = np.array([1.5, -2.0, 0.7])

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hectorscope.page.scene import Stage
+from hectorscope.page.scene import Scene
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views.surfels import SurfelsView
 from tests.page import restarted, room_snapshot
@@ -25,36 +25,36 @@ def drawn(view: SurfelsView) -> int:
     return len(view._lines.points) if view._lines is not None and view._lines.visible else 0
 
 
-def test_nothing_is_sent_until_somebody_asks(stage: Stage) -> None:
+def test_nothing_is_sent_until_somebody_asks(scene: Scene) -> None:
     """Off at first; switched on the lines are there at once, though the map did not change."""
-    view, snapshot = SurfelsView(stage), with_surfels(room_snapshot())
+    view, snapshot = SurfelsView(scene), with_surfels(room_snapshot())
     view.draw(snapshot)
     assert view._lines is None
-    stage.show_layer("surfels", True)
+    scene.show_layer("surfels", True)
     view.draw(snapshot)
     assert drawn(view) == 3
 
 
-def test_the_lines_follow_the_map(stage: Stage) -> None:
+def test_the_lines_follow_the_map(scene: Scene) -> None:
     """More of them, another run without any, a layout without the finest level, and back again."""
-    view, snapshot = SurfelsView(stage), with_surfels(room_snapshot())
-    stage.show_layer("surfels", True)
+    view, snapshot = SurfelsView(scene), with_surfels(room_snapshot())
+    scene.show_layer("surfels", True)
     counts = []
     more = with_surfels(replace(snapshot, maps=tuple(replace(m, revision=2) for m in snapshot.maps)), 5)
     for each in (Snapshot(), snapshot, more, restarted(snapshot)):
         view.draw(each)
         counts.append(drawn(view))
     for level in (1, 0):
-        stage.show(layout="one", level=level)
+        scene.show(layout="one", level=level)
         view.draw(more)
         counts.append(drawn(view))
     assert counts == [0, 3, 5, 0, 0, 5]
 
 
-def test_they_lie_where_their_cells_are(stage: Stage) -> None:
+def test_they_lie_where_their_cells_are(scene: Scene) -> None:
     """Across the cells of the third row, from the map's corner on."""
-    view, snapshot = SurfelsView(stage), with_surfels(room_snapshot())
-    stage.show_layer("surfels", True)
+    view, snapshot = SurfelsView(scene), with_surfels(room_snapshot())
+    scene.show_layer("surfels", True)
     view.draw(snapshot)
     assert view._lines is not None
     finest = snapshot.maps[0]

@@ -39,7 +39,7 @@ def test_it_says_that_it_runs(page: PageServer) -> None:
 
 def test_every_view_and_panel_works(page: PageServer) -> None:
     """Nothing was switched off."""
-    assert page.stage.failures == {}
+    assert page.scene.failures == {}
 
 
 def test_a_foreign_host_header_is_refused(page: PageServer) -> None:
