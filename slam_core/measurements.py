@@ -1,4 +1,4 @@
-"""What the sensors say: frozen values with int64 nanoseconds and SI units, in REP-103 axes.
+"""Measurements: frozen values with int64 nanoseconds and SI units, in REP-103 axes.
 
 Everything a source yields is one of these. Arrays are read by the core, never written.
 """
@@ -17,7 +17,7 @@ Int64s = NDArray[np.int64]
 PLAUSIBLE = 1e7
 # No robot carries its laser further from its base than this, in metres.
 FARTHEST_LASER = 1e3
-# A stamp this far ahead is believed only when the next one confirms it.
+# A stamp this far ahead is accepted only when the next one confirms it.
 LEAP_NS = 10_000_000_000
 
 
@@ -80,7 +80,7 @@ class Imu:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attitude:
-    """Orientation of the base that somebody else estimated: (4,) w, x, y, z; its yaw is not used."""
+    """Orientation of the base by another estimator: (4,) w, x, y, z; its yaw is not used."""
 
     stamp_ns: int
     rotation: Float64s
@@ -125,7 +125,7 @@ class MagneticField:
 class GpsPosition:
     """A satellite fix in the tangent plane at the first one: (3,) metres east, north, up; (3, 3) covariance.
 
-    antenna: (3,) where it sits on the base. covariance: None where the receiver does not tell.
+    antenna: (3,) where it sits on the base. covariance: None where the receiver reports none.
     """
 
     stamp_ns: int

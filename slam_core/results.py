@@ -150,7 +150,7 @@ class Status(NamedTuple):
 
 
 class NavigationState(NamedTuple):
-    """The filter's belief at one instant (section V-A).
+    """The estimate of the filter at one time (section V-A).
 
     x: (19,) attitude as a quaternion, position, velocity and biases, as below, and the specific force, smoothed.
     covariance: (15, 15) of the errors of attitude (small rotation about the map's axes), position, velocity, gyro

@@ -4,7 +4,7 @@ from slam_core.measurements import Attitude, Imu, LaserScan, Measurement
 
 # A scan waits no longer than this, in time of the recording, for inertial data that does not come.
 PATIENCE_NS = 500_000_000
-TURNS = (Imu, Attitude)  # what tells how the robot turned during a sweep
+TURNS = (Imu, Attitude)  # what measures how the robot turned during a sweep
 
 
 class Sequencer:

@@ -140,7 +140,7 @@ def _centres(us, vs, n, corner, resolution, laser, away):
 def _before_an_end(ways, places, n, longest, behind, found):
     """Into `found` those of n cells with a beam in their bin that ends behind them, or of an unsure bin: how many.
 
-    Few do, and which nobody foresees, so no branch hangs on that.
+    Few do, and a branch would be mispredicted.
     """
     m = 0
     for k in range(n):

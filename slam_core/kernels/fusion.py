@@ -13,7 +13,7 @@ from slam_core.kernels.linear import (
     add,
     cholesky,
     fill,
-    fill_belief,
+    fill_estimate,
     gain,
     is_sound,
     multiply,
@@ -29,7 +29,7 @@ from slam_core.measurements import Float64s, Int64s
 FIXED, MIN_TRACE, MIN_DETERMINANT, KALMAN = range(4)
 LIGHTEST, HEAVIEST = 1e-6, 0.999
 NONE = np.zeros(0, np.int64)
-VERTICAL = np.array([5, 8, 14])  # errors of height, of the velocity up, and of the accelerometer that feels it
+VERTICAL = np.array([5, 8, 14])  # errors of height, of the velocity up, and of the accelerometer that measures it
 NONE.setflags(write=False)  # as kernels see it: else what takes it would be compiled once more for other callers
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
@@ -57,7 +57,7 @@ def correct(
     CP = multiply(C, P)
     fill(S, add(multiply(C, CP.T), R, 1.0))
     nis = squared_length(S, innovation)
-    fill_belief(better, reduced, x, P)
+    fill_estimate(better, reduced, x, P)
     if not nis <= bound:
         return nis
     error, spread = gain(P, CP, S, innovation)
@@ -70,7 +70,7 @@ def _put_right(x: Float64s, error: Float64s, spread: Float64s, better: Float64s,
     moved = inject(x, error)
     sound = is_sound(moved, spread)
     if sound:
-        fill_belief(better, reduced, moved, spread)
+        fill_estimate(better, reduced, moved, spread)
     return sound
 
 
@@ -94,7 +94,7 @@ def correct_planar(
     innovation[2] = turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
     C = planar_observer(x)
     fill(S, add(sandwich(C, P), R, 1.0))
-    fill_belief(better, reduced, x, P)
+    fill_estimate(better, reduced, x, P)
     nis = squared_length(S, innovation)
     if not nis <= bound:
         return nis
@@ -118,7 +118,7 @@ def planar_observer(x: Float64s) -> Float64s:
 
 
 @njit(cache=True, error_model="numpy")
-def planar_belief(x: Float64s, P: Float64s, mean: Float64s, covariance: Float64s) -> None:
+def planar_estimate(x: Float64s, P: Float64s, mean: Float64s, covariance: Float64s) -> None:
     """C x of eq. (19), position in the plane and heading, into mean (3,); C P C^T into covariance (3, 3)."""
     psi = 2.0 * math.atan2(x[3], x[0])
     mean[0], mean[1], mean[2] = x[4], x[5], psi - 2.0 * math.pi * round(psi / (2.0 * math.pi))

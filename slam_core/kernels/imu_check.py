@@ -11,7 +11,7 @@ FASTEST, HARDEST = 200.0, 2000.0
 # A rate on one and the same value, the largest so far and above this, in so many samples: the end of the range.
 LEAST_RANGE = 1.5  # rad/s
 REPEATS = 3
-# While a gyro is clipped the true rate is beyond what it says, nobody knows how far.
+# While a gyro is clipped the true rate is beyond its reading by an unknown amount.
 CLIPPED_NOISE = 1.0  # rad/s/√Hz
 
 

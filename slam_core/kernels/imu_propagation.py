@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.linear import fill_belief
+from slam_core.kernels.linear import fill_estimate
 from slam_core.kernels.navigation import STATES, advance, move, workspace
 from slam_core.kernels.rotations import cosines
 from slam_core.measurements import Float64s, Int64s
@@ -19,8 +19,8 @@ from slam_core.measurements import Float64s, Int64s
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
 MAX_GAP_NS = 200_000_000
 COLUMNS = 7  # of a sample
-BLIND_STEP = 0.05  # s
-BLIND_SPAN = 10.0  # s, after which nothing more can be forgotten
+UNAIDED_STEP = 0.05  # s
+UNAIDED_SPAN = 10.0  # s, after which nothing more can be forgotten
 
 Rows = tuple[Float64s, Float64s, Int64s]
 Recorded = tuple[Int64s, Float64s, int, int]
@@ -45,13 +45,13 @@ def _propagate(
     """`predict` in place."""
     if from_ns >= to_ns:
         return
-    model, blind, bounds = system
+    model, unaided, bounds = system
     k, u = _later(recorded, from_ns), np.empty(COLUMNS)
     while from_ns < to_ns:
         until, known = _interval(k, to_ns, recorded, u)
         dt = (until - from_ns) * 1e-9
         if not known:
-            _coast(x, P, dt, blind, bounds, work)
+            _coast(x, P, dt, unaided, bounds, work)
         else:
             noisy = model
             if u[6] > 0.0:
@@ -91,7 +91,7 @@ def propagate(
         for j in range(STATES):
             states[i, j] = state[j]
     k = _last(known, count, to_ns)
-    fill_belief(x, P, xs[k], Ps[k])
+    fill_estimate(x, P, xs[k], Ps[k])
     _propagate(x, P, known[k], to_ns, recorded, system, work)
     return count
 
@@ -107,7 +107,7 @@ def _extend(rows: Rows, count: int, to_ns: int, recorded: Recorded, system: Syst
             if stamps[k] > to_ns:
                 break
             x, P, known[n] = xs[n], Ps[n], stamps[k]
-            fill_belief(x, P, xs[n - 1], Ps[n - 1])
+            fill_estimate(x, P, xs[n - 1], Ps[n - 1])
             _propagate(x, P, known[n - 1], known[n], recorded, system, work)
             n += 1
     return n
@@ -139,7 +139,7 @@ def _carry(x: Float64s, from_ns: int, to_ns: int, recorded: Recorded, model: Flo
         if sure:
             x = move(x, u, dt, model[0], model[1])
         else:
-            x = move(x, _straight(x, model[0]), min(dt, BLIND_SPAN), model[0], model[1])
+            x = move(x, _straight(x, model[0]), min(dt, UNAIDED_SPAN), model[0], model[1])
         from_ns, k = until, k + 1
     return x
 
@@ -157,20 +157,20 @@ def _interval(k: int, to_ns: int, recorded: Recorded, u: Float64s) -> tuple[int,
 
 
 @njit(cache=True, error_model="numpy")
-def coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s) -> tuple[Float64s, Float64s]:
+def coast(x: Float64s, P: Float64s, dt: float, unaided: Float64s, bounds: Float64s) -> tuple[Float64s, Float64s]:
     """The estimate after `dt` seconds without input: constant velocity in small steps, with its noise."""
     x, P = x.copy(), P.copy()
-    _coast(x, P, dt, blind, bounds, workspace())
+    _coast(x, P, dt, unaided, bounds, workspace())
     return x, P
 
 
 @njit(cache=True, error_model="numpy")
-def _coast(x: Float64s, P: Float64s, dt: float, blind: Float64s, bounds: Float64s, work: Float64s) -> None:
+def _coast(x: Float64s, P: Float64s, dt: float, unaided: Float64s, bounds: Float64s, work: Float64s) -> None:
     """`coast` in place."""
-    dt = min(dt, BLIND_SPAN)
-    steps = max(1, math.ceil(dt / BLIND_STEP))
+    dt = min(dt, UNAIDED_SPAN)
+    steps = max(1, math.ceil(dt / UNAIDED_STEP))
     for _ in range(steps):
-        advance(x, P, _straight(x, blind[0]), dt / steps, blind, bounds, work)
+        advance(x, P, _straight(x, unaided[0]), dt / steps, unaided, bounds, work)
 
 
 @njit(cache=True, error_model="numpy")

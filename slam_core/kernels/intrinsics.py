@@ -1,9 +1,9 @@
 """Accesses to memory that numba has no words for, so that LLVM makes vectors of the loops around them.
 
 Arrays that a kernel reads and writes never overlap, but only its caller knows that. Accesses of different lanes
-say so by LLVM's metadata for aliasing; without it a loop that gathers or that stores into several arrays stays
-scalar, four to six times as slow. That holds within a function: what one has put, another may get. Arrays are flat
-and contiguous, and indices count from 0.
+declare it by the aliasing metadata of LLVM; without it a loop that gathers or that stores into several arrays
+stays scalar, four to six times as slow. That holds within a function: what one has put, another may get. Arrays
+are flat and contiguous, and indices count from 0.
 """
 
 from typing import Any

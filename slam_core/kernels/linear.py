@@ -39,7 +39,7 @@ def add(A: Float64s, B: Float64s, weight: float) -> Float64s:
 
 
 @njit(cache=True, error_model="numpy")
-def fill_belief(x: Float64s, P: Float64s, new_x: Float64s, new_P: Float64s) -> None:
+def fill_estimate(x: Float64s, P: Float64s, new_x: Float64s, new_P: Float64s) -> None:
     """The values of a state (n,) and its covariance (m, m) into arrays of their shapes."""
     for i in range(len(x)):
         x[i] = new_x[i]

@@ -1,6 +1,6 @@
 """The map update of section IV: each cell changes at most once a scan, whatever the order of the beams.
 
-First every cell is marked by what the scan says of it, in bytes that stay in the cache. Then one sweep over the
+First every cell is marked by its state in the scan, in bytes that stay in the cache. Then one sweep over the
 rows changes what is marked, thirty-two cells at a time.
 """
 
@@ -100,11 +100,11 @@ def _mark_ends(marks, rows, columns, ends):
 
 @njit(cache=True, error_model="numpy")
 def _mark_behind(marks, rows, columns, corner, resolution, start, hits):
-    """The cell that each beam would have entered next, unless the scan says something else of it."""
+    """The cell that each beam would have entered next, unless the scan marks it otherwise."""
     where, flat = np.empty(len(hits), np.int64), marks.reshape(-1)
     _beyond(hits.reshape(-1), rows, columns, marks.shape[1], corner, resolution, start, where)
     for k in range(len(where)):
-        if where[k] >= 0:  # nearly always; whether it is marked nobody foresees, so no branch hangs on that
+        if where[k] >= 0:  # nearly always; no branch on the mark, which would be mispredicted
             mark = flat[where[k]]
             flat[where[k]] = BEHIND if mark == NO_MARK else mark
 
@@ -187,7 +187,7 @@ def _any(words, first):
 
 @njit(inline="always")
 def _changed(old, mark, free, occupied, low, high, behind):
-    """Log-odds after what a mark says; without a branch."""
+    """Log-odds after a mark; without a branch."""
     least = max(min(old, behind), low) if mark == BEHIND else low
     stepped = min(max(old + (occupied if mark == OCCUPIED else free), least), high)
     return old if mark == NO_MARK else stepped

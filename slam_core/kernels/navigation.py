@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.intrinsics import lane
-from slam_core.kernels.linear import fill_belief, gain, multiply, symmetric
+from slam_core.kernels.linear import fill_estimate, gain, multiply, symmetric
 from slam_core.kernels.rotations import cosines, exponential, product
 from slam_core.measurements import Float64s
 
@@ -41,7 +41,7 @@ def workspace() -> Float64s:
 def advance(
     x: Float64s, P: Float64s, u: Float64s, dt: float, model: Float64s, bounds: Float64s, work: Float64s
 ) -> None:
-    """The belief `dt` seconds later, in place: eqs. (1)-(3), Phi P Phi^T + Q, and what bounds P.
+    """The estimate `dt` seconds later, in place: eqs. (1)-(3), Phi P Phi^T + Q, and what bounds P.
 
     bounds: (15, 2), see `bound`. work: kept from one call to the next, as arrays of this size are slow to get.
     """
@@ -58,8 +58,8 @@ def advance(
     if model[6] > 0.0:
         flatten(moved, spread)
     if model[7] > 0.0:
-        moved, spread = _grip(moved, spread)
-    fill_belief(x, P, moved, spread)
+        moved, spread = _constrain_sideways(moved, spread)
+    fill_estimate(x, P, moved, spread)
 
 
 @njit(cache=True, error_model="numpy")
@@ -201,7 +201,7 @@ def flatten(x: Float64s, P: Float64s) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _grip(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
+def _constrain_sideways(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
     """Section III: a base on wheels has no velocity to its left."""
     R, v = cosines(x), x[7:10]
     left = R[1], R[4], R[7]
@@ -219,7 +219,7 @@ def _grip(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
 
 @njit(cache=True, error_model="numpy")
 def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Float64s, Float64s]:
-    """Tilt from the direction of the smoothed specific force, if its size says that it is mostly gravity."""
+    """Tilt from the direction of the smoothed specific force, if its size is near that of gravity."""
     R, C = cosines(x), np.zeros((2, ERRORS))
     force = _times(R, (x[16] - x[13], x[17] - x[14], x[18] - x[15]))
     size = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)

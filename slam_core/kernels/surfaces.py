@@ -49,7 +49,7 @@ def tangents(xs, ys, along_x, along_y):
 def weakest_direction(xs, ys, along_x, along_y):
     """How the shape of a scan fixes its position: the share of beams that do in the worst direction, and that.
 
-    J_i = (I - a a^T) [I | e_z x p_i] is what beam i on a surface along a tells of x, y, psi, as in a match of
+    J_i = (I - a a^T) [I | e_z x p_i] is what beam i on a surface along a observes of x, y, psi, as in a match of
     points to lines; sum J_i^T J_i without what may be a turn has the smallest eigenvalue n times the share. The
     map has no part in it: the texture of its cells is no landmark. (Censi 2009; Zhang, Kaess, Singh 2016.)
     """
@@ -72,7 +72,7 @@ def weakest_direction(xs, ys, along_x, along_y):
 def _neighbours(xs, ys, first, end):
     """The endpoints on the surface around each: from `first` up to before `end`.
 
-    Where a surface ends nobody foresees, so no branch hangs on that.
+    There is no branch on where a surface ends: it would be mispredicted.
     """
     n = len(xs)
     joined, way = np.empty(n, np.uint8), np.zeros(n + 1, np.int64)

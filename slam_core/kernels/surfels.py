@@ -1,6 +1,6 @@
 """Where in its cells a surface lies: a straight piece of it a cell, seen from one side, and a match against those.
 
-A cell of eq. (4) says that something is in it, not where. The finest level keeps for each cell the mean line
+A cell of eq. (4) is occupied as a whole. The finest level keeps for each cell the mean line
 through the ends of beams in it. Its 32 bits hold how many those were, the unit normal that looks at the laser, and
 how far along it, from the middle of the cell, the line lies. (Surface elements as of Pfister et al. 2000, on a
 lattice.)
@@ -124,7 +124,7 @@ def settle(level, halves, pose, matched, weight, unobservable):
 
     Minimises (xi - pose)^T H (xi - pose) + weight sum_i w_i r_i^2 by Gauss-Newton, where r_i is the distance in
     cells of end i from the mean line of the surfels in the four cells around it that look at the robot. Each step
-    takes one of `halves` (xs, ys), every other beam: neighbours tell nearly the same.
+    takes one of `halves` (xs, ys), every other beam: neighbours carry nearly the same information.
     level: a `Level` of surfels. matched: (6,) upper entries of H of the match. unobservable: as in `gauss_newton`.
     """
     settled, inverse = pose.copy(), level.inverse

@@ -1,4 +1,4 @@
-"""Without inertial data a sweep is placed by a guess of the motion; the match says better how it was."""
+"""Deskew refinement: without inertial data a match gives a better motion of the sweep than the prediction."""
 
 import numpy as np
 
@@ -27,7 +27,7 @@ def refine(
 ) -> tuple[StabilisedScan, MatchResult]:
     """Place the beams by the motion fused with their match and match again, as long as eq. (7) becomes smaller.
 
-    motion: the belief before the match; it is left as it is. prior, trace: as in `coarse_to_fine`.
+    motion: the estimate before the match; it is left as it is. prior, trace: as in `coarse_to_fine`.
     Returns the scan and match to go on with, at first those given.
     """
     half_sweep = 0.5e-9 * (scan.end_ns - scan.stamp_ns) if config.scan.deskew else 0.0

@@ -38,7 +38,7 @@ CLEARER = 0.03  # a place is the one if the map explains this much less of the s
 class Places:
     """Places by falling score, apart from each other: scores (n,) between 0 and 1, poses (n, 3).
 
-    crowded: there were more good places than can be told apart, and poses is empty.
+    crowded: there were more good places than can be compared, and poses is empty.
     """
 
     scores: Float64s

@@ -19,4 +19,4 @@ class DynamicObjectRemoval:
         interval_ns = round(config.clear_interval * 1e9)
         if 0 < interval_ns <= time_ns - self._cleared_ns:
             self._cleared_ns = time_ns
-            pyramid.doubt(scan.points, scan.laser, pose, config)
+            pyramid.clear(scan.points, scan.laser, pose, config)

@@ -125,7 +125,7 @@ class GridLevel:
             self.surfels[box] = surfels
         self.known = (row, row + rows, column, column + columns)
 
-    def doubt(
+    def clear(
         self,
         laser: Float64s,
         beams: tuple[Float64s, NDArray[np.int64], Float64s, Float64s],

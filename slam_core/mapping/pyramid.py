@@ -19,7 +19,7 @@ MARGIN = 2
 GROWTH = 0.25
 # A beam passes a cell if it ends this many metres behind it; a cell that is passed keeps so much of its log-odds.
 BEHIND = 0.5
-DOUBTED = 4.0
+CLEARED_CAP = 4.0
 # A beam is no surprise if it ends this many metres from an occupied cell.
 APART = 0.15
 
@@ -71,20 +71,20 @@ class Pyramid:
         self.updates += 1
         self.revision += 1
 
-    def doubt(self, points: Float32s, laser: Float64s, pose: Float64s, config: MapConfig) -> None:
-        """Look with one scan at `pose` (3,) for occupied cells whose things have moved on, and doubt them.
+    def clear(self, points: Float32s, laser: Float64s, pose: Float64s, config: MapConfig) -> None:
+        """Clear, with one scan at `pose` (3,), occupied cells that beams pass: what was there has moved.
 
-        A wall that was seen a hundred times would outlive hundreds of beams that pass: what was, counts for little
-        where beams end well behind. points: (n, 2), laser: (2,), in the stabilised frame, metres.
+        By the free step alone an obstacle that was seen a hundred times would need hundreds of beams to vanish.
+        points: (n, 2), laser: (2,), in the stabilised frame, metres.
         """
         start = transform_points(pose, laser[None])[0]
         beams = by_bearing(start, transform_points(pose, points))
         free = log_odds(config.factor_free)
-        passed = [level.doubt(start, beams, BEHIND + level.resolution, DOUBTED, free) for level in self.levels]
+        passed = [level.clear(start, beams, BEHIND + level.resolution, CLEARED_CAP, free) for level in self.levels]
         self.revision += any(passed)
 
     def unexpected(self, points: Float32s, pose: Float64s) -> NDArray[np.bool_]:
-        """(n,) which points (n, 2) of a scan at `pose` (3,) end where the map says free: new, or on the move."""
+        """(n,) which points (n, 2) of a scan at `pose` (3,) end in free space: new or moving objects."""
         return self.levels[0].unexpected(points, pose, APART)
 
     def _make_room(self, points: Float64s, limit: float) -> None:

@@ -1,6 +1,6 @@
 """A wide search for a lost pose: correlate the scan with a coarse level over a window, then with less blur.
 
-Two stages of the real-time correlative search that the paper cites as [13]: the first reads a level on which each
+Two passes of the real-time correlative search that the paper cites as [13]: the first reads a level on which each
 wall is a cell wider, so that large steps miss nothing; the second looks closely around the most promising poses.
 """
 
@@ -17,10 +17,10 @@ from slam_core.measurements import Float32s, Float64s
 
 Cell = TypeVar("Cell", np.uint8, np.uint16)
 
-BEAMS = 120  # of the scan, evenly: enough to tell rooms apart
-STEP_CELLS = 2.0  # between poses of the first stage: what the widened walls cover
+BEAMS = 120  # of the scan, evenly: enough to distinguish rooms
+STEP_CELLS = 2.0  # between poses of the first pass: what the widened walls cover
 STEP_ANGLE = 0.06
-CANDIDATES = 24  # poses of the first stage that are looked at closely
+CANDIDATES = 24  # poses of the first pass that are refined
 REACH_CELLS = 16  # the window's half width at most, which bounds the time whatever the level
 FINE_OFFSETS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
 

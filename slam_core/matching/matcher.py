@@ -36,7 +36,7 @@ def coarse_to_fine(
 
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
-    config.prior_weight; R stays what the scan alone says. Where few beams fix some direction of the position, only
+    config.prior_weight; R is that of the scan alone. Where few beams fix some direction of the position, only
     the gradient across the surfaces counts (config.weak_observability_threshold); where next to none do, the pose
     keeps its start estimate in that direction (config.degeneracy_threshold). Coarser levels take fewer
     beams (config.coarse_beams). A match far from the prediction is compared with one that starts there

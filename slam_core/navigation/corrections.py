@@ -1,4 +1,4 @@
-"""Section V: what other sensors say about the inertial state: corrections of a belief (x, P).
+"""Section V: corrections of the inertial state by other sensors, on an estimate (x, P).
 
 x (19,) and P (15, 15) are laid out as in slam_core.kernels.navigation.
 """
@@ -45,8 +45,9 @@ class Update(NamedTuple):
 class Correction(ABC):
     """A measurement of the state at one instant: a Kalman update behind a gate.
 
-    source: a word for where it comes from. measures: the error states it is about; what the filter believes of
-    them is given up if it contradicts this source for long. gate: in sigmas, see `chi_square.bound`; 0 is open.
+    source: a word for where it comes from. measures: the error states it is about; their
+    covariance is raised if they contradict this source for long. gate: in sigmas, see `chi_square.bound`; 0 is
+    open.
     """
 
     __slots__ = ()
@@ -56,7 +57,7 @@ class Correction(ABC):
 
     @property
     def reading(self) -> tuple[float, ...]:
-        """What the sensor said, if it never says the same twice on the way unless it is frozen; else empty."""
+        """The raw value of a sensor that repeats none while the robot moves, unless it is frozen; else empty."""
         return ()
 
     @property
@@ -69,7 +70,7 @@ class Correction(ABC):
         """Innovation (m,) z - h(x) with angles wrapped, observer C (m, 15), and noise R (m, m)."""
 
     def update(self, x: Float64s, P: Float64s) -> Update:
-        """The belief after the measurement."""
+        """The estimate after the measurement."""
         innovation, C, R = self.observe(x)
         limit = bound(self.gate, len(innovation))
         better, reduced, S = np.empty(len(x)), np.empty(P.shape), np.empty(R.shape)

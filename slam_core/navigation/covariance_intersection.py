@@ -1,4 +1,4 @@
-"""Section V-B: covariance intersection of a full state with a projection of it that somebody else estimated.
+"""Section V-B: covariance intersection of a full state with a projection of it from another estimator.
 
 The two errors are correlated in an unknown way: the match starts from the filter, and the map was drawn with it.
 So the information of each is weighed, (1 - omega) and omega, before it is added. Printed slips are put right: (17)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slam_core.config import FusionMethod, NavigationConfig, PlatformConfig
-from slam_core.kernels.fusion import planar_belief
+from slam_core.kernels.fusion import planar_estimate
 from slam_core.kernels.imu_propagation import MAX_GAP_NS
 from slam_core.measurements import LEAP_NS, Float64s, Imu, Int64s, Transform
 from slam_core.navigation.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
@@ -47,7 +47,7 @@ class NavigationFilter:
         self._imu_check = ImuCheck()
         self._first: list[tuple[int, Float64s]] = []
         self._history: History | None = None
-        self._doubted_ns = self._begin_ns = 0
+        self._suspect_ns = self._begin_ns = 0
 
     def configure(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
         """Change settings from the next measurement on."""
@@ -62,7 +62,7 @@ class NavigationFilter:
         other._imu_check = self._imu_check.copy()
         other._first = self._first.copy()
         other._history = self._history.copy() if self._history else None
-        other._doubted_ns, other._begin_ns = self._doubted_ns, self._begin_ns
+        other._suspect_ns, other._begin_ns = self._suspect_ns, self._begin_ns
         return other
 
     @property
@@ -72,50 +72,50 @@ class NavigationFilter:
 
     @property
     def ready(self) -> bool:
-        """Whether there is a belief."""
+        """Whether there is an estimate."""
         return self._history is not None
 
     @property
     def weightless(self) -> bool:
-        """Whether it cannot begin, as the accelerometers say nothing."""
+        """Whether it cannot begin, as the accelerometers measure no gravity."""
         return self._history is None and self.counts[WEIGHTLESS] > 0
 
     @property
     def stamp_ns(self) -> int:
-        """Time of the newest belief; it must be `ready`."""
-        return self._belief.newest_ns
+        """Time of the newest estimate; it must be `ready`."""
+        return self._started.newest_ns
 
     @property
     def sample_ns(self) -> int:
         """Time of the newest inertial sample; it must be `ready`."""
-        return self._belief.sample_ns
+        return self._started.sample_ns
 
     @property
     def state(self) -> NavigationState:
-        """The newest belief; it must be `ready`."""
+        """The newest estimate; it must be `ready`."""
         return self.at(self.stamp_ns)
 
     def at(self, time_ns: int) -> NavigationState:
-        """The belief at exactly that instant, or the oldest that is kept if that is later (see its stamp)."""
-        belief = self._belief.at(time_ns)
-        return NavigationState(belief.stamp_ns, belief.x, belief.P)
+        """The estimate at exactly that instant, or the oldest that is kept if that is later (see its stamp)."""
+        estimate = self._started.at(time_ns)
+        return NavigationState(estimate.stamp_ns, estimate.x, estimate.P)
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant, without the cost of its covariance."""
-        (x,) = self._belief.states_at(time_ns, AT_ONCE)
+        (x,) = self._started.states_at(time_ns, AT_ONCE)
         return Transform(x[4:7], x[:4])
 
     def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
         """Attitudes and positions at instants (k,) after `from_ns`, (k, 19) with what the state holds besides."""
-        return self._belief.states_at(from_ns, since_ns)
+        return self._started.states_at(from_ns, since_ns)
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at k instants."""
         from_ns = min(times_ns)
-        return self._belief.states_at(from_ns, np.array(times_ns) - from_ns).take(MOTION, axis=1)
+        return self._started.states_at(from_ns, np.array(times_ns) - from_ns).take(MOTION, axis=1)
 
     def planar(self, time_ns: int) -> PlanarGaussian:
-        """The belief at an instant projected on the plane."""
+        """The estimate at an instant projected on the plane."""
         return projected(self.at(time_ns))
 
     def predict(self, imu: Imu) -> None:
@@ -128,10 +128,10 @@ class NavigationFilter:
         if self._history is None:
             self._level(imu.stamp_ns, sample)
         else:
-            self._feel(imu.stamp_ns, sample, self._history)
+            self._add_sample(imu.stamp_ns, sample, self._history)
 
-    def _feel(self, stamp_ns: int, sample: Float64s, history: History) -> None:
-        """A good sample once there is a belief: its stamp says whether it goes on from the last."""
+    def _add_sample(self, stamp_ns: int, sample: Float64s, history: History) -> None:
+        """A good sample once there is an estimate: its stamp shows whether it continues the last one."""
         sample_ns = history.sample_ns
         if 0 < stamp_ns - sample_ns <= MAX_GAP_NS:
             self._imu_check.goes_on()
@@ -141,16 +141,16 @@ class NavigationFilter:
             self._history = history.begin_again(stamp_ns, sample)
         elif stamp_ns <= sample_ns:
             self.counts[NOT_LATER] += 1
-        elif not self._believes(stamp_ns):
+        elif not self._accepts_stamp(stamp_ns):
             self.counts[FAR_AHEAD] += 1
         else:
             if stamp_ns - self.sample_ns > MAX_GAP_NS:
                 self.counts[GAP] += 1
-            self._belief.add_sample(stamp_ns, sample)
+            self._started.add_sample(stamp_ns, sample)
 
     def place(self, pose: PlanarGaussian) -> None:
-        """Put the newest belief at a planar pose that somebody else has kept so far; it must be `ready`."""
-        self._history = self._belief.placed(pose)
+        """Put the newest estimate at a planar pose of the planar model; it must be `ready`."""
+        self._history = self._started.placed(pose)
 
     def fuse_planar(
         self,
@@ -173,7 +173,7 @@ class NavigationFilter:
         return self.at(time_ns)
 
     def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:
-        """Be at a planar pose at an instant, wherever the base was believed to be before."""
+        """Continue at a planar pose at a time, wherever the base was estimated before."""
         self.correct(time_ns, PoseReset(pose))
 
     def update_height(self, time_ns: int, height: float, sigma: float | None = None) -> bool:
@@ -198,11 +198,11 @@ class NavigationFilter:
 
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
-        """What became of the measurements of every source that was heard, up to the newest belief."""
+        """The status of every source, up to the newest estimate."""
         return self._rejections.statuses(self._history.statuses() if self._history else {})
 
     @property
-    def _belief(self) -> History:
+    def _started(self) -> History:
         if self._history is None:
             raise RuntimeError("the filter has no attitude yet: ask `ready` first")
         return self._history
@@ -218,13 +218,13 @@ class NavigationFilter:
         self._first.append((stamp_ns, sample.copy()))
         if stamp_ns - self._first[0][0] < self._config.level_time * 1e9:
             return
-        belief = initial_state(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
+        estimate = initial_state(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
         self._first.clear()
-        if belief is None:
+        if estimate is None:
             self.counts[WEIGHTLESS] += 1
         else:
             self._begin_ns = stamp_ns
-            self._history = History(stamp_ns, sample, *belief)
+            self._history = History(stamp_ns, sample, *estimate)
             self._history.configure(self._config, self._platform)
 
     def _refusal(self, time_ns: int, correction: Correction) -> str:
@@ -233,26 +233,26 @@ class NavigationFilter:
             return TOO_EARLY
         if not correction.usable:
             return UNUSABLE
-        if not self._believes(time_ns):
+        if not self._accepts_stamp(time_ns):
             return FAR_AHEAD
-        if not self._belief.add_correction(time_ns, correction):
+        if not self._started.add_correction(time_ns, correction):
             return TOO_EARLY if time_ns < self._begin_ns else TOO_OLD
         return ""
 
-    def _believes(self, stamp_ns: int) -> bool:
-        """Whether a stamp may be true: one far ahead could carry the filter off for good, a second confirms it."""
+    def _accepts_stamp(self, stamp_ns: int) -> bool:
+        """Whether a stamp is accepted: one far ahead needs a second that confirms it."""
         if stamp_ns - self.stamp_ns <= LEAP_NS:
             return True
-        confirmed = 0 <= stamp_ns - self._doubted_ns <= LEAP_NS
-        self._doubted_ns = stamp_ns
+        confirmed = 0 <= stamp_ns - self._suspect_ns <= LEAP_NS
+        self._suspect_ns = stamp_ns
         if confirmed:
             self.counts[LEAPT] += 1
-            self._history = self._belief.begin_again(stamp_ns - 1)
+            self._history = self._started.begin_again(stamp_ns - 1)
         return confirmed
 
 
 def projected(state: NavigationState) -> PlanarGaussian:
-    """A belief projected on the plane: C x and C P C^T."""
+    """An estimate projected on the plane: C x and C P C^T."""
     seen = PlanarGaussian(np.empty(3), np.empty((3, 3)))
-    planar_belief(state.x, state.covariance, *seen)
+    planar_estimate(state.x, state.covariance, *seen)
     return seen

@@ -1,9 +1,9 @@
-"""Whether a measurement is let into the filter, what is kept of each source, and how a rejected one comes back.
+"""Gates: whether a measurement is used, the status of each source, and how a rejected source comes back.
 
 The test: the normalised innovation squared, nu^T S^-1 nu, against the chi-square bound of its dimension. A filter
-that is surer of itself than it should be would reject the truth for good. So a source whose rejections agree with
-each other for a while comes back: the filter gives up what it believes about the states that this source measures
-and that no other has measured meanwhile. What others vouch for stays: a satellite position that contradicts the
+whose covariance is too small would reject the truth for good. So a source whose rejections agree with
+each other for a while comes back: the filter raises the covariance of the states that this source measures
+and that no other has measured meanwhile. What others measure stays: a satellite position that contradicts the
 matches moves nothing, one that contradicts dead reckoning does.
 """
 
@@ -26,9 +26,9 @@ FROZEN_DISTANCE = 2.0  # m
 
 
 def fuse(
-    x: Float64s, P: Float64s, statuses: Statuses, stamp_ns: int, correction: Correction, patience_ns: int
+    x: Float64s, P: Float64s, statuses: Statuses, stamp_ns: int, correction: Correction, reset_time_ns: int
 ) -> tuple[Float64s, Float64s, Statuses]:
-    """The belief after a correction, or as it was if that is rejected, and what is known of every source then."""
+    """The estimate after a correction, or as it was if that is rejected, and the status of every source."""
     old = statuses.get(correction.source) or AidingStatus(correction.source, correction.measures)
     old = _read(old, stamp_ns, correction.reading, x)
     if old.frozen:
@@ -37,9 +37,9 @@ def fuse(
     streak, streak_ns, returned = 0, 0, False
     if not update.accepted:
         streak, streak_ns = (old.streak + 1, old.streak_ns) if _agree(old, update) else (1, stamp_ns)
-        if streak >= LEAST_STREAK and stamp_ns - streak_ns >= patience_ns:
-            doubted = _unvouched(old, statuses.values(), stamp_ns - patience_ns)
-            update = correction.update(x, _doubting(P, *correction.observe(x)[:2], doubted))
+        if streak >= LEAST_STREAK and stamp_ns - streak_ns >= reset_time_ns:
+            open_states = _measured_by_no_other(old, statuses.values(), stamp_ns - reset_time_ns)
+            update = correction.update(x, _with_error(P, *correction.observe(x)[:2], open_states))
             returned = update.accepted
     used = update.accepted
     status = AidingStatus(  # by place, as it is made for every measurement: by name takes twice as long
@@ -74,17 +74,17 @@ def _agree(old: AidingStatus, update: Update) -> bool:
     return float(apart @ np.linalg.solve(update.S, apart)) <= update.bound
 
 
-def _unvouched(status: AidingStatus, others: Iterable[AidingStatus], since_ns: int) -> list[int]:
+def _measured_by_no_other(status: AidingStatus, others: Iterable[AidingStatus], since_ns: int) -> list[int]:
     """The states that a source measures and no other has been used for since then."""
-    vouched: set[int] = set()
+    measured: set[int] = set()
     for other in others:
         if other.source != status.source and other.used and other.used_ns >= since_ns:
-            vouched.update(other.measures)
-    return [state for state in status.measures if state not in vouched]
+            measured.update(other.measures)
+    return [state for state in status.measures if state not in measured]
 
 
-def _doubting(P: Float64s, innovation: Float64s, C: Float64s, doubted: list[int]) -> Float64s:
-    """P with the innovation as an error of the doubted states: as unsure as the contradiction is large."""
+def _with_error(P: Float64s, innovation: Float64s, C: Float64s, states: list[int]) -> Float64s:
+    """P with the innovation as an error of some states: as large as the contradiction is."""
     error = np.zeros(len(P))
-    error[doubted] = np.linalg.pinv(C[:, doubted]) @ innovation
+    error[states] = np.linalg.pinv(C[:, states]) @ innovation
     return P + np.outer(error, error)

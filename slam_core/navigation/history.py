@@ -1,6 +1,6 @@
 """The last seconds of the filter: a late measurement is applied at its own time, and all after it again.
 
-The belief is a function of what was measured, whatever order it came in. It is worked out when somebody asks: a
+The estimate is a function of the measurements, in any order of arrival. It is computed on request: a
 correction that is always late costs no more than one in time, and samples are run through in one piece.
 """
 
@@ -21,7 +21,7 @@ MOST_CORRECTIONS = 2048
 UNKNOWN_SPAN = 1.0  # s: after a clock was set, the base may have moved for about this long
 
 
-class Belief(NamedTuple):
+class Estimate(NamedTuple):
     """State, covariance, and what became of every source's measurements, at one instant."""
 
     stamp_ns: int
@@ -31,33 +31,33 @@ class Belief(NamedTuple):
 
 
 class History:
-    """Samples and corrections in order of time, and beliefs: the oldest, and after each correction worked out.
+    """Samples and corrections in order of time, and estimates: the oldest, and after each correction computed.
 
-    Since one of them is carried on again and again, its beliefs at the samples after it are kept as `stages`; the
-    last one that was asked for is kept, too.
+    Since one of them is propagated again and again, its estimates at the samples after it are kept in a
+    StateBuffer; the last one that was asked for is kept, too.
     """
 
     def __init__(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> None:
         self._samples = ImuBuffer()
         self._samples.append(stamp_ns, sample)
         self._corrections: list[tuple[int, Correction]] = []
-        self._beliefs = [Belief(stamp_ns, x, P, {})]
-        self._staged = self._asked = self._beliefs[0]
-        self._stages = StateBuffer(stamp_ns, x, P)
+        self._estimates = [Estimate(stamp_ns, x, P, {})]
+        self._base = self._asked = self._estimates[0]
+        self._buffer = StateBuffer(stamp_ns, x, P)
 
     def configure(self, config: NavigationConfig, platform: PlatformConfig) -> None:
         """The settings that hold from now on; needed before anything else."""
         self._model = Strapdown(config, platform)
-        self._patience_ns = round(config.gate_reset_time * 1e9)
+        self._reset_time_ns = round(config.gate_reset_time * 1e9)
         self._kept_ns = round(config.history * 1e9)
 
     def copy(self) -> "History":
-        """An independent copy; beliefs are never changed, so they are shared."""
+        """An independent copy; estimates are never changed, so they are shared."""
         other = History.__new__(History)
         other.__dict__.update(self.__dict__)
         other._samples = self._samples.copy()
-        other._corrections, other._beliefs = self._corrections.copy(), self._beliefs.copy()
-        other._stages = self._stages.copy()
+        other._corrections, other._estimates = self._corrections.copy(), self._estimates.copy()
+        other._buffer = self._buffer.copy()
         return other
 
     @property
@@ -70,20 +70,20 @@ class History:
         """Time of the latest measurement of any kind."""
         return max(self.sample_ns, self._corrections[-1][0]) if self._corrections else self.sample_ns
 
-    def at(self, time_ns: int) -> Belief:
-        """The belief at an instant; the oldest one for an instant before it."""
+    def at(self, time_ns: int) -> Estimate:
+        """The estimate at an instant; the oldest one for an instant before it."""
         return self._predicted(self._after(self._corrections_until(time_ns)), time_ns)
 
     def states_at(self, from_ns: int, since_ns: Int64s) -> Float64s:
         """The x alone at instants (k,) after `from_ns`, (k, 19); later corrections than that are left out.
 
-        What is believed at the last of them is kept.
+        The estimate at the last of them is kept.
         """
         base = self._after(self._corrections_until(from_ns))
-        self._stage(base)
+        self._buffer_from(base)
         time_ns = from_ns + since_ns.item(-1)
-        x, P, states = self._stages.belief(time_ns, self._model, self._samples, from_ns, since_ns)
-        self._asked = Belief(time_ns, x, P, base.statuses)
+        x, P, states = self._buffer.estimate(time_ns, self._model, self._samples, from_ns, since_ns)
+        self._asked = Estimate(time_ns, x, P, base.statuses)
         return states
 
     def statuses(self) -> Mapping[str, AidingStatus]:
@@ -94,42 +94,42 @@ class History:
         """Go on with an inertial sample (7,) later than the last one."""
         before_ns = self._samples.last_ns
         self._samples.append(stamp_ns, sample)
-        # What was believed beyond the sample before had to guess the input.
-        while len(self._beliefs) > 1 and self._beliefs[-1].stamp_ns > before_ns:
-            self._beliefs.pop()
+        # Estimates beyond the sample before used an assumed input.
+        while len(self._estimates) > 1 and self._estimates[-1].stamp_ns > before_ns:
+            self._estimates.pop()
         if self._asked.stamp_ns > before_ns:
-            self._asked = self._staged
-        if stamp_ns - self._beliefs[0].stamp_ns > 2 * self._kept_ns:
+            self._asked = self._base
+        if stamp_ns - self._estimates[0].stamp_ns > 2 * self._kept_ns:
             self._forget(stamp_ns - self._kept_ns)
 
     def add_correction(self, stamp_ns: int, correction: Correction) -> bool:
         """Apply a correction at its time; False if it is too old."""
-        if stamp_ns < self._beliefs[0].stamp_ns:
+        if stamp_ns < self._estimates[0].stamp_ns:
             return False
         i = self._corrections_until(stamp_ns)
         self._corrections.insert(i, (stamp_ns, correction))
-        del self._beliefs[i + 1 :]
+        del self._estimates[i + 1 :]
         if len(self._corrections) > MOST_CORRECTIONS:
             self._forget(self._corrections[MOST_CORRECTIONS // 2][0])
         return True
 
     def placed(self, pose: PlanarGaussian) -> "History":
-        """A history that begins with the newest sample and its belief, but at this pose in the plane."""
+        """A history that begins with the newest sample and its estimate, but at this pose in the plane."""
         last = self.at(self.sample_ns)
         return self._begun(last.stamp_ns, self._samples.last, *with_pose(last.x, last.P, pose))
 
     def begin_again(self, stamp_ns: int, sample: Float64s | None = None) -> "History":
-        """A history on a clock that was set: it begins with the newest belief, but is less sure of it."""
+        """A history on a clock that was set: it begins with the newest estimate, with a larger covariance."""
         last = self.at(self.newest_ns)
         sample = self._samples.last if sample is None else sample
         other = self._begun(stamp_ns, sample, last.x, self._model.coast(last.x, last.P, UNKNOWN_SPAN))
         statuses = {k: s._replace(stamp_ns=stamp_ns, used_ns=stamp_ns, streak=0) for k, s in last.statuses.items()}
-        other._beliefs = [other._beliefs[0]._replace(statuses=statuses)]
+        other._estimates = [other._estimates[0]._replace(statuses=statuses)]
         return other
 
     def _begun(self, stamp_ns: int, sample: Float64s, x: Float64s, P: Float64s) -> "History":
         other = History(stamp_ns, sample, x, P)
-        other._model, other._patience_ns, other._kept_ns = self._model, self._patience_ns, self._kept_ns
+        other._model, other._reset_time_ns, other._kept_ns = self._model, self._reset_time_ns, self._kept_ns
         return other
 
     def _corrections_until(self, time_ns: int) -> int:
@@ -139,40 +139,40 @@ class History:
             i -= 1
         return i
 
-    def _after(self, count: int) -> Belief:
-        """The belief after so many corrections."""
-        while len(self._beliefs) <= count:
-            stamp_ns, correction = self._corrections[len(self._beliefs) - 1]
-            _, x, P, statuses = self._predicted(self._beliefs[-1], stamp_ns)
-            fused = fuse(x, P, statuses, stamp_ns, correction, self._patience_ns)
-            self._beliefs.append(Belief(stamp_ns, *fused))
-        return self._beliefs[count]
+    def _after(self, count: int) -> Estimate:
+        """The estimate after so many corrections."""
+        while len(self._estimates) <= count:
+            stamp_ns, correction = self._corrections[len(self._estimates) - 1]
+            _, x, P, statuses = self._predicted(self._estimates[-1], stamp_ns)
+            fused = fuse(x, P, statuses, stamp_ns, correction, self._reset_time_ns)
+            self._estimates.append(Estimate(stamp_ns, *fused))
+        return self._estimates[count]
 
-    def _predicted(self, base: Belief, time_ns: int) -> Belief:
-        """A belief carried on through the samples; the last answer is kept, as a scan asks for its own thrice."""
+    def _predicted(self, base: Estimate, time_ns: int) -> Estimate:
+        """An estimate propagated through the samples; the last one is kept, as each scan needs it three times."""
         if time_ns <= base.stamp_ns:
             return base
-        if self._staged is not base or self._asked.stamp_ns != time_ns:
-            self._stage(base)
-            x, P, _ = self._stages.belief(time_ns, self._model, self._samples)
-            self._asked = Belief(time_ns, x, P, base.statuses)
+        if self._base is not base or self._asked.stamp_ns != time_ns:
+            self._buffer_from(base)
+            x, P, _ = self._buffer.estimate(time_ns, self._model, self._samples)
+            self._asked = Estimate(time_ns, x, P, base.statuses)
         return self._asked
 
-    def _stage(self, base: Belief) -> None:
-        """The stages are those of the belief that is carried on."""
-        if self._staged is not base:
-            self._staged = self._asked = base
-            self._stages.begin(base.stamp_ns, base.x, base.P)
+    def _buffer_from(self, base: Estimate) -> None:
+        """The state buffer is that of the estimate that is propagated."""
+        if self._base is not base:
+            self._base = self._asked = base
+            self._buffer.begin(base.stamp_ns, base.x, base.P)
 
     def _forget(self, before_ns: int) -> None:
-        """Begin with the belief at the last sample or correction before an instant."""
+        """Begin with the estimate at the last sample or correction before an instant."""
         count = self._corrections_until(before_ns)
         oldest = self._after(count)
         sample_ns = self._samples.until(before_ns)
         if sample_ns > oldest.stamp_ns:
             oldest = self._predicted(oldest, sample_ns)
-        if self._staged is self._beliefs[count]:
-            self._staged, self._stages = oldest, self._stages.since(oldest.stamp_ns, oldest.x, oldest.P)
-        self._beliefs[: count + 1] = [oldest]
+        if self._base is self._estimates[count]:
+            self._base, self._buffer = oldest, self._buffer.since(oldest.stamp_ns, oldest.x, oldest.P)
+        self._estimates[: count + 1] = [oldest]
         del self._corrections[:count]
         self._samples.drop_before(self._samples.until(oldest.stamp_ns))

@@ -1,4 +1,4 @@
-"""How the filter begins: level from the mean specific force of its first moment, and at a pose in the plane."""
+"""Initial alignment: roll and pitch from the mean specific force of the first samples; reset to a planar pose."""
 
 import math
 
@@ -50,9 +50,9 @@ def initial_state(
 
 
 def with_pose(x: Float64s, P: Float64s, pose: PlanarGaussian) -> tuple[Float64s, Float64s]:
-    """A belief turned about the vertical and set down at a planar pose, as sure of that as the pose is.
+    """An estimate turned about the vertical and moved to a planar pose, with the covariance of the pose.
 
-    What was believed of place and heading is forgotten; tilt, height, biases and the body's motion stay.
+    The former position and heading are dropped; tilt, height, biases and the motion of the body stay.
     """
     turn = geometry.yaw_quaternion(pose.mean[2] - geometry.heading(x[:4]))
     R = geometry.rotation_matrix(turn)

@@ -1,7 +1,7 @@
-"""Where the robot is between scans when there is no IMU: a planar motion at nearly constant velocity.
+"""The planar motion model without an IMU: nearly constant velocity.
 
-The same questions that the navigation filter answers: the pose at an instant, its uncertainty in the plane, and
-what a match changes. Roll and pitch come from somebody else's attitude if there is one, else they are zero.
+It has the interface of the navigation filter: the pose at a time, its covariance in the plane, and the fusion of a
+match. Roll and pitch come from an external attitude if there is one, else they are zero.
 """
 
 import math
@@ -25,7 +25,7 @@ MEMORY = 256  # attitudes kept: some seconds
 YAW_RATE_SIGMA = 0.05  # rad/s, of a gyro with its bias
 OBSERVE_POSE = np.eye(3, 6)
 OBSERVE_TWIST = np.eye(3, 6, 3)
-# Nobody knows where a robot is that was last seen longer ago, nor how long a clock took to be set back.
+# Longest prediction, and the step back of a stamp that counts as a clock that was set.
 LONGEST_NS = 2_000_000_000
 SET_BACK_NS = 1_000_000_000
 
@@ -33,7 +33,7 @@ SET_BACK_NS = 1_000_000_000
 class PlanarMotion:
     """A Kalman filter on x, y, psi in the map and the body's velocity forward, left and about z; six states.
 
-    aided: whether anything but matches was heard of: somebody else's attitude, or wheels.
+    aided: whether there was an external attitude or odometry.
     """
 
     def __init__(self) -> None:
@@ -56,7 +56,7 @@ class PlanarMotion:
         self._observe(OBSERVE_TWIST[2:], np.array([rate]), np.array([[YAW_RATE_SIGMA**2]]))
 
     def constrain_sideways(self) -> None:
-        """Section III: wheels that do not slip give no velocity to the left."""
+        """Section III: the non-holonomic constraint of wheels that do not slip: no velocity to the left."""
         self._observe(OBSERVE_TWIST[1:2], np.zeros(1), np.array([[SLIP_SIGMA**2]]))
 
     def add_odometry(self, odometry: Odometry, config: MotionConfig) -> None:
@@ -93,13 +93,13 @@ class PlanarMotion:
         self._advance(time_ns, config)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
-    def belief(self, time_ns: int, config: MotionConfig) -> tuple[Float64s, Float64s]:
+    def estimate(self, time_ns: int, config: MotionConfig) -> tuple[Float64s, Float64s]:
         """Mean (6,) at an instant, also one a little before the last known; covariance (6, 6) of the later one."""
         self._advance(time_ns, config)
         return np.concatenate((self._extrapolated(time_ns), self._mean[3:])), self._covariance
 
     def shift(self, step: Float64s, covariance: Float64s) -> None:
-        """Correct the last belief by a step (6,); its covariance (6, 6) after that."""
+        """Correct the last estimate by a step (6,); its covariance (6, 6) after that."""
         self._mean = self._mean + step
         self._mean[2] = geometry.wrap(self._mean[2])
         self._set_covariance(covariance)
@@ -130,7 +130,7 @@ class PlanarMotion:
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
     def place(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
-        """Be there at an instant, wherever the base was believed to be before; the body's velocity stays."""
+        """Continue at a pose at a time, wherever the base was estimated before; the velocity of the body stays."""
         self._advance(time_ns, config)
         self._mean[:3] = pose.mean
         covariance = np.zeros((6, 6))
@@ -164,7 +164,7 @@ class PlanarMotion:
         self.stamp_ns = time_ns
 
     def _lapse(self, time_ns: int) -> float:
-        """Seconds since the belief, within reason."""
+        """Seconds since the estimate, limited."""
         if self.stamp_ns is None or time_ns < self.stamp_ns - SET_BACK_NS:
             return 0.0
         return min(time_ns - self.stamp_ns, LONGEST_NS) * 1e-9

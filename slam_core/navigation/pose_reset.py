@@ -1,4 +1,4 @@
-"""Setting the belief down somewhere else: a start in a given map, or a robot that was carried away."""
+"""Pose reset: a start in a prior map, or a robot that was carried away."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -15,7 +15,7 @@ from slam_core.results import PlanarGaussian
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseReset(Correction):
-    """The base is at a planar pose, whatever was believed of its place and heading."""
+    """The base is at a planar pose, whatever its position and heading were."""
 
     pose: PlanarGaussian
     gate: float = 0.0
@@ -28,9 +28,9 @@ class PoseReset(Correction):
         return bool(is_measurement(self.pose.mean, self.pose.covariance, PLAUSIBLE))
 
     def observe(self, x: Float64s) -> tuple[Float64s, Float64s, Float64s]:
-        """Nothing is compared: what was believed of the place does not count."""
+        """Nothing is compared: the former position does not count."""
         return np.zeros(3), planar_observer(x), self.pose.covariance
 
     def update(self, x: Float64s, P: Float64s) -> Update:
-        """The belief turned and set down there."""
+        """The estimate turned and moved there."""
         return Update(*with_pose(x, P, self.pose), np.zeros(3), self.pose.covariance, 0.0, np.inf)

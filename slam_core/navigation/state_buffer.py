@@ -1,4 +1,4 @@
-"""A belief and those that follow from it at the samples after it, in arrays that compiled code runs through."""
+"""An estimate and its propagation to the samples after it, in arrays that compiled code runs through."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ NO_INSTANT = np.empty(0, np.int64)
 
 
 class StateBuffer:
-    """Its rows are worked out when somebody asks for an instant beyond them."""
+    """Its rows are computed when a time beyond them is requested."""
 
     def __init__(self, stamp_ns: int, x: Float64s, P: Float64s) -> None:
         self._rows = _rows(FIRST_SIZE)
@@ -25,12 +25,12 @@ class StateBuffer:
         return self._rows[2][: self._count]
 
     def begin(self, stamp_ns: int, x: Float64s, P: Float64s) -> None:
-        """Begin anew with another belief: a copy of it, in the memory of the rows before."""
+        """Begin anew with another estimate: a copy of it, in the memory of the rows before."""
         xs, Ps, stamps = self._rows
         xs[0], Ps[0], stamps[0] = x, P, stamp_ns
         self._count = 1
 
-    def belief(
+    def estimate(
         self, time_ns: int, model: Strapdown, samples: ImuBuffer, from_ns: int = 0, since_ns: Int64s = NO_INSTANT
     ) -> tuple[Float64s, Float64s, Float64s]:
         """The x and P at an instant, those of the first row for one before it; (k, 19) x at from_ns + since_ns."""
@@ -43,7 +43,7 @@ class StateBuffer:
             self._make_room()  # it may have lacked some
 
     def since(self, stamp_ns: int, x: Float64s, P: Float64s) -> "StateBuffer":
-        """Those later than a stamp, after a belief that takes the place of those before."""
+        """States newer than `stamp_ns`, re-based on a new state."""
         other = self.copy()
         first = int(np.searchsorted(self.stamps, stamp_ns, side="right"))
         other.begin(stamp_ns, x, P)

@@ -1,16 +1,16 @@
-"""Eqs. (1)-(3) with the noise of the configuration: what the filter believes a moment later."""
+"""Eqs. (1)-(3) with the noise of the configuration: the prediction of the filter."""
 
 import numpy as np
 
 from slam_core.config import NavigationConfig, PlatformConfig
-from slam_core.kernels import imu_propagation as passage
+from slam_core.kernels import imu_propagation
 from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import Float64s
 from slam_core.navigation.imu_buffer import ImuBuffer
 
 # Without inertial data the motion goes on straight, with white noise that stands for every turn and push.
-BLIND_GYRO_NOISE = 0.5  # rad/s/√Hz
-BLIND_ACCEL_NOISE = 2.0  # m/s²/√Hz
+UNAIDED_GYRO_NOISE = 0.5  # rad/s/√Hz
+UNAIDED_ACCEL_NOISE = 2.0  # m/s²/√Hz
 
 SMOOTHING = 0.5  # s: over which the specific force is smoothed to show where down is
 
@@ -27,7 +27,7 @@ class Strapdown:
         limits = [float(platform.planar), float(platform.no_slip)]
         self.constants = (
             np.array([*common, config.gyro_noise**2, config.accel_noise**2, *walks, *limits]),
-            np.array([*common, BLIND_GYRO_NOISE**2, BLIND_ACCEL_NOISE**2, *walks, *limits]),
+            np.array([*common, UNAIDED_GYRO_NOISE**2, UNAIDED_ACCEL_NOISE**2, *walks, *limits]),
             _bounds(config),
         )
 
@@ -35,12 +35,14 @@ class Strapdown:
         self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, samples: ImuBuffer
     ) -> tuple[Float64s, Float64s]:
         """State and covariance at a later instant, through the samples between."""
-        later: tuple[Float64s, Float64s] = passage.predict(x, P, from_ns, to_ns, samples.rows, self.constants)
+        later: tuple[Float64s, Float64s] = imu_propagation.predict(
+            x, P, from_ns, to_ns, samples.rows, self.constants
+        )
         return later
 
     def coast(self, x: Float64s, P: Float64s, seconds: float) -> Float64s:
-        """P of a belief after so long without any input."""
-        spread: Float64s = passage.coast(x, P, seconds, *self.constants[1:])[1]
+        """P of an estimate after so long without any input."""
+        spread: Float64s = imu_propagation.coast(x, P, seconds, *self.constants[1:])[1]
         return spread
 
 

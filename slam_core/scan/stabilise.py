@@ -34,8 +34,8 @@ class StabilisedScan(NamedTuple):
 def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> StabilisedScan:
     """Endpoints of `scan` in the stabilised frame at scan.mid_ns; the motion is asked for instants of the sweep.
 
-    Beams out of range, without a value (REP-117) or out of the z band are left out, and all of a laser that cannot
-    sit where it is said to. With config.stabilise off the
+    Beams out of range, without a value (REP-117) or out of the z band are left out, and all of a laser whose
+    mount is not plausible. With config.stabilise off the
     attitude is ignored, with config.deskew off the motion during the sweep is.
     """
     n = len(scan.ranges) if _is_mounted(scan.T_base_laser) else 0
@@ -86,7 +86,7 @@ def _steps(sweep_ns: int) -> Int64s:
 
 @lru_cache(maxsize=8)
 def _is_mounted(T_base_laser: Transform) -> bool:
-    """Whether a laser can sit there: ends too far away have no cell whose number could be told."""
+    """Whether the mount is plausible: the lattice has no cells for endpoints too far away."""
     return bool(np.abs(T_base_laser.translation).max() <= FARTHEST_LASER)
 
 

@@ -1,6 +1,6 @@
 """Beams as the matcher takes them: endpoints and, on request, the direction of the surface that each one hit.
 
-Along a wall the map says nothing about the pose, yet the texture of its cells has a gradient there, which holds a
+Along a wall the map does not observe the pose, yet the texture of its cells has a gradient there, which holds a
 robot in a bare corridor to its old place. With the surfaces known, only the gradient across them counts; the
 matcher takes that where the scan fixes the position badly.
 """

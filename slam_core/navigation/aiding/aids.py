@@ -1,7 +1,7 @@
-"""What turns measurements of aiding sensors into corrections: what each has to know besides the filter's state.
+"""Aiding sensors: from measurements to corrections, with what each has to know besides the state of the filter.
 
-A compass has to know its north, a satellite receiver where the map lies, a beam to the ground how high that is.
-All of it is learned while scan matches can be trusted, and used against drift when they cannot.
+A compass needs the direction of north in the map, a satellite receiver the pose of the map, a beam to the ground
+its height. All of it is estimated while scans are matched, and used against drift when they are not.
 """
 
 import math
@@ -47,7 +47,7 @@ class Estimator(Protocol):
 
     @property
     def ready(self) -> bool:
-        """Whether there is a belief."""
+        """Whether there is an estimate."""
 
     @property
     def aiding(self) -> tuple[AidingStatus, ...]:
@@ -72,12 +72,12 @@ TRUST_NS = 1_000_000_000  # a match is good for this long
 STEP_NS = 300_000_000  # a ground that lies elsewhere for this long has a step
 REGAUGE_NS = 60_000_000_000  # satellites that contradict the map for this long: where it lies was learned wrongly
 REST_SPEED = 0.02  # m/s: how still a base stands that stands still
-DRIFT_SPEED = 0.3  # m/s: what a filter without aid may come to believe of a base that stands still
+DRIFT_SPEED = 0.3  # m/s: drift of the velocity of an unaided filter at rest
 REST_RATE, REST_FORCE = 5e-4, 0.03  # rad/s, m/s²: what is left of motion at rest
 
 
 class Aids:
-    """One for each run; `believe` tells it of every match that can be trusted."""
+    """One for each run; `matched` is called after every accepted match."""
 
     def __init__(self) -> None:
         self._compass = Compass()
@@ -93,13 +93,13 @@ class Aids:
         return self._georeference.pose() if self._georeference.known else None
 
     def matched(self, time_ns: int) -> None:
-        """A scan was matched at this instant, and the match can be trusted."""
+        """A match was accepted at this time."""
         self._trusted_ns = time_ns
 
     def add_imu(self, imu: Imu, estimator: NavigationFilter, config: AidingConfig) -> None:
         """Every inertial sample: a base that stands still has no velocity, and its gyros read their bias.
 
-        While matches can be trusted they tell that bias too, and rest only holds tilt and velocity.
+        While scans are matched, the matches observe that bias, and standstill corrects tilt and velocity only.
         """
         rest = self._standstill.add(imu) if config.standstill else None
         if rest is None or not estimator.ready or not _may_rest(estimator):

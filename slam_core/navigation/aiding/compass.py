@@ -1,7 +1,8 @@
 """The magnetic field as a direction in the map, and when it is not the Earth's.
 
 Metal and currents change the field's size and inclination as well as its direction: a field that differs in either
-from what was usual is not believed. Usual is what the magnetometer itself has measured, so it needs no chart.
+from what was usual is rejected. The usual field is the mean of what the magnetometer has measured, so no chart is
+needed.
 """
 
 import math

@@ -1,7 +1,7 @@
-"""Where the map lies in the tangent plane of the satellites: found while both are known, used when one is not.
+"""The pose of the map in the tangent plane of the satellites: estimated while both are known, used if one is not.
 
 The map begins wherever the first scan was taken, facing anywhere. Pairs of a place in the map and in the plane,
-and of a velocity in both, tell the motion p_plane = R(theta) p_map + t by weighted least squares: the centroids
+and of a velocity in both, give the motion p_plane = R(theta) p_map + t by weighted least squares: the centroids
 map on each other, and theta is the direction of the sum of w (dot, cross) over what they leave. That sum is the
 resultant of a von Mises density, so a compass adds its own direction to it with its own weight.
 """
@@ -14,7 +14,7 @@ from slam_core import geometry
 from slam_core.measurements import Float64s
 from slam_core.results import PlanarGaussian
 
-# A turn less certain than this says nothing yet about where the map lies.
+# A turn less certain than this does not give the pose of the map yet.
 KNOWN_TURN = 0.15  # rad
 
 
@@ -31,12 +31,12 @@ class Georeference:
 
     @property
     def turn_known(self) -> bool:
-        """Whether a direction in the plane can be told in the map."""
+        """Whether a direction in the plane is known in the map."""
         return self.turn_variance < KNOWN_TURN**2
 
     @property
     def known(self) -> bool:
-        """Whether a place in the plane can be told in the map."""
+        """Whether a position in the plane is known in the map."""
         return self._weight > 0.0 and self.turn_known
 
     @property
@@ -69,7 +69,7 @@ class Georeference:
         self._concentration += weight * float(in_map[0] ** 2 + in_map[1] ** 2)
 
     def set_compass(self, turn: float, sigma: float) -> None:
-        """A compass says theta, radians: a single vote, since it errs in the same way all the time."""
+        """Theta by a compass, radians: counted once, since its error is constant."""
         self._compass = np.array([math.cos(turn), math.sin(turn)]) / sigma**2
 
     def place(self, in_plane: Float64s) -> tuple[Float64s, Float64s]:

@@ -1,4 +1,4 @@
-"""Satellites and compass for the planar motion: its belief as a state of section V-A, corrected, and read back.
+"""Satellites and compass for the planar model: its estimate as a state of section V-A, corrected and converted.
 
 So every correction, its gate and its counters are those of the navigation filter. What the plane does not have
 (height, tilt, biases) is level or unknown and independent of the rest; the yaw rate rides in the place of the
@@ -21,14 +21,14 @@ from slam_core.navigation.planar_motion import PlanarMotion
 from slam_core.navigation.rejections import FAR_AHEAD, TOO_OLD, UNUSABLE, Rejections
 from slam_core.results import AidingStatus
 
-TILT_SIGMA = 0.03  # rad, of another's attitude, or of a floor
+TILT_SIGMA = 0.03  # rad, of an external attitude, or of a floor
 UNKNOWN = 100.0  # metres, m/s
 OLDEST_NS = 1_000_000_000
 PLANAR = [3, 4, 2, 6, 7, 11]  # where x, y, psi, the velocity in the map and the yaw rate are among the errors
 
 
 class PlanarEstimator:
-    """A planar motion as aids see a filter."""
+    """The planar model with the interface of the filter, for the aiding sensors."""
 
     def __init__(self, motion: PlanarMotion) -> None:
         self._rejections = Rejections()
@@ -46,7 +46,7 @@ class PlanarEstimator:
 
     @property
     def ready(self) -> bool:
-        """Whether there is a belief."""
+        """Whether there is an estimate."""
         return self._motion.stamp_ns is not None
 
     @property
@@ -73,12 +73,12 @@ class PlanarEstimator:
         self._statuses = {**self._statuses, "scan": new}
 
     def correct(self, time_ns: int, correction: Correction) -> bool:
-        """A measurement at its own time, by which the present belief is shifted. Whether it came to its gate."""
+        """A measurement at its own time, by which the present estimate is shifted. Whether it came to its gate."""
         reason = self._refusal(time_ns, correction)
         if reason:
             self.drop(correction.source, reason)
             return False
-        mean, covariance = self._motion.belief(time_ns, self._config)
+        mean, covariance = self._motion.estimate(time_ns, self._config)
         x, P = _lifted(mean, covariance, self._motion.pose(time_ns).rotation)
         before = self._statuses.get(correction.source)
         y, Q, self._statuses = gates.fuse(x, P, self._statuses, time_ns, correction, self._reset_time_ns)
@@ -95,7 +95,7 @@ class PlanarEstimator:
 
 
 def _lifted(mean: Float64s, covariance: Float64s, attitude: Float64s) -> tuple[Float64s, Float64s]:
-    """State (19,) and covariance (15, 15) of a planar belief, with the attitude (4,) whose heading is its psi."""
+    """State (19,) and covariance (15, 15) of a planar estimate, with an attitude (4,) of the same heading."""
     turn, J = _turn(mean[2]), np.eye(6)
     J[3:5, 3:5], velocity = turn, turn @ mean[3:5]
     J[3:5, 2] = -velocity[1], velocity[0]
@@ -107,7 +107,7 @@ def _lifted(mean: Float64s, covariance: Float64s, attitude: Float64s) -> tuple[F
 
 
 def _lowered(mean: Float64s, x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
-    """The step (6,) from a planar mean to what x (19,) says, and the covariance (6, 6) of that."""
+    """The step (6,) from a planar mean to the values of x (19,), and the covariance (6, 6) of that."""
     psi = geometry.heading(x[:4])
     back, L = _turn(-psi), np.eye(6)
     body = back @ x[7:9]

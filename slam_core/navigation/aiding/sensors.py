@@ -1,4 +1,4 @@
-"""Section V: what satellites, compass, rangefinder, another's attitude and rest say about the inertial state.
+"""Section V: corrections by satellites, compass, rangefinder, an external attitude and standstill.
 
 Errors of such sensors last: a receiver that is two metres off still is a moment later. A gate compares with the
 error as it is; the update counts each measurement by the share that is new in it (`Lasting`).
@@ -103,7 +103,7 @@ class MagneticHeading(Lasting):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tilt(Lasting):
-    """Up (3,) in the axes of the base, by somebody else's estimate; sigma in radians."""
+    """Up (3,) in the axes of the base, by an external estimate; sigma in radians."""
 
     up: Float64s
     sigma: float

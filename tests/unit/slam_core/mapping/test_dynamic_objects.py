@@ -79,7 +79,7 @@ def test_a_thin_wall_outlives_beams_through_its_gaps():
         pyramid.update(wall, NOBODY, np.zeros(2), REST, config)
         through = np.where(np.abs(wall[:, 1:]) < gap, np.float32(1.5), np.float32(1.0)) * wall
         for _ in range(20):
-            pyramid.doubt(through, np.zeros(2), REST, config)
+            pyramid.clear(through, np.zeros(2), REST, config)
         columns, rows = pyramid.levels[0].cell_of(2.0, 0.0)
         assert (pyramid.levels[0].log_odds[rows, columns] > 0) == stays
 
@@ -94,7 +94,7 @@ def test_a_ghost_beside_an_edge_goes_with_the_beams_that_pass_it():
     ranges = np.where(np.arange(len(angles)) % 2, 1.0, 4.0)
     beams = (ranges * [np.cos(angles), np.sin(angles)]).T.astype(np.float32)
     for _ in range(6):
-        pyramid.doubt(beams, np.zeros(2), REST, config)
+        pyramid.clear(beams, np.zeros(2), REST, config)
     columns, rows = pyramid.levels[0].cell_of(*ghost[0])
     assert pyramid.levels[0].log_odds[rows, columns] < 0
 
@@ -109,7 +109,7 @@ def test_what_an_edge_hides_is_not_doubted():
     ranges = np.where(np.abs(angles) < np.radians(1.1), 1.0, 4.0)
     beams = (ranges * [np.cos(angles), np.sin(angles)]).T.astype(np.float32)
     for _ in range(6):
-        pyramid.doubt(beams, np.zeros(2), REST, config)
+        pyramid.clear(beams, np.zeros(2), REST, config)
     columns, rows = pyramid.levels[0].cell_of(*hidden[0])
     assert pyramid.levels[0].log_odds[rows, columns] > 0
 
@@ -140,6 +140,6 @@ def test_bearings_behind_the_laser_wrap(side):
     pyramid.update(ghost, NOBODY, np.zeros(2), REST, config)
     behind = np.column_stack([np.full(101, -3.0), np.linspace(-0.5, 0.5, 101)]).astype(np.float32)
     for _ in range(6):
-        pyramid.doubt(behind, np.zeros(2), REST, config)
+        pyramid.clear(behind, np.zeros(2), REST, config)
     columns, rows = pyramid.levels[0].cell_of(*ghost[0])
     assert pyramid.levels[0].log_odds[rows, columns] < 0

@@ -222,7 +222,7 @@ def test_what_has_moved_on_takes_its_surfel_along():
     pyramid = seen(wall(2.0, length=1.0), 2)
     near = pyramid.levels[0].surfels != 0
     assert near.any()
-    pyramid.doubt(wall(4.0, length=4.0), LASER, HERE, CONFIG)
+    pyramid.clear(wall(4.0, length=4.0), LASER, HERE, CONFIG)
     assert not pyramid.levels[0].surfels[near].any()
 
 

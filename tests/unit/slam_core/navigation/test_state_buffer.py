@@ -28,7 +28,7 @@ def predicted(to_ns: int) -> tuple[np.ndarray, np.ndarray]:
 
 def belief(stages: StateBuffer, time_ns: int) -> tuple[np.ndarray, np.ndarray]:
     """The state and its covariance at an instant."""
-    return stages.belief(time_ns, MODEL, SAMPLES)[:2]
+    return stages.estimate(time_ns, MODEL, SAMPLES)[:2]
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_every_sample_on_the_way_has_its_belief(steps: tuple[int, ...]) -> None:
 def test_several_states_are_those_of_the_beliefs() -> None:
     """Whatever the order of the instants and wherever they lie, the states are as if each were asked for alone."""
     times = [12 * STEP_NS + 7, BEGIN_NS, 3 * STEP_NS, 0, 40 * STEP_NS + 1]
-    states = StateBuffer(BEGIN_NS, X, P).belief(times[0], MODEL, SAMPLES, 0, np.array(times))[2]
+    states = StateBuffer(BEGIN_NS, X, P).estimate(times[0], MODEL, SAMPLES, 0, np.array(times))[2]
     for state, time_ns in zip(states, times, strict=True):
         assert np.allclose(state, belief(StateBuffer(BEGIN_NS, X, P), time_ns)[0], rtol=0, atol=1e-12)
 

@@ -155,7 +155,7 @@ def test_unknown_motion_goes_straight_and_forgets() -> None:
     later, spread = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.0))
     assert np.allclose(later[:4], x[:4]) and np.allclose(later[7:10], x[7:10])
     assert np.allclose(later[4:7], x[4:7] + 0.4 * x[7:10])
-    alone = StateBuffer(0, x, P).belief(0, model, fed(inputs(0.0), 0.0), 0, np.array([400_000_000]))[2]
+    alone = StateBuffer(0, x, P).estimate(0, model, fed(inputs(0.0), 0.0), 0, np.array([400_000_000]))[2]
     assert np.allclose(later, alone[0], atol=1e-12)
     known = model.predict(x, P, 0, 400_000_000, fed(inputs(0.0), 0.4))[1]
     assert (np.diag(spread)[:9] > np.diag(known)[:9]).all()
