@@ -7,7 +7,7 @@ from typing import get_args
 from hectorscope.cli.main import Scene, demo_bag
 from hectorscope.inputs import SourceOptions
 from hectorscope.simulation import SceneOptions
-from slam_core.config import SlamConfig, with_value, with_values
+from slam_core.config import SlamConfig, with_value
 from tests.conftest import ROOT
 
 BESIDE = ROOT.parent / "shared" / "data"
@@ -15,38 +15,7 @@ SEEDS = (1, 2, 3, 4, 5)
 DRIVE_SEEDS = tuple(range(1, 21))  # one drive in the rooms or another is lucky
 LOST_M = 1.0  # a raw error beyond this is no inaccuracy any more
 
-PLAIN_SETTINGS: dict[str, float | bool | str] = {
-    "map.factor_behind": 0.5,
-    "matcher.prior_weight": 0.0,
-    "matcher.surfel_weight": 0.0,
-    "matcher.weak_observability_threshold": 0.0,
-    "matcher.degeneracy_threshold": 0.0,
-    "matcher.converged_step": 0.0,
-    "matcher.coarse_beams": 0,
-    "matcher.prior_restart_sigmas": 0.0,
-    "matcher.start_estimate": "last_pose",
-    "scan.deskew": False,
-    "motion.deskew_refinements": 0,
-    "tracking.check": False,
-    "map.clear_interval": 0.0,
-    "map.keyframe_max_delay": 0.0,
-    "aiding.standstill": False,
-    "motion.odometry_slip": 0.0,
-    "tracking.relocalise": False,
-    "tracking.continue_from_prediction": False,
-    "navigation.height_gate": 0.0,
-    "motion.odometry_gate": 0.0,
-    "motion.observed_only": False,
-    "fusion.widen_vertical": True,
-}
-
-
-def plain() -> SlamConfig:
-    """The paper's own method: every step of the defaults beyond it switched off."""
-    return with_values(SlamConfig(), PLAIN_SETTINGS)
-
-
-METHODS = {"plain": plain(), "full": SlamConfig()}
+METHODS = {"paper": SlamConfig.paper(), "full": SlamConfig()}
 CELLS_ALONE = with_value(SlamConfig(), "matcher.surfel_weight", 0.0)
 
 

@@ -10,13 +10,14 @@ from typing import Any
 
 from benchmarks import kernels, others, reading, returning, start, tables
 from benchmarks.accuracy import CorridorOutcome, Outcome, Outcomes, Replay
-from benchmarks.cases import DRIVE_SEEDS, DRIVES, LOST_M, PLAIN_SETTINGS, SEEDS, Drive, Recording
+from benchmarks.cases import DRIVE_SEEDS, DRIVES, LOST_M, SEEDS, Drive, Recording
 from benchmarks.ghosts import SIGHT_S, HallOutcome
 from benchmarks.inertial import Ride
 from benchmarks.others import Judged
 from benchmarks.outage import OUTAGE_SEEDS, Outage
 from benchmarks.strays import GlassOutcome, Struck
 from benchmarks.whole_map import BEAMS, STARTS, Finding
+from slam_core.config.presets import PAPER
 
 ACCURACY = "\n# Accuracy\n"
 
@@ -158,12 +159,12 @@ is made of random walls and boxes.
 
 def judgement(accuracy: Accuracy) -> str:
     """docs/performance.md from ACCURACY on."""
-    settings = ", ".join(f"`{name}` {str(value).lower()}" for name, value in PLAIN_SETTINGS.items())
+    settings = ", ".join(f"`{name}` {str(value).lower()}" for name, value in PAPER.items())
     return f"""{ACCURACY}
 Worked out on {machine()}; another processor rounds in another way, after which a drive may come out a little
 better or worse.
 
-A raw error of more than {LOST_M:g} m counts as lost. Methods: *full* is the default settings; *plain* is the
+A raw error of more than {LOST_M:g} m counts as lost. Methods: *full* is the default settings; *paper* is the
 paper's own method: {settings}.
 
 ## In simulated rooms

@@ -43,7 +43,7 @@ def test_a_corridor_is_scored_along_and_across() -> None:
         assert outcome.sigma_end > 0.0
         assert 0.0 <= outcome.held <= 1.0
     assert outcomes["full"].held_open == outcomes["full, with wheels"].held_open == 1.0
-    assert outcomes["full"].along < 0.3 < 1.0 < outcomes["plain"].along
+    assert outcomes["full"].along < 0.3 < 1.0 < outcomes["paper"].along
     assert outcomes["full, with wheels"].along < 0.1
 
 

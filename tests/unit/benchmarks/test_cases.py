@@ -5,7 +5,6 @@ from benchmarks.cases import (
     DRIVE_SEEDS,
     DRIVES,
     METHODS,
-    PLAIN_SETTINGS,
     REAL,
     SEEDS,
     TIMED,
@@ -13,6 +12,7 @@ from benchmarks.cases import (
     present,
 )
 from slam_core.config import SlamConfig, leaves
+from slam_core.config.presets import PAPER
 
 
 def test_names_are_unique() -> None:
@@ -23,11 +23,11 @@ def test_names_are_unique() -> None:
     assert len(set(DRIVE_SEEDS)) == len(DRIVE_SEEDS) >= 20
 
 
-def test_the_plain_method_differs_by_its_named_settings_alone() -> None:
-    """Plain is the defaults with each of the named settings changed; full is the defaults."""
+def test_the_paper_s_method_differs_by_its_named_settings_alone() -> None:
+    """Paper is the defaults with each of the named settings changed; full is the defaults."""
     defaults = {leaf.name: leaf.value for leaf in leaves(SlamConfig())}
-    changed = {leaf.name: leaf.value for leaf in leaves(METHODS["plain"]) if leaf.value != defaults[leaf.name]}
-    assert changed == PLAIN_SETTINGS
+    changed = {leaf.name: leaf.value for leaf in leaves(METHODS["paper"]) if leaf.value != defaults[leaf.name]}
+    assert changed == PAPER
     assert METHODS["full"] == SlamConfig()
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.accuracy import CorridorOutcome, Outcome, Replay
-from benchmarks.cases import METHODS, PLAIN_SETTINGS, Drive, Recording
+from benchmarks.cases import METHODS, Drive, Recording
 from benchmarks.document import Accuracy, document, judged_anew, judgement, processor, side_by_side, timed_anew
 from benchmarks.ghosts import HallOutcome
 from benchmarks.inertial import Ride
@@ -17,6 +17,7 @@ from benchmarks.strays import GlassOutcome, Struck
 from benchmarks.whole_map import Finding
 from hectorscope.run.metrics import PARTS
 from hectorscope.simulation import SceneOptions
+from slam_core.config.presets import PAPER
 from slam_core.results import NavigationState
 from tests.conftest import ROOT
 
@@ -58,8 +59,8 @@ def accuracy() -> Accuracy:
     )
 
 
-def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
-    """A row of each table is there, with the machine and each setting that makes the plain method."""
+def test_the_document_holds_every_table_and_says_what_paper_means() -> None:
+    """A row of each table is there, with the machine and each setting that makes the method of the paper."""
     found = Finding("site", (100.0, 99.6), 93, 0, 100, 1, 100, [0.5, 0.7, 1.7], [0.9])
     given = "| its reading |\n", "| a start |\n", "| a part |\n", "| a step |\n", "| its growth |\n"
     text = document(SPEED, *given, [found]) + judgement(accuracy())
@@ -83,7 +84,7 @@ def test_the_document_holds_every_table_and_says_what_plain_means() -> None:
     ):
         assert row in text
     assert processor() in text
-    assert all(f"`{name}`" in text for name in PLAIN_SETTINGS)
+    assert all(f"`{name}`" in text for name in PAPER)
 
 
 def test_what_was_measured_of_speed_outlives_another_judgement() -> None:

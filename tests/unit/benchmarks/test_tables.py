@@ -21,7 +21,7 @@ def cells(markdown: str) -> list[list[str]]:
 def seeds(full_raw: list[float], bare_raw: float = 0.1) -> list[Outcomes]:
     """The full method with inertial data varies over the seeds; the others do not."""
     others = Outcome(bare_raw, 0.05)
-    kinds = [("plain", True), ("plain", False), ("full", False)]
+    kinds = [("paper", True), ("paper", False), ("full", False)]
     return [{("full", True): Outcome(raw, 0.5 * raw), **dict.fromkeys(kinds, others)} for raw in full_raw]
 
 
@@ -31,7 +31,7 @@ def test_a_table_is_markdown() -> None:
 
 
 def test_a_drive_shows_median_and_worst_in_centimetres() -> None:
-    """Rows with inertial data come before those without; plain stands left of full."""
+    """Rows with inertial data come before those without; paper stands left of full."""
     with_imu, without = cells(tables.drives({DRIVE: seeds([0.010, 0.012, 0.019])}))
     assert with_imu == [
         "40 Hz",
@@ -69,8 +69,8 @@ def test_lost_runs_are_counted() -> None:
 def test_the_corridor_shows_the_seed_that_held_least() -> None:
     """Errors: the largest is the worst. Share within the claim: the smallest is."""
     runs = [CorridorOutcome(1.0 + i, 0.01, 2.0 + i, 0.5, 1.0, 0.9 - 0.1 * i) for i in range(3)]
-    plain, full = cells(tables.corridor([{"plain": run, "full": run} for run in runs]))
-    assert plain[1:] == full[1:]
+    paper, full = cells(tables.corridor([{"paper": run, "full": run} for run in runs]))
+    assert paper[1:] == full[1:]
     assert full == ["full", "2.000 / 3.000 m", "3.000 / 4.000 m", "0.010 / 0.010 m", "0.500 / 0.500 m",
                     "100 / 100 %", "80 / 70 %"]  # fmt: skip
 
@@ -78,20 +78,20 @@ def test_the_corridor_shows_the_seed_that_held_least() -> None:
 def test_a_single_ghost_misses_the_goal() -> None:
     """Median and worst of ghosts and times; one seed with a ghost is enough."""
     clean, haunted = (HallOutcome(Outcome(0.02, 0.01), n, 3.0 + n) for n in (0, 4))
-    plain, full = cells(tables.halls([{"plain": haunted, "full": clean}, {"plain": clean, "full": clean}]))
-    assert plain == ["plain", "2 / 4", "5.0 / 7.0 s", "no"]
+    paper, full = cells(tables.halls([{"paper": haunted, "full": clean}, {"paper": clean, "full": clean}]))
+    assert paper == ["paper", "2 / 4", "5.0 / 7.0 s", "no"]
     assert full == ["full", "0 / 0", "3.0 / 3.0 s", "yes"]
 
 
 def test_what_pulls_a_match_shows_both_methods_side_by_side() -> None:
-    """Centimetres, plain before full; the flicker of glass is the median and the worst seed's share."""
+    """Centimetres, paper before full; the flicker of glass is the median and the worst seed's share."""
     fine, astray = Outcome(0.02, 0.01), Outcome(1.5, 0.5)
-    rows = cells(tables.pulled({"dust": [{"plain": astray, "full": fine}, {"plain": fine, "full": fine}]}))
+    rows = cells(tables.pulled({"dust": [{"paper": astray, "full": fine}, {"paper": fine, "full": fine}]}))
     assert rows == [
         ["dust", "76.00 / 150.00, lost 1 of 2", "25.50 / 50.00", "2.00 / 2.00", "1.00 / 1.00"],
     ]
-    seeds = [dict.fromkeys(("plain", "full"), GlassOutcome(fine, fine, share)) for share in (0.2, 0.3, 0.7)]
-    assert cells(tables.panes(seeds)) == [["plain", "30 / 70 %"], ["full", "30 / 70 %"]]
+    seeds = [dict.fromkeys(("paper", "full"), GlassOutcome(fine, fine, share)) for share in (0.2, 0.3, 0.7)]
+    assert cells(tables.panes(seeds)) == [["paper", "30 / 70 %"], ["full", "30 / 70 %"]]
 
 
 def test_recordings_with_and_without_truth_are_apart() -> None:
@@ -99,8 +99,8 @@ def test_recordings_with_and_without_truth_are_apart() -> None:
     scored = Replay(9, Outcome(0.02, 0.0144), 0.1, ())
     free = Replay(7, None, 1.25, ("12 x /imu: not in SI units",), returned=0.913)
     results = {
-        Recording("with", Path("a"), 0.0143): {"plain": scored, "full": scored},
-        Recording("without", Path("b")): {"plain": free, "full": free},
+        Recording("with", Path("a"), 0.0143): {"paper": scored, "full": scored},
+        Recording("without", Path("b")): {"paper": free, "full": free},
     }
     expected = ["with", "9", "0.0200", "0.0144", "0.0200", "0.0144", "0.0143", "no"]
     assert cells(tables.replays(results)) == [expected]
