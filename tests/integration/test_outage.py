@@ -40,4 +40,7 @@ def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
     options = SceneOptions(seed=1)
     found = laser_fails(options, ALONE)
     assert found.after < found.at_return + 0.5
-    assert laser_fails(options, with_value(ALONE, "tracking.continue_from_prediction", False)).after > found.after + 5.0
+    assert (
+        laser_fails(options, with_value(ALONE, "tracking.continue_from_prediction", False)).after
+        > found.after + 5.0
+    )

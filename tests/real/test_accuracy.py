@@ -59,7 +59,9 @@ def test_kitchen_comes_back_near_its_start_with_its_imu_repaired(recordings: Pat
     mended, figures = run(
         path, noisy, imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=0.21
     )
-    hasty = with_value(with_value(SlamConfig(), "map.keyframe_max_delay", 0.0), "tracking.unaided_mahalanobis_limit", 1000.0)
+    hasty = with_value(
+        with_value(SlamConfig(), "map.keyframe_max_delay", 0.0), "tracking.unaided_mahalanobis_limit", 1000.0
+    )
     bare, _ = run(path, hasty, imu_topic="none")
     ends = [float(np.hypot(*pipeline.trajectory[-1, 1:3])) for pipeline in (mended, bare)]
     assert ends[0] < 1.0 < ends[1]

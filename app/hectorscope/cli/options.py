@@ -11,7 +11,7 @@ import tyro
 from hectorscope.inputs import SourceOptions
 from hectorscope.run.settings import Mode, Settings
 from hectorscope.run.settings_file import read_toml
-from slam_core.config import Leaf, SlamConfig, leaves, with_values
+from slam_core.config import Leaf, Preset, SlamConfig, leaves, preset, with_values
 from slam_core.errors import SlamError
 from slam_core.measurements import Float64s
 
@@ -88,11 +88,15 @@ def _flag(leaf: Leaf) -> Any:
 class SettingFlags:
     """What was given on the command line; a group for every group of the settings is added below."""
 
-    config: Annotated[Path | None, _optional("Settings file (TOML); flags win over it.")] = None
+    preset: Annotated[
+        Preset, tyro.conf.arg(help="The defaults, or the paper's method; file and flags override it.")
+    ] = "default"
+    config: Annotated[Path | None, _optional("Settings file (TOML); flags override it.")] = None
 
     def settings(self) -> Settings:
-        """The file's settings with the flags on top; SlamError for a bad file or value."""
-        settings = read_toml(self.config) if self.config else Settings()
+        """The preset, the file's settings over it, and the flags over these; SlamError for a bad file or value."""
+        base = preset(self.preset)
+        settings = read_toml(self.config, base) if self.config else Settings(base)
         given = {
             f"{group}.{key}": _SWITCH.get(value, value)
             for group, flags in asdict(self).items()

@@ -65,10 +65,10 @@ def _remark(leaf: Leaf) -> str:
     return f"  # {leaf.param.low:g} to {leaf.param.high:g} {leaf.param.unit}".rstrip()
 
 
-def read_toml(path: Path) -> Settings:
-    """The settings of a file; what it does not name keeps its default. SettingsError for anything amiss."""
+def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
+    """The settings of a file; what it does not name is as in `base` (the defaults). SettingsError if it is bad."""
     try:
-        return _settings(tomllib.loads(path.read_text(encoding="utf-8")))
+        return _settings(tomllib.loads(path.read_text(encoding="utf-8")), base or SlamConfig())
     except OSError as error:
         raise SettingsError(f"{path} cannot be read ({error.strerror}): give an existing TOML file") from error
     except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, tables without end
@@ -77,14 +77,14 @@ def read_toml(path: Path) -> Settings:
         raise SettingsError(f"{path}: {error}") from error
 
 
-def _settings(tree: dict[str, Any]) -> Settings:
+def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:
     changes = tree.pop(_CHANGES, [])
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")
     values = dict(_entries(tree))
     for name in values:
         _check_name(name)
-    config = with_values(SlamConfig(), values)
+    config = with_values(base, values)
     return Settings(config, tuple(sorted(map(_change, changes), key=lambda change: change.time_ns)))
 
 

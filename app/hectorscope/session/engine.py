@@ -3,7 +3,7 @@
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -15,6 +15,7 @@ from hectorscope.run.settings import Setting, Settings, value_of
 from hectorscope.session.commands import (
     Command,
     Configure,
+    ConfigureAll,
     Pause,
     Play,
     PlayPause,
@@ -233,7 +234,9 @@ class Engine:
             case Seek(time_ns):
                 self._seek(time_ns)
             case Configure(name, value):
-                self._configure(name, value)
+                self._configure({name: value})
+            case ConfigureAll(title, values):
+                self._configure(values, title)
             case Save():
                 self._save()
 
@@ -270,25 +273,30 @@ class Engine:
         """For the next run: as planned, or, once somebody has moved a slider, the present values throughout."""
         return self._settings.flattened(self._now_ns) if self._by_hand else self._settings
 
-    def _configure(self, name: str, value: Setting) -> None:
+    def _configure(self, values: Mapping[str, Setting], title: str = "") -> None:
+        """Change settings; one line of the log has the change of the one, or how many changed."""
         before, now_ns = self._settings, self._now_ns
         try:
-            old = value_of(before.at(now_ns), name)
-            after = before.changed(now_ns, name, value)
-            if name.startswith("map."):
+            after = before.changed_all(now_ns, values)
+            if any(name.startswith("map.") for name in values):
                 self._check_map(after.at(now_ns).map)
         except SlamError as error:
             self._log(str(error), "warning", answer=True)
             return
-        new = value_of(after.at(now_ns), name)
-        if new == old:
+        old, new = before.at(now_ns), after.at(now_ns)
+        lines = [
+            f"{name}: {value_of(old, name)} → {value_of(new, name)}"
+            for name in values
+            if value_of(old, name) != value_of(new, name)
+        ]
+        if not lines:
             return
         self._by_hand = True
         if needs_restart(before.start, after.start):
             self._rebuild(after.flattened(now_ns))
         else:
             self._settings = self._pipeline.settings = after
-        self._log(f"{name}: {old} → {new}")
+        self._log(f"{title}: {len(lines)} settings changed" if title else lines[0])
 
     def _check_map(self, config: MapConfig) -> None:
         """Refuse what the next run could not begin with."""
