@@ -100,8 +100,9 @@ def spinning_wheels(items: Sequence[Item], _seed: int) -> list[Item]:
     """For two seconds the wheels turn 1 m/s too fast."""
 
     def spun(t: float, item: Item) -> Item:
-        spins = isinstance(item, Odometry) and AT_S <= t < AT_S + 2.0
-        return replace(item, velocity=item.velocity + np.array([1.0, 0.0])) if spins else item
+        if not (isinstance(item, Odometry) and AT_S <= t < AT_S + 2.0):
+            return item
+        return replace(item, velocity=item.velocity + np.array([1.0, 0.0]))
 
     return changed(items, spun)
 
@@ -110,7 +111,8 @@ def jumping_satellites(items: Sequence[Item], _seed: int) -> list[Item]:
     """For five seconds the satellites show 50 m more."""
 
     def jumped(t: float, item: Item) -> Item:
-        off = isinstance(item, GpsPosition) and 28.0 <= t < 33.0
-        return replace(item, position=item.position + np.array([50.0, 0.0, 0.0])) if off else item
+        if not (isinstance(item, GpsPosition) and 28.0 <= t < 33.0):
+            return item
+        return replace(item, position=item.position + np.array([50.0, 0.0, 0.0]))
 
     return changed(items, jumped)

@@ -26,7 +26,9 @@ from tests.conftest import ROOT
 
 STORE = ROOT / "build" / "additions.jsonl"
 PROCESSES = 2
-LAST_POSE_SEEDS = 5  # for the start at the last pose, a method for comparison only
+PAPER_SEEDS = 10  # of the paper's method, which is far from the defaults
+DECIDED, LARGE = 5, 2.0  # seeds, and the factor between the errors that all of them show
+SMALL = 0.01  # of the error: a smaller difference is next to nothing
 PROBED = 3  # seeds after which an addition that changed nothing in a case is not run there any more
 LAST_S = 2.0  # seconds of which the error at the end is the mean
 GHOSTLY = (FULL, "map.clear_interval", PAPER)  # configurations that are watched for ghosts
@@ -83,8 +85,22 @@ def missing(case: Case, seed: int, rows: Mapping[Key, Figures]) -> list[str]:
     """The configurations of a case and seed that are not there."""
     if seed > case.seeds:
         return []
-    names = [name for name in wanted(case) if name != LAST_POSE or seed <= LAST_POSE_SEEDS]
-    return [name for name in names if (case.family, case.name, seed, name) not in rows]
+    names = [name for name in wanted(case) if name not in {PAPER, LAST_POSE} or seed <= PAPER_SEEDS]
+    absent = [name for name in names if (case.family, case.name, seed, name) not in rows]
+    return [name for name in absent if name == FULL or not is_settled(case, name, rows)]
+
+
+def is_settled(case: Case, name: str, rows: Mapping[Key, Figures]) -> bool:
+    """Whether further seeds tell nothing new: all differ by next to nothing, or by a large factor."""
+    without = {row["seed"]: row[case.figure] for row in rows_of(rows, case, name)}
+    full = {row["seed"]: row[case.figure] for row in rows_of(rows, case, FULL)}
+    pairs = [(without[seed], full[seed]) for seed in without if seed in full]
+    ratios = [off / on for off, on in pairs if off is not None and on]
+    same = {row["bytes"] for row in rows_of(rows, case, FULL)}
+    copied = any(row.get("copied") or row["bytes"] in same for row in rows_of(rows, case, name))
+    if len(ratios) >= DECIDED and (min(ratios) > LARGE or max(ratios) < 1.0 / LARGE):
+        return True
+    return not copied and len(ratios) >= PROBED and all(abs(ratio - 1.0) < SMALL for ratio in ratios)
 
 
 def is_idle(case: Case, name: str, rows: Mapping[Key, Figures]) -> bool:
