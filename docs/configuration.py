@@ -5,13 +5,13 @@ from dataclasses import fields
 from itertools import groupby
 from pathlib import Path
 
-from slam_core.config import Leaf, SlamConfig, leaves
+from slam_core.config import PRESETS, Leaf, SlamConfig, leaves
 
 TARGET = Path(__file__).with_suffix(".md")
 
 HEAD = """# Settings
 
-Written by `make docs` from `slam_core/config/tree.py`; do not edit.
+Written by `make docs` from `slam_core/config`; do not edit.
 
 Every setting stands in one tree. Its name is the same everywhere:
 
@@ -19,15 +19,30 @@ Every setting stands in one tree. Its name is the same everywhere:
 - in a file, given by `--config FILE`: the table `[matcher]` with `sigma = 0.3` (a run leaves such a file);
 - on the page, as a slider or switch with the same help.
 
-Flags win over the file. A value out of range is refused with the range. A change on the page acts from the next
-scan and is logged with its time; a setting marked *restart* rebuilds the map (a recording is run again up to the
-same instant, a live stream begins a new map).
+Flags override the file, and the file overrides the preset. A value out of range is refused with the range. A
+change on the page acts from the next scan and is logged with its time; a setting marked *restart* rebuilds the map
+(a recording is run again up to the same instant, a live stream begins a new map).
+
+Settings in **bold** are the basic ones. The page shows them first, and the others in folded groups.
+
+## Presets
+
+`--preset paper` (on the page: Settings, Preset) runs the method of the paper: every addition of the defaults is
+switched off. [beyond-the-paper.md](beyond-the-paper.md) lists the additions and what each is worth. In Python it
+is `SlamConfig.paper()`. These settings differ from the defaults:
 """
 
 
 def document() -> str:
     """The whole file."""
-    return "\n".join([HEAD, *_groups()])
+    return "\n".join([HEAD, *_presets(), *_groups()])
+
+
+def _presets() -> Iterator[str]:
+    yield "| setting | default | paper |\n|---|---|---|"
+    for name, value in PRESETS["default"].items():
+        yield f"| `{name}` | {_word(value)} | {_word(PRESETS['paper'][name])} |"
+    yield ""
 
 
 def _groups() -> Iterator[str]:
@@ -41,10 +56,14 @@ def _groups() -> Iterator[str]:
 
 
 def _row(leaf: Leaf) -> str:
-    name = leaf.name.partition(".")[2]
-    default = str(leaf.value).lower() if leaf.type is bool else leaf.value
+    name = f"`{leaf.name.partition('.')[2]}`"
+    name = f"**{name}**" if leaf.param.tier == "basic" else name
     remark = " *restart*" if leaf.param.restart else ""
-    return f"| `{name}` | {default} | {_range(leaf)} | {leaf.param.unit} | {leaf.param.help}{remark} |"
+    return f"| {name} | {_word(leaf.value)} | {_range(leaf)} | {leaf.param.unit} | {leaf.param.help}{remark} |"
+
+
+def _word(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _range(leaf: Leaf) -> str:

@@ -1,23 +1,15 @@
 """All settings of the pipeline: the tree, what is known of each leaf, and changes of it."""
 
 from slam_core.config.changes import needs_restart, with_value, with_values
-from slam_core.config.leaves import ConfigError, Leaf, Leaves, Param, leaves
-from slam_core.config.presets import ADDITIONS, PRESETS, Addition, preset, preset_values
-from slam_core.config.tree import (
-    AidingConfig,
-    CovarianceMethod,
-    FusionConfig,
-    FusionMethod,
-    MapConfig,
-    MatcherConfig,
-    MotionConfig,
-    NavigationConfig,
-    PlatformConfig,
-    ScanConfig,
-    SlamConfig,
-    StartEstimate,
-    TrackingConfig,
-)
+from slam_core.config.groups.fusion import FusionConfig, FusionMethod
+from slam_core.config.groups.map import MapConfig
+from slam_core.config.groups.matcher import CovarianceMethod, MatcherConfig, StartEstimate
+from slam_core.config.groups.navigation import AidingConfig, MotionConfig, NavigationConfig, PlatformConfig
+from slam_core.config.groups.scan import ScanConfig
+from slam_core.config.groups.tracking import TrackingConfig
+from slam_core.config.leaves import ConfigError, Leaf, Leaves, Param, Tier, leaves
+from slam_core.config.presets import ADDITIONS, PRESETS, Addition, Preset, preset, preset_of
+from slam_core.config.tree import SlamConfig
 
 __all__ = [
     "ADDITIONS",
@@ -36,14 +28,16 @@ __all__ = [
     "NavigationConfig",
     "Param",
     "PlatformConfig",
+    "Preset",
     "ScanConfig",
     "SlamConfig",
     "StartEstimate",
+    "Tier",
     "TrackingConfig",
     "leaves",
     "needs_restart",
     "preset",
-    "preset_values",
+    "preset_of",
     "with_value",
     "with_values",
 ]

@@ -18,9 +18,15 @@ class ConfigError(SlamError):
     """A setting is unknown, has the wrong type, or lies outside its range."""
 
 
+Tier = Literal["basic", "expert"]
+
+
 @dataclass(frozen=True, slots=True)
 class Param:
-    """What a person needs to know about one setting. `log` asks for a logarithmic slider."""
+    """What a person needs to know about one setting.
+
+    log: asks for a logarithmic slider. tier: basic settings are shown first.
+    """
 
     help: str
     unit: str = ""
@@ -28,6 +34,7 @@ class Param:
     high: float | None = None
     restart: bool = False
     log: bool = False
+    tier: Tier = "expert"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,13 +1,15 @@
-"""Named configurations: the defaults, and the method of the paper without additions."""
+"""Named configurations: the defaults, and the method of the paper."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from slam_core.config.changes import with_values
 from slam_core.config.leaves import Leaves
 from slam_core.config.tree import SlamConfig
 
 Value = float | bool | str
+Preset = Literal["default", "paper"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,56 +19,130 @@ class Addition:
     title: str
     values: Mapping[str, Value]
 
+    @property
+    def name(self) -> str:
+        """Its first setting."""
+        return next(iter(self.values))
+
 
 ADDITIONS = (
-    Addition("Each beam is placed by the motion during the sweep (deskewing).", {"scan.deskew": False}),
     Addition(
-        "Without an IMU a sweep is placed and matched again by the motion that its match shows.",
+        "Places each beam with the estimated pose of its own time (deskewing).",
+        {"scan.deskew": False},
+    ),
+    Addition(
+        "Without an IMU, deskews and matches a sweep again with the velocity that its match gives.",
         {"motion.deskew_refinements": 0},
     ),
-    Addition("The cell behind a hit is lowered, so that walls are as sharp behind as in front.",
-             {"map.factor_behind": 0.5}),
-    Addition("A scan that fits worse than usual waits for a better one to be written (laser alone).",
-             {"map.keyframe_max_delay": 0.0}),
-    Addition("Occupied cells that beams pass are cleared, at rest as well (dynamic objects).",
-             {"map.clear_interval": 0.0}),
-    Addition("The predicted pose joins the cost (7) with its covariance.", {"matcher.prior_weight": 0.0}),
-    Addition("The finest level keeps surfels, which the match settles on.", {"matcher.surfel_weight": 0.0}),
-    Addition("A level ends when its Gauss-Newton step is short.", {"matcher.converged_step": 0.0}),
-    Addition("Coarser levels take half of the beams.", {"matcher.coarse_beams": 0}),
-    Addition("A match far from the prediction is compared with one that starts there.",
-             {"matcher.prior_restart_sigmas": 0.0}),
-    Addition("Where the shape of a scan observes a direction weakly, only the gradient across surfaces counts.",
-             {"matcher.weak_observability_threshold": 0.0}),
-    Addition("An unobservable direction keeps its predicted position.", {"matcher.degeneracy_threshold": 0.0}),
-    Addition("Each match is checked; a rejected one is searched for again and is not written.",
-             {"tracking.check": False, "tracking.relocalise": False, "tracking.continue_from_prediction": False}),
-    Addition("A slow laser alone: a match far from the prediction is compared with a search.",
-             {"tracking.unaided_mahalanobis_limit": 1000.0}),
-    Addition("A lost robot is searched for in the whole map.", {"tracking.relocalise": False}),
-    Addition("A robot that got lost outside of the map continues it from the prediction.",
-             {"tracking.continue_from_prediction": False}),
-    Addition("A base that stands still has zero velocity, and its gyros measure their bias.",
-             {"aiding.standstill": False}),
-    Addition("Aiding measurements far from the prediction are rejected.",
-             {"aiding.gate": 0.0, "navigation.height_gate": 0.0, "motion.odometry_gate": 0.0}),
-    Addition("The noise of wheel velocities grows with the velocity (slip).", {"motion.odometry_slip": 0.0}),
-    Addition("Without an IMU, covariance intersection widens only what depends on the observed pose.",
-             {"motion.observed_only": False}),
-    Addition("Covariance intersection does not widen height, vertical velocity and their bias.",
-             {"fusion.widen_vertical": True}),
-)  # fmt: skip
+    Addition(
+        "Lowers the cell behind an endpoint too, so that walls do not grow thicker away from the laser.",
+        {"map.factor_behind": 0.5},
+    ),
+    Addition(
+        "With scans alone, delays a keyframe that fits worse than the running mean.",
+        {"map.keyframe_max_delay": 0.0},
+    ),
+    Addition(
+        "Clears occupied cells that beams pass, at rest too (dynamic-object removal).",
+        {"map.clear_interval": 0.0},
+    ),
+    Addition(
+        "Adds the predicted pose with its covariance to the cost of eq. (7).",
+        {"matcher.prior_weight": 0.0},
+    ),
+    Addition(
+        "Keeps surfels on the finest level and lets the match settle on them.",
+        {"matcher.surfel_weight": 0.0},
+    ),
+    Addition(
+        "Ends a level when the Gauss-Newton step is short.",
+        {"matcher.converged_step": 0.0},
+    ),
+    Addition(
+        "Limits the change of yaw in one Gauss-Newton step.",
+        {"matcher.max_yaw_step": 3.14},
+    ),
+    Addition(
+        "Matches the coarser levels with a part of the beams.",
+        {"matcher.coarse_beams": 0},
+    ),
+    Addition(
+        "Compares a match far from the prediction with one that starts at the prediction.",
+        {"matcher.prior_restart_sigmas": 0.0},
+    ),
+    Addition(
+        "Where few beams fix some direction, uses only the map's gradient across the surfaces.",
+        {"matcher.weak_observability_threshold": 0.0},
+    ),
+    Addition(
+        "Leaves a degenerate direction to the prediction, and keeps the drift along it in the covariance.",
+        {"matcher.degeneracy_threshold": 0.0},
+    ),
+    Addition(
+        "Checks each match, searches in a window after a bad one, and keeps bad ones out of the map.",
+        {"tracking.check": False},
+    ),
+    Addition(
+        "Searches the whole map while the pose is lost (global localisation).",
+        {"tracking.relocalise": False},
+    ),
+    Addition(
+        "Continues the map from the prediction when the pose was lost outside the known map.",
+        {"tracking.continue_from_prediction": False},
+    ),
+    Addition(
+        "Detects standstill in the inertial data: zero velocity, and the gyroscopes measure their biases.",
+        {"aiding.standstill": False},
+    ),
+    Addition(
+        "Corrects roll and pitch by the measured gravity while they are uncertain.",
+        {"navigation.tilt_threshold": 1.0},
+    ),
+    Addition(
+        "Holds the height at that of the start while it is uncertain.",
+        {"navigation.height_threshold": 100.0},
+    ),
+    Addition(
+        "Rejects heights far from the prediction.",
+        {"navigation.height_gate": 0.0},
+    ),
+    Addition(
+        "Rejects other aiding measurements far from the prediction.",
+        {"aiding.gate": 0.0},
+    ),
+    Addition(
+        "Rejects wheel velocities far from the prediction (with an IMU).",
+        {"motion.odometry_gate": 0.0},
+    ),
+    Addition(
+        "Adds a share of the wheel velocity to its noise (slip).",
+        {"motion.odometry_slip": 0.0},
+    ),
+    Addition(
+        "Without an IMU, widens only the covariance of the pose and what is correlated with it at a match.",
+        {"motion.observed_only": False},
+    ),
+    Addition(
+        "Does not widen the covariance of height, vertical velocity and bias at a match.",
+        {"fusion.widen_vertical": True},
+    ),
+)
+"""Each can be switched off alone; docs/beyond-the-paper.md has what it is worth."""
 
 PAPER: Mapping[str, Value] = {name: value for addition in ADDITIONS for name, value in addition.values.items()}
-PRESETS: Mapping[str, Mapping[str, Value]] = {"default": {}, "paper": PAPER}
+PRESETS: Mapping[Preset, Mapping[str, Value]] = {
+    "default": {name: leaf.value for name, leaf in Leaves(SlamConfig()).items() if name in PAPER},
+    "paper": PAPER,
+}
+"""The same settings in each, so that one preset can follow another on a changed configuration."""
 
 
-def preset_values(name: str) -> dict[str, Value]:
-    """The values of a preset of every setting in which presets differ; KeyError for a name that is none."""
-    config = Leaves(preset(name))
-    return {setting: config[setting].value for setting in PAPER}
-
-
-def preset(name: str) -> SlamConfig:
-    """The configuration of a preset; KeyError for a name that is none."""
+def preset(name: Preset) -> SlamConfig:
+    """The defaults with the values of a preset."""
     return with_values(SlamConfig(), PRESETS[name])
+
+
+def preset_of(config: SlamConfig) -> Preset | None:
+    """The preset whose values a configuration has; None if it has those of none."""
+    values = {name: leaf.value for name, leaf in Leaves(config).items()}
+    return next((name for name, wanted in PRESETS.items() if wanted.items() <= values.items()), None)

@@ -16,7 +16,7 @@ from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.web.server import PageServer
-from slam_core.config import SlamConfig, with_value
+from slam_core.config import PRESETS, SlamConfig, preset_of, with_value
 from tests.browser.conftest import Open
 from tests.engines import until
 from tests.sources import MemoryRecording, MemoryStream
@@ -138,9 +138,9 @@ def test_hotkeys_after_a_click(run: Run, open_page: Open) -> None:
     """What was clicked does not keep the keyboard: a box stays as it is, a choice is not typed into."""
     page = open_page(run.url)
     open_tab(page, "Settings")
-    box = row(page, "Widen vertical").get_by_role("checkbox")
+    box = row(page, "Planar").get_by_role("checkbox")
     box.click()
-    run.until(lambda s: s.config.fusion.widen_vertical)
+    run.until(lambda s: s.config.platform.planar)
     page.wait_for_function(LET_GO)
     page.keyboard.press("Space")
     run.until(lambda s: s.playback.state == "playing")
@@ -209,6 +209,17 @@ def test_omega_changes_the_fused_ellipse(run: Run, open_page: Open) -> None:
     assert not 0.8 < ratio < 1.25
     open_tab(page, "Log")
     expect(page.locator(".hs-log-list")).to_contain_text("fusion.omega: 0.1 → 0.999")
+
+
+def test_a_preset_sets_all_its_settings_at_once(run: Run, open_page: Open) -> None:
+    """One line of the log for all of them; a setting changed after that makes the choice custom."""
+    page = open_page(run.url)
+    open_tab(page, "Settings")
+    choose(page, "settings", "paper")
+    paper = run.until(lambda s: preset_of(s.config) == "paper")
+    assert paper.log[-1].text == f"preset paper: {len(PRESETS['paper'])} settings changed"
+    row(page, "Deskew").get_by_role("checkbox").click()
+    expect(row(page, "Preset").locator("input").first).to_have_value("custom")
 
 
 def test_a_threshold_changes_the_number_of_map_updates(run: Run, open_page: Open) -> None:

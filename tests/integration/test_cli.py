@@ -15,7 +15,7 @@ import pytest
 from hectorscope.cli.options import _setting_flags
 from hectorscope.run.settings_file import read_toml
 from hectorscope.simulation import SceneOptions, Simulation
-from slam_core.config import SlamConfig, leaves
+from slam_core.config import SlamConfig, leaves, with_values
 from slam_core.measurements import Imu, LaserScan
 from tests.ros_messages import Messages, write_bag
 
@@ -87,6 +87,16 @@ def test_flags_and_file_make_the_settings(tmp_path: Path):
         False,
         False,
     )
+
+
+def test_the_file_overrides_the_preset_and_flags_override_both(tmp_path: Path):
+    """What neither names has the value of the preset."""
+    path = tmp_path / "config.toml"
+    path.write_text("[matcher]\nsurfel_weight = 1.0\nprior_weight = 0.5\n")
+    flags = _setting_flags()(preset="paper", config=path)
+    flags.matcher.prior_weight = 2.0  # type: ignore[attr-defined]
+    wanted = {"matcher.surfel_weight": 1.0, "matcher.prior_weight": 2.0}
+    assert flags.settings().start == with_values(SlamConfig.paper(), wanted)
 
 
 def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path):

@@ -9,8 +9,8 @@ import pytest
 from hectorscope.inputs import Item
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Change, Settings
-from hectorscope.session.commands import Configure, Play, Seek, SetSpeed
-from slam_core.config import with_value
+from hectorscope.session.commands import Configure, ConfigureAll, Play, Seek, SetSpeed
+from slam_core.config import PRESETS, preset_of, with_value, with_values
 from tests.engines import START, after, running, state, until
 from tests.sources import MemoryRecording
 
@@ -42,6 +42,32 @@ def test_a_run_with_changes_can_be_repeated_headless(drive: list[Item]):
     planned = replace(START, changes=(Change(there.playback.time_ns + 1, "fusion.omega", 0.9),))
     repeated, _ = run_headless(MemoryRecording(drive), planned)
     assert repeated.trajectory.tobytes() == ended.trajectory.tobytes()
+
+
+def test_a_preset_is_one_line_of_the_log_and_can_be_taken_back(drive: list[Item]):
+    """All its settings change at once; the default one restores those settings and leaves the others."""
+    with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
+        until(engine, state("paused"))
+        lines = len(after(engine, Seek(drive[0].stamp_ns + 10**9)).log)
+        paper = after(engine, ConfigureAll("preset paper", PRESETS["paper"]))
+        again = after(engine, ConfigureAll("preset paper", PRESETS["paper"]))
+        default = after(engine, ConfigureAll("preset default", PRESETS["default"]))
+    assert paper.config == with_values(START.start, PRESETS["paper"])
+    assert [entry.text for entry in paper.log[lines:]] == [
+        f"preset paper: {len(PRESETS['paper'])} settings changed"
+    ]
+    assert again.log == paper.log
+    assert default.config == START.start
+    assert preset_of(default.config) == "default"
+
+
+def test_one_bad_value_refuses_all_of_them(drive: list[Item]):
+    """Settings that change together change all or none."""
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        until(engine, state("paused"))
+        refused = after(engine, ConfigureAll("some", {"matcher.sigma": 0.5, "fusion.omega": 7.0}))
+    assert "fusion.omega is 7" in refused.log[-1].text
+    assert refused.config == START.start
 
 
 def test_a_new_run_takes_the_present_values_throughout(drive: list[Item]):

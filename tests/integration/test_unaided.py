@@ -41,7 +41,10 @@ def test_only_a_slow_laser_without_other_help_is_looked_at_twice():
         drive(replace(short, imu=True)),
         list(with_wheels(drive(short), 1)),
     ):
-        lazy, eager = (process(items, with_value(SlamConfig(), LIMIT, sigmas)) for sigmas in (1000.0, 1.0))
+        lazy, eager = (
+            process(items, with_value(SlamConfig(), "tracking.unaided_mahalanobis_limit", sigmas))
+            for sigmas in (1000.0, 1.0)
+        )
         np.testing.assert_array_equal(lazy.trajectory, eager.trajectory)
 
 

@@ -11,7 +11,7 @@ import tyro
 from hectorscope.inputs import SourceOptions
 from hectorscope.run.settings import Mode, Settings
 from hectorscope.run.settings_file import read_toml
-from slam_core.config import Leaf, SlamConfig, leaves, preset, with_values
+from slam_core.config import Leaf, Preset, SlamConfig, leaves, preset, with_values
 from slam_core.errors import SlamError
 from slam_core.measurements import Float64s
 
@@ -89,13 +89,12 @@ class SettingFlags:
     """What was given on the command line; a group for every group of the settings is added below."""
 
     preset: Annotated[
-        Literal["default", "paper"],
-        tyro.conf.arg(help="Settings to begin with: the defaults, or the method of the paper without additions."),
+        Preset, tyro.conf.arg(help="The defaults, or the paper's method; file and flags override it.")
     ] = "default"
-    config: Annotated[Path | None, _optional("Settings file (TOML); flags win over it.")] = None
+    config: Annotated[Path | None, _optional("Settings file (TOML); flags override it.")] = None
 
     def settings(self) -> Settings:
-        """The preset, the settings of the file on top, then the flags; SlamError for a bad file or value."""
+        """The preset, the file's settings over it, and the flags over these; SlamError for a bad file or value."""
         base = preset(self.preset)
         settings = read_toml(self.config, base) if self.config else Settings(base)
         given = {

@@ -1,6 +1,7 @@
 """The configuration tree as controls: what is moved here acts from the next scan, in every browser."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from itertools import groupby
 from time import monotonic
 from typing import Any
@@ -9,12 +10,11 @@ from viser import GuiApi, GuiEvent, Icon
 
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
-from hectorscope.panels._controls import control_for
+from hectorscope.panels._controls import Choice, control_for
 from hectorscope.panels._format import label
-from hectorscope.panels._handles import put_value
-from hectorscope.session.commands import ApplyPreset, Configure
+from hectorscope.session.commands import Configure, ConfigureAll
 from hectorscope.session.snapshot import Snapshot
-from slam_core.config import PRESETS, ConfigError, Leaf, SlamConfig, leaves, preset_values
+from slam_core.config import PRESETS, ConfigError, Leaf, SlamConfig, leaves, preset_of
 
 TITLES = {
     "scan": "Scan · section IV",
@@ -24,14 +24,16 @@ TITLES = {
     "motion": "Motion · without inertial data",
     "fusion": "Fusion · V-B",
 }
-OPEN = {"fusion", "matcher", "map"}
-CUSTOM = "custom"
 RESTART_SETTLE = 0.6  # seconds at rest before the map is rebuilt: one rebuild a drag, not one a pixel
 PATIENCE = 2.0  # seconds that a control waits for the run to take its value over
 
 
+CUSTOM = "custom"
+PRESET_HINT = "The defaults, or the paper's method without their additions. Custom: neither of them."
+
+
 class SettingsPanel:
-    """A folder for each group of the tree, a control for each leaf, and a way back to the run's first values."""
+    """The preset, and a folder for each group of the tree with a control for each leaf and a reset."""
 
     title = "Settings"
     order = 50
@@ -41,7 +43,7 @@ class SettingsPanel:
         self._groups: list[Group] = []
         with _workspace.tab(scene, self.title, Icon.ADJUSTMENTS_HORIZONTAL):
             _workspace.mark(scene, "settings")
-            self._preset = PresetChoice(scene)
+            self._preset = PresetChoice(scene.server.gui, scene.send)
             for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
                 self._groups.append(Group(scene, name, list(members)))
 
@@ -49,44 +51,53 @@ class SettingsPanel:
         """Send what was touched, show what the run uses."""
         if snapshot.sequence == 0:
             return  # no run yet: nothing to go back to either
+        self._preset.draw(snapshot.config, monotonic())
         values = {leaf.name: leaf.value for leaf in leaves(snapshot.config)}
-        self._preset.draw(values)
         for group in self._groups:
             group.draw(values, snapshot.playback.live)
 
 
 class PresetChoice:
-    """A choice among the presets. It shows which one the run uses, or that it uses none."""
+    """Shows which preset the run has, and sets all settings of another one at once."""
 
-    def __init__(self, scene: Scene) -> None:
-        self._presets = {name: preset_values(name) for name in PRESETS}
-        self._control = scene.server.gui.add_dropdown(
-            "Preset", (*PRESETS, CUSTOM), hint="The defaults, or the method of the paper without additions."
-        )
-        self._control.on_update(lambda event: self._choose(scene, event))
+    def __init__(self, gui: GuiApi, send: Callable[[ConfigureAll], None]) -> None:
+        self._send = send
+        names = {name: name for name in (*PRESETS, CUSTOM)}
+        self._control = Choice(gui, "Preset", names, "default", PRESET_HINT, self._note)
+        self._touched = False
+        self._asked: tuple[str, float] | None = None
 
-    def _choose(self, scene: Scene, event: GuiEvent[Any]) -> None:
-        if event.client is not None and self._control.value in self._presets:
-            scene.send(ApplyPreset(self._control.value))
+    def _note(self, _: GuiEvent[Any]) -> None:
+        self._touched = True
 
-    def draw(self, values: dict[str, Any]) -> None:
-        """values: what the run uses, by name."""
-        used = (name for name, preset in self._presets.items() if preset.items() <= values.items())
-        shown = next(used, CUSTOM)
-        if self._control.value != shown:
-            put_value(self._control, shown)
+    def draw(self, config: SlamConfig, now: float) -> None:
+        """now: seconds of a clock that only runs forward."""
+        used = preset_of(config) or CUSTOM
+        if self._touched:
+            self._touched, wanted = False, self._control.read()
+            for values in (values for name, values in PRESETS.items() if name == wanted != used):
+                self._asked = wanted, now
+                self._send(ConfigureAll(f"preset {wanted}", values))
+        if self._asked is not None and used != self._asked[0] and now - self._asked[1] < PATIENCE:
+            return
+        self._asked = None
+        self._control.show(used)
 
 
 class Group:
-    """The settings of one part of the pipeline."""
+    """The settings of one part of the pipeline: the basic ones, and the others in a folded folder."""
 
     def __init__(self, scene: Scene, name: str, members: list[Leaf]) -> None:
         gui = scene.server.gui
         self._first: dict[str, Any] = {}
         self._values: dict[str, Any] = {}
         self._send = scene.send
-        with gui.add_folder(TITLES.get(name, name.capitalize()), expand_by_default=name in OPEN):
-            self._settings = [Setting(gui, leaf, scene.send) for leaf in members]
+        basic = [leaf for leaf in members if leaf.param.tier == "basic"]
+        expert = [leaf for leaf in members if leaf.param.tier == "expert"]
+        with gui.add_folder(TITLES.get(name, name.capitalize()), expand_by_default=bool(basic)):
+            self._settings = [Setting(gui, leaf, scene.send) for leaf in basic]
+            with gui.add_folder(f"Expert · {len(expert)}", expand_by_default=False) if basic else nullcontext():
+                self._settings += [Setting(gui, leaf, scene.send) for leaf in expert]
             self._reset = gui.add_button("Reset", icon=Icon.RESTORE, disabled=True)
         self._reset.on_click(lambda _: self._reset_all())
 

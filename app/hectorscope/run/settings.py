@@ -1,11 +1,12 @@
 """A configuration and its changes over the recording's time: what a run is a function of."""
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Literal
 
-from slam_core.config import ConfigError, Leaves, SlamConfig, with_value, with_values
+from slam_core.config import ConfigError, Leaves, SlamConfig, with_values
 
 Mode = Literal["map", "localise", "continue"]
 """Whether the map is new, given and left as it is, or given and going on."""
@@ -45,14 +46,20 @@ class Settings:
         return self._made[due]
 
     def changed(self, time_ns: int, name: str, value: Setting) -> "Settings":
-        """A setting takes a value from `time_ns` on, whatever was planned for it later.
+        """`changed_all` with one setting."""
+        return self.changed_all(time_ns, {name: value})
 
-        A setting that needs a new map changes from the start. ConfigError for an unknown name or a bad value.
+    def changed_all(self, time_ns: int, values: Mapping[str, Setting]) -> "Settings":
+        """Settings take values from `time_ns` on, whatever was planned for them later.
+
+        Those that need a new map change from the start. ConfigError for an unknown name or a bad value.
         """
-        if Leaves(self.start)[name].rebuilds(value):
-            return Settings(with_value(self.start, name, value), self.changes)
-        kept = [c for c in self.changes if c.name != name or c.time_ns < time_ns]
-        return Settings(self.start, _in_order([*kept, Change(time_ns, name, value)]))
+        known = Leaves(self.start)
+        rebuilt = {name: value for name, value in values.items() if known[name].rebuilds(value)}
+        kept = [c for c in self.changes if c.name not in values or (c.time_ns < time_ns and c.name not in rebuilt)]
+        new = [Change(time_ns, name, value) for name, value in values.items() if name not in rebuilt]
+        start = with_values(self.start, rebuilt) if rebuilt else self.start
+        return Settings(start, _in_order([*kept, *new]))
 
     def flattened(self, time_ns: int) -> "Settings":
         """The values of this time from the start on; what is planned for later stays."""

@@ -66,7 +66,7 @@ def _remark(leaf: Leaf) -> str:
 
 
 def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
-    """The settings of a file; what it does not name is as in `base`. SettingsError for anything wrong."""
+    """The settings of a file; what it does not name is as in `base` (the defaults). SettingsError if it is bad."""
     try:
         return _settings(tomllib.loads(path.read_text(encoding="utf-8")), base or SlamConfig())
     except OSError as error:

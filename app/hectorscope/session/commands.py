@@ -1,5 +1,6 @@
 """What the page asks of the engine: immutable values, put into a queue by the callbacks of the page."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 
@@ -51,10 +52,11 @@ class Configure:
 
 
 @dataclass(frozen=True, slots=True)
-class ApplyPreset:
-    """Set all settings that a preset is about; acts from the next scan."""
+class ConfigureAll:
+    """Change several settings at once, by their dotted names; acts from the next scan. title: for the log."""
 
-    name: str
+    title: str
+    values: Mapping[str, float | int | bool | str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,4 +69,4 @@ class Quit:
     """End the engine."""
 
 
-Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | ApplyPreset | Save | Quit
+Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | ConfigureAll | Save | Quit

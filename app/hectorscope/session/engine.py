@@ -3,7 +3,7 @@
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -13,9 +13,9 @@ from hectorscope.inputs import Source, SourceReport, merged
 from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.settings import Setting, Settings, value_of
 from hectorscope.session.commands import (
-    ApplyPreset,
     Command,
     Configure,
+    ConfigureAll,
     Pause,
     Play,
     PlayPause,
@@ -31,7 +31,7 @@ from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking
 from hectorscope.session.snapshot import LogEntry, Snapshot
 from hectorscope.session.transport import Transport, valid_speed
-from slam_core.config import PRESETS, MapConfig, needs_restart, preset_values
+from slam_core.config import MapConfig, needs_restart
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.pyramid import check_room
@@ -234,9 +234,9 @@ class Engine:
             case Seek(time_ns):
                 self._seek(time_ns)
             case Configure(name, value):
-                self._configure(name, value)
-            case ApplyPreset(name):
-                self._apply_preset(name)
+                self._configure({name: value})
+            case ConfigureAll(title, values):
+                self._configure(values, title)
             case Save():
                 self._save()
 
@@ -273,37 +273,30 @@ class Engine:
         """For the next run: as planned, or, once somebody has moved a slider, the present values throughout."""
         return self._settings.flattened(self._now_ns) if self._by_hand else self._settings
 
-    def _configure(self, name: str, value: Setting) -> None:
+    def _configure(self, values: Mapping[str, Setting], title: str = "") -> None:
+        """Change settings; one line of the log has the change of the one, or how many changed."""
         before, now_ns = self._settings, self._now_ns
         try:
-            old = value_of(before.at(now_ns), name)
-            after = before.changed(now_ns, name, value)
-            if name.startswith("map."):
+            after = before.changed_all(now_ns, values)
+            if any(name.startswith("map.") for name in values):
                 self._check_map(after.at(now_ns).map)
         except SlamError as error:
             self._log(str(error), "warning", answer=True)
             return
-        new = value_of(after.at(now_ns), name)
-        if new == old:
+        old, new = before.at(now_ns), after.at(now_ns)
+        lines = [
+            f"{name}: {value_of(old, name)} → {value_of(new, name)}"
+            for name in values
+            if value_of(old, name) != value_of(new, name)
+        ]
+        if not lines:
             return
         self._by_hand = True
         if needs_restart(before.start, after.start):
             self._rebuild(after.flattened(now_ns))
         else:
             self._settings = self._pipeline.settings = after
-        self._log(f"{name}: {old} → {new}")
-
-    def _apply_preset(self, name: str) -> None:
-        """All settings of a preset at once; those that the presets do not differ in stay as they are."""
-        if name not in PRESETS:
-            self._log(f"{name!r} is no preset: choose one of {', '.join(PRESETS)}", "warning", answer=True)
-            return
-        values, settings, now_ns = preset_values(name), self._settings, self._now_ns
-        for setting, value in values.items():
-            settings = settings.changed(now_ns, setting, value)
-        self._by_hand = True
-        self._settings = self._pipeline.settings = settings
-        self._log(f"Preset {name}: {len(values)} settings from here on")
+        self._log(f"{title}: {len(lines)} settings changed" if title else lines[0])
 
     def _check_map(self, config: MapConfig) -> None:
         """Refuse what the next run could not begin with."""

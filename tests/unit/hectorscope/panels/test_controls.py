@@ -7,11 +7,11 @@ from viser import GuiEvent
 
 from hectorscope.page.scene import Scene
 from hectorscope.panels.display import DisplayPanel
-from hectorscope.panels.settings import PATIENCE, RESTART_SETTLE, Setting
+from hectorscope.panels.settings import CUSTOM, PATIENCE, RESTART_SETTLE, PresetChoice, Setting
 from hectorscope.panels.transport import HOLD, SETTLE, STEP, Timeline, TransportPanel
-from hectorscope.session.commands import Configure, Seek
+from hectorscope.session.commands import Configure, ConfigureAll, Seek
 from hectorscope.session.snapshot import PlaybackStatus, Snapshot
-from slam_core.config import SlamConfig, leaves
+from slam_core.config import PRESETS, SlamConfig, leaves, with_value
 
 S = 1_000_000_000
 LEAVES = {leaf.name: leaf for leaf in leaves(SlamConfig())}
@@ -92,6 +92,28 @@ def test_slider_and_box_of_a_logarithmic_setting_follow_each_other(scene: Scene,
     sigma.draw(10.0, False, 100.3)
     assert sigma._control._number.value == 10.0
     assert sent == [Configure("matcher.sigma", 1.0), Configure("matcher.sigma", 10.0)]
+
+
+def test_a_preset_is_one_command_with_all_its_settings(scene: Scene, clock: list[float]) -> None:
+    """The choice stays until the run follows, and then shows what the run has: custom after any other change."""
+    sent: list[ConfigureAll] = []
+    choice = PresetChoice(scene.server.gui, sent.append)
+    by_hand(choice._control._list, "paper")
+    choice.draw(SlamConfig(), 100.0)
+    choice.draw(SlamConfig(), 100.5)
+    assert sent == [ConfigureAll("preset paper", PRESETS["paper"])]
+    assert choice._control.read() == "paper"
+    choice.draw(with_value(SlamConfig.paper(), "matcher.surfel_weight", 1.0), 100.0 + PATIENCE + 0.6)
+    assert choice._control.read() == CUSTOM
+
+
+def test_custom_cannot_be_chosen(scene: Scene, clock: list[float]) -> None:
+    """It is no set of settings: nothing is sent, and the control shows again what the run has."""
+    sent: list[ConfigureAll] = []
+    choice = PresetChoice(scene.server.gui, sent.append)
+    by_hand(choice._control._list, CUSTOM)
+    choice.draw(SlamConfig(), 100.0)
+    assert (sent, choice._control.read()) == ([], "default")
 
 
 def timeline(scene: Scene) -> tuple[Timeline, Any, list[Seek]]:

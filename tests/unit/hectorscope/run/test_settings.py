@@ -27,6 +27,14 @@ def test_a_setting_of_the_map_changes_from_the_start():
     assert settings.changes == ()
 
 
+def test_settings_change_together():
+    """Those that a running map can follow from their time on, the others from the start."""
+    planned = Settings(changes=(Change(150, "fusion.omega", 0.2),))
+    settings = planned.changed_all(100, {"fusion.omega": 0.5, "map.levels": 2, "matcher.sigma": 0.3})
+    assert settings.start == with_value(SlamConfig(), "map.levels", 2)
+    assert settings.changes == (Change(100, "fusion.omega", 0.5), Change(100, "matcher.sigma", 0.3))
+
+
 def test_however_often_a_slider_moved_a_configuration_is_made_once(monkeypatch: pytest.MonkeyPatch):
     """A class that plays with a slider for an hour: the next move must not go through all of those before."""
     settings, made = Settings(), []

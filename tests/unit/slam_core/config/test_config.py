@@ -4,7 +4,19 @@ import dataclasses
 
 import pytest
 
-from slam_core.config import ConfigError, FusionConfig, MapConfig, SlamConfig, leaves, needs_restart, with_value
+from slam_core.config import (
+    ADDITIONS,
+    PRESETS,
+    ConfigError,
+    FusionConfig,
+    MapConfig,
+    SlamConfig,
+    leaves,
+    needs_restart,
+    preset,
+    preset_of,
+    with_value,
+)
 
 LEAVES = list(leaves(SlamConfig()))
 
@@ -81,3 +93,28 @@ def test_only_marked_settings_need_a_restart():
     assert needs_restart(config, with_value(config, "map.resolution", 0.1))
     assert not needs_restart(config, with_value(config, "map.update_angle", 0.1))
     assert not needs_restart(config, SlamConfig(map=MapConfig()))
+
+
+def test_the_paper_differs_from_the_defaults_in_every_addition_and_in_nothing_else():
+    """Each setting of an addition has another value, and no other setting has."""
+    defaults = {leaf.name: leaf.value for leaf in LEAVES}
+    changed = {leaf.name: leaf.value for leaf in leaves(SlamConfig.paper()) if leaf.value != defaults[leaf.name]}
+    assert changed == PRESETS["paper"]
+    assert changed.keys() == {name for addition in ADDITIONS for name in addition.values}
+
+
+def test_a_configuration_knows_its_preset():
+    """Other settings do not matter; one changed setting of a preset makes it none of them."""
+    for name in PRESETS:
+        assert preset_of(with_value(preset(name), "map.levels", 2)) == name
+    assert preset_of(with_value(SlamConfig(), "matcher.surfel_weight", 1.0)) is None
+
+
+def test_a_preset_can_be_taken_on_by_a_running_map():
+    """None of its settings needs a new map."""
+    assert not needs_restart(SlamConfig(), SlamConfig.paper())
+
+
+def test_few_settings_are_basic():
+    """A person meets at most twenty at first, and the others on request."""
+    assert 15 <= sum(leaf.param.tier == "basic" for leaf in LEAVES) <= 20

@@ -1,0 +1,118 @@
+"""What goes wrong in a drive: scans that are missing, broken or from elsewhere, and measurements that are wild."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from benchmarks.strays import astray
+from hectorscope.inputs import Item
+from slam_core.measurements import GpsPosition, Height, LaserScan, Odometry
+
+Fault = Callable[[Sequence[Item], int], list[Item]]
+"""The items of a drive, damaged; the seed draws the noise."""
+Change = Callable[[float, Item], Item | None]
+AT_S = 12.0  # seconds from the first item to the fault
+BROKEN_SCANS = 10
+
+
+def changed(items: Iterable[Item], change: Change) -> list[Item]:
+    """Each item changed, or left out (None), by its seconds since the first one."""
+    items = list(items)
+    begin_ns = items[0].stamp_ns
+    found = (change((item.stamp_ns - begin_ns) * 1e-9, item) for item in items)
+    return [item for item in found if item is not None]
+
+
+def without_scans(begin: float, end: float) -> Fault:
+    """No scan between two times."""
+
+    def fault(items: Sequence[Item], _seed: int) -> list[Item]:
+        return changed(items, lambda t, item: None if isinstance(item, LaserScan) and begin <= t < end else item)
+
+    return fault
+
+
+def broken_scans(items: Sequence[Item], seed: int) -> list[Item]:
+    """Some scans whose ranges are noise."""
+    rng, left = np.random.default_rng([seed, 21]), BROKEN_SCANS
+
+    def broken(t: float, item: Item) -> Item:
+        nonlocal left
+        if not isinstance(item, LaserScan) or t < AT_S or not left:
+            return item
+        left -= 1
+        return replace(item, ranges=rng.uniform(0.5, 10.0, len(item.ranges)).astype(np.float32))
+
+    return changed(items, broken)
+
+
+def carried_away(items: Sequence[Item], seed: int) -> list[Item]:
+    """The drive up to a time, and from there its own seconds from the fourth on again."""
+    begin_ns, jump_ns = items[0].stamp_ns, round((AT_S - 4.0) * 1e9)
+    first = [item for item in items if item.stamp_ns - begin_ns < AT_S * 1e9]
+    again = [item for item in items if 4.0 <= (item.stamp_ns - begin_ns) * 1e-9 < AT_S - 2.0]
+    return [*first, *(replace(item, stamp_ns=item.stamp_ns + jump_ns) for item in again)]
+
+
+def stray_beams(items: Sequence[Item], seed: int) -> list[Item]:
+    """Three beams in ten end anywhere before the wall."""
+    return list(astray(items, 0.3, seed))
+
+
+def no_heights(items: Sequence[Item], _seed: int) -> list[Item]:
+    """No barometer."""
+    return [item for item in items if not isinstance(item, Height)]
+
+
+def wild_heights(items: Sequence[Item], seed: int) -> list[Item]:
+    """One height in twenty is up to 20 m off."""
+    rng = np.random.default_rng([seed, 22])
+
+    def wild(_t: float, item: Item) -> Item:
+        if not isinstance(item, Height) or rng.random() >= 0.05:
+            return item
+        return replace(item, height=item.height + float(rng.uniform(-20.0, 20.0)))
+
+    return changed(items, wild)
+
+
+def raised_heights(items: Sequence[Item], _seed: int) -> list[Item]:
+    """A door opens: the air pressure shows 3 m more from a time on."""
+    return changed(
+        items, lambda t, i: replace(i, height=i.height + 3.0) if isinstance(i, Height) and t >= AT_S else i
+    )
+
+
+def wild_wheels(items: Sequence[Item], seed: int) -> list[Item]:
+    """One wheel velocity in twenty is up to 3 m/s off."""
+    rng = np.random.default_rng([seed, 23])
+
+    def wild(_t: float, item: Item) -> Item:
+        if not isinstance(item, Odometry) or rng.random() >= 0.05:
+            return item
+        return replace(item, velocity=item.velocity + rng.uniform(-3.0, 3.0, 2))
+
+    return changed(items, wild)
+
+
+def spinning_wheels(items: Sequence[Item], _seed: int) -> list[Item]:
+    """For two seconds the wheels turn 1 m/s too fast."""
+
+    def spun(t: float, item: Item) -> Item:
+        if not (isinstance(item, Odometry) and AT_S <= t < AT_S + 2.0):
+            return item
+        return replace(item, velocity=item.velocity + np.array([1.0, 0.0]))
+
+    return changed(items, spun)
+
+
+def jumping_satellites(items: Sequence[Item], _seed: int) -> list[Item]:
+    """For five seconds the satellites show 50 m more."""
+
+    def jumped(t: float, item: Item) -> Item:
+        if not (isinstance(item, GpsPosition) and 28.0 <= t < 33.0):
+            return item
+        return replace(item, position=item.position + np.array([50.0, 0.0, 0.0]))
+
+    return changed(items, jumped)

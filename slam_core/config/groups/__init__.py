@@ -1,0 +1,1 @@
+"""The groups of settings, one file a part of the paper."""

@@ -1,0 +1,119 @@
+"""Settings of the scan matcher."""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from slam_core.config.leaves import Param
+
+StartEstimate = Literal["filter", "velocity", "last_pose"]
+CovarianceMethod = Literal["hessian", "sampled"]
+
+
+@dataclass(frozen=True, slots=True)
+class MatcherConfig:
+    """Section IV-B: Gauss-Newton scan matching, and its covariance."""
+
+    iterations_coarse: Annotated[
+        int, Param("Gauss-Newton iterations on each coarser level, eq. (12).", "", 1, 30, tier="basic")
+    ] = 4
+    iterations_fine: Annotated[
+        int, Param("Gauss-Newton iterations on the finest level, eq. (12).", "", 1, 60, tier="basic")
+    ] = 6
+    converged_step: Annotated[
+        float,
+        Param(
+            "A level ends when a Gauss-Newton step is shorter than this; a coarser level also when it is"
+            " shorter than 1/20 of its cells (0: off, the paper).",
+            "m",
+            0.0,
+            0.05,
+        ),
+    ] = 0.0005
+    max_yaw_step: Annotated[float, Param("Largest change of yaw in one Gauss-Newton step.", "rad", 0.01, 3.14)] = (
+        0.2
+    )
+    coarse_beams: Annotated[
+        int,
+        Param(
+            "Each coarser level uses half of the beams that the finer levels left, if these are at least so"
+            " many (0: all beams, the paper).",
+            "",
+            0,
+            2000,
+        ),
+    ] = 360
+    prior_restart_sigmas: Annotated[
+        float,
+        Param(
+            "If the match is further than this from the prediction, the finest level is matched again from"
+            " the prediction, and the result with the lower cost is used (0: off, the paper).",
+            "σ",
+            0.0,
+            100.0,
+        ),
+    ] = 3.0
+    sigma: Annotated[
+        float,
+        Param(
+            "Scale sigma of the match covariance R = sigma^2 H^-1, eq. (15).",
+            "",
+            0.001,
+            10.0,
+            log=True,
+            tier="basic",
+        ),
+    ] = 0.2
+    covariance: Annotated[
+        CovarianceMethod,
+        Param(
+            "Covariance of the match: from the Hessian, eq. (15), or from samples around the match (section IV-B)."
+        ),
+    ] = "hessian"
+    surfel_weight: Annotated[
+        float,
+        Param(
+            "Weight of the squared distances between endpoints and surfels on the finest level (0: off, the"
+            " paper).",
+            "",
+            0.0,
+            20.0,
+        ),
+    ] = 5.0
+    weak_observability_threshold: Annotated[
+        float,
+        Param(
+            "If less than this share of the beams fixes some direction, only the map's gradient across the"
+            " surfaces is used (0: off, the paper).",
+            "",
+            0.0,
+            1.0,
+        ),
+    ] = 0.02
+    degeneracy_threshold: Annotated[
+        float,
+        Param(
+            "If less than this share of the beams fixes a direction, match and fusion leave it to the"
+            " prediction (0: off, the paper).",
+            "",
+            0.0,
+            0.2,
+        ),
+    ] = 0.005
+    prior_weight: Annotated[
+        float,
+        Param(
+            "Weight w of the prediction (xi_0, P): w (xi - xi_0)^T P^-1 (xi - xi_0) is added to eq. (7) in"
+            " units of sigma^2 (0: off, the paper).",
+            "",
+            0.0,
+            10.0,
+        ),
+    ] = 1.0
+    start_estimate: Annotated[
+        StartEstimate,
+        Param(
+            "Start of the match (section V-B): the predicted pose (filter), the last match moved by the"
+            " predicted motion (velocity), or the last match (last_pose).",
+            tier="basic",
+        ),
+    ] = "filter"
