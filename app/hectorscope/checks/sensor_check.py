@@ -90,10 +90,10 @@ def checked_source(source: Source, options: SourceOptions) -> Source:
     """The source, once the beginning of a recording has borne out its messages; DeviceError if it does not."""
     if source.live:
         return Watched(source, options)
-    examiner = SensorCheck(source.name, options)
+    check = SensorCheck(source.name, options)
     for item in source.items():
-        examiner.take(item)
-        if examiner.settled:
+        check.take(item)
+        if check.settled:
             return source
-    examiner.judge(last=True)
+    check.judge(last=True)
     return source

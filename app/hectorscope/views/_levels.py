@@ -53,7 +53,7 @@ def depth(maps: Sequence[MapImage]) -> float:
 
 
 def bulk(image: MapImage) -> Bounds:
-    """Where the walls are, without strays; all that is known when there are no walls yet."""
+    """Where the walls are, without outliers; all that is known when there are no walls yet."""
     cells = image.cells
     marked = cells == OCCUPIED if (cells == OCCUPIED).any() else np.ones_like(cells, bool)
     spans = [span(marked.sum(axis=axis)) for axis in (0, 1)]
