@@ -1,4 +1,4 @@
-"""Runs the cases by both methods and says how far off they were."""
+"""Runs the cases by both methods and measures their errors."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -44,7 +44,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class CorridorOutcome:
-    """Errors in metres along and across a corridor: root mean square, and at the end; and what was claimed.
+    """Errors in metres along and across a corridor: root mean square, and at the end; and their covariance.
 
     sigma_end: along, of the fused pose, metres, when the scan last left that direction open. held_open, held: the
     share of the scans, of those until then and of all, whose error along lies within three such sigmas.

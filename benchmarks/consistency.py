@@ -2,8 +2,8 @@
 
     python -m benchmarks.consistency [--seeds 20]
 
-The inertial noise is exactly what the configuration says, so that the truth should lie where the covariance says.
-Matches and heights have the noise that they claim; the errors of matches are independent, or each is nearly that
+The inertial noise is exactly that of the configuration, so that the truth should lie where the covariance says.
+Matches and heights have the noise of their covariance; the errors of matches are independent, or each is nearly that
 of the one before, as a map makes them. build/consistency.csv holds what a plot needs.
 """
 
@@ -114,7 +114,7 @@ def drive(seed: int, method: FusionMethod, correlation: float) -> Drive:
 
 
 def error(state: NavigationState, k: int, biases: Float64s) -> Float64s:
-    """Truth minus belief in the filter's own fifteen errors."""
+    """Truth minus estimate in the fifteen errors of the filter."""
     t = np.array([k / RATE])
     truth, velocity = MOTION.transform(k / RATE), MOTION.at(t, 1)[0, :3]
     turn = geometry.multiply(truth.rotation, geometry.conjugate(state.T_map_base.rotation))
@@ -137,7 +137,7 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """What it says of the filter."""
+        """The verdict on the filter."""
         low, high = self.bounds
         return "over-confident" if self.nees > high else "conservative" if self.nees < low else "consistent"
 
@@ -261,9 +261,9 @@ Written by `python -m benchmarks.consistency`; do not edit. `build/consistency.c
 ## Honesty
 
 {{seeds}} drives of {SECONDS:.0f} s along one course, from second {SETTLED:.0f} on, with sensors whose noise is
-what the configuration says. NEES is the squared error in units of the claimed covariance, by its dimension: 1 is
+that of the configuration. NEES is the squared error in units of the covariance, by its dimension: 1 is
 honest; in brackets what chance allows in 95 % of the cases. Matches come 40 times a second with the noise that
-they claim; their errors are independent, or each is that of the one before to {CORRELATION:.0%}, as when a map
+their covariance states; their errors are independent, or each is that of the one before to {CORRELATION:.0%}, as when a map
 that was drawn from the pose is matched again. The Kalman update is right about the first and over-confident about
 the second; covariance intersection pays for the second with caution in the first. Omega is {OMEGA:g} where it is
 fixed. Height, vertical velocity and bias are not widened by it (`fusion.widen_vertical`): no match knows of them,

@@ -92,9 +92,9 @@ def _compared(seeds: Sequence[tuple[Outcome, Outcome]]) -> Iterator[str]:
 
 
 def corridor(seeds: Sequence[Mapping[str, CorridorOutcome]]) -> str:
-    """What was off, what was claimed, and how often the one contained the other, a row a method."""
-    claims = ("its sigma while open", "within 3 sigma, while open", "within 3 sigma, all")
-    head = ("method", "along, rms", "along, at the end", "across, rms", *claims)
+    """Errors, sigmas, and how often the sigmas contained the errors, a row a method."""
+    sigmas = ("its sigma while open", "within 3 sigma, while open", "within 3 sigma, all")
+    head = ("method", "along, rms", "along, at the end", "across, rms", *sigmas)
     return table(head, (_corridor_row(method, [seed[method] for seed in seeds]) for method in seeds[0]))
 
 

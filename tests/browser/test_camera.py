@@ -34,7 +34,7 @@ def zoom(page: Page, ticks: int) -> float:
     before = page.evaluate(CAMERA)["distance"]
     page.mouse.wheel(0, 120 * ticks)
     page.wait_for_function(f"Math.abs(window.__viserMutable.cameraControl.distance / {before} - 1) > 0.02")
-    page.wait_for_timeout(800)
+    page.wait_for_function(RESTS)
     distance: float = page.evaluate(CAMERA)["distance"]
     return distance
 
@@ -45,7 +45,6 @@ def test_following_keeps_the_robot_in_the_middle(show: Show, open_page: Open) ->
     look(page, "follow")
     show.engine.show(room_snapshot(sequence=2, x=5.0, y=2.0))
     page.wait_for_function("Math.abs(window.__viserMutable.nodeRefFromName['/robot'].position.x - 5) < 1e-3")
-    page.wait_for_timeout(300)
     page.wait_for_function(RESTS)
     assert page.evaluate(CAMERA)["at"] == pytest.approx(page.evaluate(ROBOT), abs=0.05)
 
@@ -56,7 +55,7 @@ def test_following_leaves_zoom_to_the_person(show: Show, open_page: Open) -> Non
     look(page, "follow")
     chosen = zoom(page, -3)
     show.engine.show(room_snapshot(sequence=2, x=-4.0, y=-2.0))
-    page.wait_for_timeout(500)
+    page.wait_for_function("Math.abs(window.__viserMutable.nodeRefFromName['/robot'].position.x + 4) < 1e-3")
     page.wait_for_function(RESTS)
     assert page.evaluate(CAMERA)["distance"] == pytest.approx(chosen, rel=0.01)
 
@@ -68,7 +67,9 @@ def test_the_fitted_view_ends_where_the_person_takes_over(show: Show, open_page:
     before = page.evaluate(CAMERA)["distance"]
     chosen = zoom(page, -4)
     assert chosen < 0.97 * before
-    page.wait_for_timeout(1000)
+    show.engine.show(room_snapshot(sequence=2, x=-4.0, y=-2.0))
+    page.wait_for_function("Math.abs(window.__viserMutable.nodeRefFromName['/robot'].position.x + 4) < 1e-3")
+    page.wait_for_function(RESTS)
     assert page.evaluate(CAMERA)["distance"] == pytest.approx(chosen, rel=0.01)
 
 
@@ -93,8 +94,8 @@ def test_free_leaves_the_vertical(show: Show, open_page: Open) -> None:
     page.mouse.down()
     page.mouse.move(middle(page)[0] + 80, middle(page)[1], steps=5)
     page.mouse.up()
-    page.wait_for_timeout(300)
-    assert abs(page.evaluate(CAMERA)["azimuth"] - tilted["azimuth"]) > 0.05
+    turned = f"Math.abs(window.__viserMutable.cameraControl.azimuthAngle - {tilted['azimuth']}) > 0.05"
+    page.wait_for_function(turned)
 
 
 def test_each_person_has_a_view_of_their_own(show: Show, open_page: Open) -> None:

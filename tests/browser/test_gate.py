@@ -2,6 +2,7 @@
 
 import http.server
 import threading
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -13,6 +14,7 @@ from tests.page import StillEngine, room_snapshot
 
 pytestmark = pytest.mark.browser
 
+PATIENCE_S = 30.0
 SAY = "(message) => window.__viserMutable.sendMessage(message)"
 KNOCK = """(address) => new Promise((tell) => {
   const socket = new WebSocket(address, 'viser-v1.1.1');
@@ -53,9 +55,15 @@ def test_another_site_cannot_open_the_socket(show: Show, browser: Browser, elsew
     context.close()
 
 
-def settled(page: Page) -> None:
-    """Give a message the time to arrive."""
-    page.wait_for_timeout(500)
+def settled(page: Page, show: Show) -> None:
+    """Wait until the server has handled all messages of the page: they come in order, and this is the last."""
+    probe = show.server.scene.server.gui.add_slider("last", 0.0, 1.0, 0.1, 0.0)
+    page.wait_for_function("document.body.innerText.includes('last')")
+    page.evaluate(SAY, {"type": "GuiUpdateMessage", "uuid": probe._impl.uuid, "updates": {"value": 1.0}})
+    deadline = time.monotonic() + PATIENCE_S
+    while probe.value != 1.0 and time.monotonic() < deadline:
+        page.evaluate("0")
+    assert probe.value == 1.0
 
 
 def test_values_out_of_range_are_clamped(show: Show, open_page: Open) -> None:
@@ -63,7 +71,7 @@ def test_values_out_of_range_are_clamped(show: Show, open_page: Open) -> None:
     slider = show.server.scene.server.gui.add_slider("probe", 0.0, 1.0, 0.1, 0.3)
     page = open_page(show.url)
     page.evaluate(SAY, {"type": "GuiUpdateMessage", "uuid": slider._impl.uuid, "updates": {"value": 1e9}})
-    settled(page)
+    settled(page, show)
     assert slider.value == 1.0
 
 
@@ -72,7 +80,7 @@ def test_internals_and_tunnels_are_out_of_reach(show: Show, open_page: Open) -> 
     page = open_page(show.url)
     page.evaluate(SAY, {"type": "ShareUrlRequest"})
     page.evaluate(SAY, {"type": "SceneNodeUpdateMessage", "name": "/robot", "updates": {}, "owner": ""})
-    settled(page)
+    settled(page, show)
     assert show.server.scene.server._share_tunnel is None
     assert len(show.server.scene.server.get_clients()) == 1
 

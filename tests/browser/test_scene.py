@@ -108,7 +108,10 @@ def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
     look(page, "top")
     show.server.scene.show_layer("map", False)
     page.wait_for_function("!window.__viserMutable.nodeRefFromName['/floor/map'].visible")
-    page.wait_for_timeout(1500)
+    for _ in range(20):
+        if not is_near(pixel(page, *WALL), DARK.occupied):
+            break
+        page.wait_for_timeout(250)
     assert not is_near(pixel(page, *WALL), DARK.occupied)
     assert node(page, "/floor/scan") == {"position": [0.0, 0.0, pytest.approx(0.03)], "visible": True}
 

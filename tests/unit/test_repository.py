@@ -69,10 +69,10 @@ def test_every_setting_is_a_flag(capsys: pytest.CaptureFixture[str]):
 
 def test_commands_of_the_readme_exist():
     """Each `make ...` that the documents speak of is a target of the Makefile."""
-    targets = set(re.findall(r"^([a-z]+):", read("Makefile"), re.MULTILINE))
+    targets = set(re.findall(r"^([a-z-]+):", read("Makefile"), re.MULTILINE))
     documents = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
     named = {
-        name for path in documents for name in re.findall(r"`make ([a-z]+)", path.read_text(encoding="utf-8"))
+        name for path in documents for name in re.findall(r"`make ([a-z-]+)", path.read_text(encoding="utf-8"))
     }
     assert named <= targets
     assert {"demo", "test", "check", "bench", "screenshots", "clean", "help"} <= targets

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from slam_core.config import MapConfig, MatcherConfig
-from slam_core.kernels import coarse_to_fine as climbing
+from slam_core.kernels import coarse_to_fine as coarse_kernels
+from slam_core.kernels import gauss_newton
 from slam_core.kernels.gauss_newton import TOGETHER
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.matching import matcher
 from slam_core.matching.matcher import coarse_to_fine, hessian_covariance, normal_equations, sampled_covariance
 from slam_core.results import PlanarGaussian
 from slam_core.scan.stabilise import ScanConfig, stabilise
@@ -113,7 +113,7 @@ def test_step_solves_the_normal_equations():
     """The closed-form 3x3 solution equals numpy's."""
     level, points = smooth_level(1), scan_points()
     H, b, _ = normal_equations(level, Beams.plain(points), POSE)
-    *step, solved = matcher.matching.solve3(H[0, 0], H[0, 1], H[0, 2], H[1, 1], H[1, 2], H[2, 2], *b)
+    *step, solved = gauss_newton.solve3(H[0, 0], H[0, 1], H[0, 2], H[1, 1], H[1, 2], H[2, 2], *b)
     assert solved
     np.testing.assert_allclose(step, np.linalg.solve(H, b), rtol=1e-8)
 
@@ -206,13 +206,14 @@ def test_coarser_levels_need_only_some_of_the_beams(room):
 @pytest.mark.parametrize("fewest", [0, 1, 180])
 def test_levels_share_the_beams_by_turns(n, fewest):
     """Each level has as many as it needs or all that are left, none twice, spread over the whole sweep."""
-    mixed = climbing._by_turns(np.arange(n, dtype=np.float32), 2)
+    mixed = coarse_kernels._interleaved(np.arange(n, dtype=np.float32), 2)
     assert sorted(mixed) == list(range(n))
-    shares = [mixed[slice(*climbing._turn(i, n, fewest))] for i in range(3)]
+    shares = [mixed[slice(*coarse_kernels._share(i, n, fewest))] for i in range(3)]
     assert len(shares[0]) == n
     for share in shares[1:]:
         assert len(share) == n or len(share) >= fewest > 0
-        assert np.ptp(np.diff(share)) == 0 if 1 < len(share) < n else True
+        if 1 < len(share) < n:
+            assert np.ptp(np.diff(share)) == 0
     if fewest and n == 1080:
         assert [len(share) for share in shares] == [1080, 540, 270]
         assert not set(shares[1]) & set(shares[2])
