@@ -3,8 +3,8 @@
     python -m benchmarks.consistency [--seeds 20]
 
 The inertial noise is exactly that of the configuration, so that the truth should lie where the covariance says.
-Matches and heights have the noise of their covariance; the errors of matches are independent, or each is nearly that
-of the one before, as a map makes them. build/consistency.csv holds what a plot needs.
+Matches and heights have the noise of their covariance; the errors of matches are independent, or each is nearly
+that of the one before, as a map makes them. build/consistency.csv holds what a plot needs.
 """
 
 import argparse
@@ -263,11 +263,11 @@ Written by `python -m benchmarks.consistency`; do not edit. `build/consistency.c
 {{seeds}} drives of {SECONDS:.0f} s along one course, from second {SETTLED:.0f} on, with sensors whose noise is
 that of the configuration. NEES is the squared error in units of the covariance, by its dimension: 1 is
 honest; in brackets what chance allows in 95 % of the cases. Matches come 40 times a second with the noise that
-their covariance states; their errors are independent, or each is that of the one before to {CORRELATION:.0%}, as when a map
-that was drawn from the pose is matched again. The Kalman update is right about the first and over-confident about
-the second; covariance intersection pays for the second with caution in the first. Omega is {OMEGA:g} where it is
-fixed. Height, vertical velocity and bias are not widened by it (`fusion.widen_vertical`): no match knows of them,
-and widened they followed every error of the barometer.
+their covariance states; their errors are independent, or each is that of the one before to {CORRELATION:.0%}, as
+when a map that was drawn from the pose is matched again. The Kalman update is right about the first and
+over-confident about the second; covariance intersection pays for the second with caution in the first. Omega is
+{OMEGA:g} where it is fixed. Height, vertical velocity and bias are not widened by it (`fusion.widen_vertical`):
+no match knows of them, and widened they followed every error of the barometer.
 
 {{consistency}}
 ## Accuracy

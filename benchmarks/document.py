@@ -192,7 +192,8 @@ image holds, and with its surfels. What the first drive drew wrong is in both.
 
 120 m long and 2.4 m wide, walls only, with an IMU, 90 s at 1 m/s; median / worst over {len(SEEDS)} seeds. The
 walls do not say how far along the robot is: that direction is open until the far end comes into sight, 30 m before
-it, and nothing but the inertial data or the wheels (1 % too fast) can observe it. Sigma is that of the fused pose at the last such scan. The end is drawn where the robot is estimated to be, so that the covariance has to contain
+it, and nothing but the inertial data or the wheels (1 % too fast) can observe it. Sigma is that of the fused pose
+at the last such scan. The end is drawn where the robot is estimated to be, so that the covariance has to contain
 what was lost on the way there. The goal: not lost, and the covariance contains the error in every scan.
 
 {tables.corridor(accuracy.corridor)}
@@ -231,7 +232,8 @@ where they began, see `demo_bags/README.md`), and for a run that comes back the 
 {returning.FIRST_S:g} s, of those in cells that were known then: doubled walls would lie in free ones. The drives
 through the hallway and the kitchen are said to end near their start. Units, handedness and delay of the kitchen's
 devices are given by options, and the noise of its accelerometers by `navigation.accel_noise`: with the
-default the filter has a sigma of a centimetre where it is two decimetres off, and where the run ends hangs on trifles.
+default the filter has a sigma of a centimetre where it is two decimetres off, and where the run ends hangs on
+trifles.
 
 {tables.returns(accuracy.replays)}
 ## Side by side with kiss-icp, judged by evo

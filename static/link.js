@@ -1,10 +1,10 @@
-// The link to the server: says when that is silent and how old the picture is, and opens the page anew once the
+// The link to the server: shows when that is silent and how old the picture is, and opens the page again once the
 // server can be had again. viser by itself tries every second, and each try ends the one before: where a connection
 // takes longer than that, as after a long break, none ever comes about.
 "use strict";
 
 (() => {
-  const SILENT = 4; // seconds without a word; the server speaks every second
+  const SILENT = 4; // seconds without a heartbeat, which comes every second
   const ANEW = 8;
   const PATIENCE = 3000; // milliseconds for an answer
 
@@ -23,7 +23,7 @@
     if (heard === null || document.hidden) return;
     const silent = (performance.now() - heard) / 1000;
     if (silent < SILENT) return;
-    banner.textContent = `No word from the server: the picture is ${Math.round(silent)} s old`;
+    banner.textContent = `No message from the server: the picture is ${Math.round(silent)} s old`;
     document.body.append(banner);
     document.documentElement.classList.add("hs-silent");
     if (silent < ANEW || asking) return;

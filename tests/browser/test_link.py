@@ -21,7 +21,7 @@ def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
     show.server.stop()
     silence = page.locator(".hs-silence")
     expect(silence).to_be_visible()
-    expect(silence).to_contain_text("No word from the server: the picture is")
+    expect(silence).to_contain_text("No message from the server: the picture is")
     page.wait_for_timeout(BROKEN_MS)
     port = urlsplit(show.url).port
     assert port is not None
