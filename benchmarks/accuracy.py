@@ -74,7 +74,7 @@ class Replay:
 
 def process(items: Iterable[Item], config: SlamConfig, given: PriorMap | None = None) -> Pipeline:
     """Every item through the pipeline, which may begin with a map."""
-    pipeline = Pipeline(Settings(config), given=given)
+    pipeline = Pipeline(Settings(config), prior_map=given)
     for _ in steps(pipeline, items):
         pass
     return pipeline

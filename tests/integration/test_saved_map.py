@@ -49,7 +49,7 @@ def whole(imu: bool = True) -> Pipeline:
 def run(items: list[Item], given: PriorMap, imu: bool = True) -> Pipeline:
     """A headless run that begins with a map."""
     kept = [item for item in items if imu or not isinstance(item, Imu)]
-    return run_headless(MemoryRecording(kept), Settings(), given=given)[0]
+    return run_headless(MemoryRecording(kept), Settings(), prior_map=given)[0]
 
 
 def saved(pipeline: Pipeline, write: bool = False, start: np.ndarray | None = None) -> PriorMap:

@@ -23,7 +23,7 @@ JACKAL = "jackal_vicon/test_2026-02-17-15-54-31"
 
 def run(path: Path, given: PriorMap | None = None) -> Pipeline:
     """The whole recording, in a given map or with a new one."""
-    return run_headless(open_source(str(path), SourceOptions()), Settings(), given=given)[0]
+    return run_headless(open_source(str(path), SourceOptions()), Settings(), prior_map=given)[0]
 
 
 @pytest.mark.parametrize("start", [None, (0.0, 0.0, 0.0), (2.0, -1.5, -2.5)])

@@ -88,11 +88,13 @@ def run(
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
 
     chosen = settings.settings()
-    given = saved.given(chosen)
+    prior_map = saved.prior_map(chosen)
     recording = _checked(str(bag), source)
     _get_ready()
     with show_progress(recording) as progress:
-        figures = run_to_files(recording, chosen, out, truth=source.truth_topic, progress=progress, given=given)
+        figures = run_to_files(
+            recording, chosen, out, truth=source.truth_topic, progress=progress, prior_map=prior_map
+        )
     summary(recording.name, figures, out)
 
 
@@ -119,7 +121,7 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
     chosen = settings.settings()
     if page.out is not None:
         prepare(page.out)
-    engine = Engine(source, chosen, saved.given(chosen), prepare=_get_ready, out=page.out)
+    engine = Engine(source, chosen, saved.prior_map(chosen), prepare=_get_ready, out=page.out)
     try:
         serve(engine, engine.start, host=page.host, port=page.port, token=page.token)
     except KeyboardInterrupt:  # once more, while the page was being closed

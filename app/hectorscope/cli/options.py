@@ -170,7 +170,7 @@ class MapFlags:
         ),
     ] = "search"
 
-    def given(self, settings: Settings) -> "PriorMap | None":
+    def prior_map(self, settings: Settings) -> "PriorMap | None":
         """The saved map, if there is one; SlamError if it cannot be used, or the flags contradict each other."""
         if self.map is None and self.mode in {None, "map"}:
             return None

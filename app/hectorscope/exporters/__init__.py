@@ -108,11 +108,11 @@ def run(
     *,
     truth: str | None,
     progress: Progress,
-    given: PriorMap | None = None,
+    prior_map: PriorMap | None = None,
 ) -> dict[str, Any]:
     """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
     prepare(folder)
-    pipeline, effort = run_headless(source, settings, progress, given)
+    pipeline, effort = run_headless(source, settings, progress, prior_map)
     figures = run_metrics(pipeline, source.report, effort)
     if truth is not None and figures["truth"] is None:
         raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")

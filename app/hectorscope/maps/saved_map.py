@@ -36,9 +36,9 @@ def load_map(path: Path, config: MapConfig, *, write: bool = False, start: Float
     """
     file = _file(path)
     levels = _read_npz(file, config.limit) if file.suffix == ".npz" else read_ros_map(file, config)
-    given = PriorMap(str(file), levels, write, start)
-    given.check(config)
-    return given
+    prior_map = PriorMap(str(file), levels, write, start)
+    prior_map.check(config)
+    return prior_map
 
 
 def _file(path: Path) -> Path:

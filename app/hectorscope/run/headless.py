@@ -21,15 +21,15 @@ def run_headless(
     source: Source,
     settings: Settings,
     progress: Progress = lambda _: None,
-    given: PriorMap | None = None,
+    prior_map: PriorMap | None = None,
 ) -> tuple[Pipeline, Effort]:
     """Every item of `source`, in a plain loop. progress: called with the time of every scan. Closes the source.
 
-    given: the map to begin with. SourceError when not a single scan could be used.
+    prior_map: the map to begin with. SourceError when not a single scan could be used.
     """
     begin = time.perf_counter()
     span = source.span_ns
-    pipeline = Pipeline(settings, span[0] if span else None, given)
+    pipeline = Pipeline(settings, span[0] if span else None, prior_map)
     try:
         for item in _read_ahead(source.items()):
             for measurement in pipeline.admit(item):

@@ -28,15 +28,16 @@ TOGETHER = 32
 class Pipeline:
     """Sequencer and HectorSlam, with the trajectory, the truth and the series of the scans so far.
 
-    start_ns: what the seconds in the rows count from; None takes the first measurement's time. given: the map to
-    begin with. The outcome is a function of these, the items and the settings alone: changes act between scans, at
-    their times. warned: every warning so far, with the time and the number of scans when it came up first.
+    start_ns: what the seconds in the rows count from; None takes the first measurement's time. prior_map: the map
+    to begin with. The outcome is a function of these, the items and the settings alone: changes act between
+    scans, at their times. warned: every warning so far, with the time and the number of scans when it came up
+    first.
     """
 
-    def __init__(self, settings: Settings, start_ns: int | None = None, given: PriorMap | None = None) -> None:
+    def __init__(self, settings: Settings, start_ns: int | None = None, prior_map: PriorMap | None = None) -> None:
         self.settings = settings
-        self.slam = HectorSlam(settings.start, given, time.perf_counter_ns)
-        self.mode: Mode = "map" if given is None else "continue" if given.write else "localise"
+        self.slam = HectorSlam(settings.start, prior_map, time.perf_counter_ns)
+        self.mode: Mode = "map" if prior_map is None else "continue" if prior_map.write else "localise"
         self.start_ns = start_ns
         self.last_scan_ns: int | None = None
         self.scans_read = 0

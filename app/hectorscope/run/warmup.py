@@ -106,15 +106,15 @@ def _kernels() -> list[Dispatcher]:
 def _run(inertial: bool) -> None:
     # The surfaces are looked for in every scan.
     config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_observability_threshold", 1.0)
-    given = None
+    prior_map = None
     for method in ("hessian", "sampled"):
-        pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)), given=given)
+        pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)), prior_map=prior_map)
         for measurement in _room(inertial):
             for ready in pipeline.admit(measurement):
                 pipeline.step(ready)
         for ready in pipeline.flush():
             pipeline.step(ready)
-        given = PriorMap("the room", saved_levels(pipeline.slam.map))  # the second run seeks its place there
+        prior_map = PriorMap("the room", saved_levels(pipeline.slam.map))  # the second run seeks its place there
 
 
 def _room(inertial: bool) -> list[Measurement]:

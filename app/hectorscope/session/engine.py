@@ -45,7 +45,7 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
-    given: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
+    prior_map: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
     before anything is read, with what shows on the page how far it is (from any thread, until it returns).
     A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
@@ -60,7 +60,7 @@ class Engine:
         self,
         source: Source,
         settings: Settings | None = None,
-        given: PriorMap | None = None,
+        prior_map: PriorMap | None = None,
         *,
         autoplay: bool = True,
         speed: float = 1.0,
@@ -68,7 +68,7 @@ class Engine:
         prepare: Callable[[Callable[[str], None]], None] = lambda _: None,
     ) -> None:
         self._source = source
-        self._given = given
+        self._prior_map = prior_map
         self._out = out
         self._prepare = prepare
         self._commands: SimpleQueue[Command] = SimpleQueue()
@@ -254,7 +254,7 @@ class Engine:
 
     def _restart(self) -> None:
         self._begin(self._settings_again())
-        self._log(f"Started again with {'the saved' if self._given else 'an empty'} map")
+        self._log(f"Started again with {'the saved' if self._prior_map else 'an empty'} map")
 
     def _seek(self, time_ns: int) -> None:
         span = self._source.span_ns
@@ -301,8 +301,8 @@ class Engine:
     def _check_map(self, config: MapConfig) -> None:
         """Refuse what the next run could not begin with."""
         check_room(config)
-        if self._given:
-            self._given.check(config)
+        if self._prior_map:
+            self._prior_map.check(config)
 
     def _rebuild(self, settings: Settings) -> None:
         """The same instant with another map; a stream cannot go back, so its map begins anew."""
@@ -314,14 +314,14 @@ class Engine:
             self._transport.seek(target_ns)
 
     def _begin(self, settings: Settings) -> None:
-        """An empty or the given map at the beginning; a stream that still flows is left to flow."""
+        """An empty map or the prior map at the beginning; a stream that still flows goes on."""
         if self._feeder is not None and (not self._source.live or self._feeder.done):
             self._feeder.close()
             self._feeder = None
         span = self._source.span_ns
         now_ns = (self._pipeline.time_ns or None) if self._epoch >= 0 else None
         # may want more memory than there is
-        self._pipeline = Pipeline(settings, span[0] if span else now_ns, self._given)
+        self._pipeline = Pipeline(settings, span[0] if span else now_ns, self._prior_map)
         self._settings = settings
         self._ready: deque[Measurement] = deque()
         self._by_hand = False

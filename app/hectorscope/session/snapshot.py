@@ -58,9 +58,9 @@ class Snapshot:
     navigation: (n, 11) the same columns and the velocity in the map, a hundred times a second.
     truth: the columns of the trajectory. truth_in_map: (4,) x, y, z, yaw that carry truth into the map frame
     (first pose on first pose). series: structured (n,) of SERIES_DTYPE, one row a scan. maps: finest level first.
-    mode: whether the map is new, given and left as it is, or given and going on. searching: why the robot's place
-    in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the remedies.
-    unused: what was not used of inertial data and aids as it came, by reason.
+    mode: whether the map is new, a prior map that stays as it is, or one that is continued. searching: why the
+    robot's place in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the
+    remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands have been carried out or refused so far.
     """
 
