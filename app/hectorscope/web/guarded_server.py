@@ -82,9 +82,7 @@ def stop_server(server: viser.ViserServer) -> None:
 def _silent() -> logging.Logger:
     """For the WebSocket library, which logs a traceback for every request that is not HTTP."""
     logger = logging.getLogger("hectorscope.web.websockets")
-    logger.propagate = False
-    if not logger.handlers:
-        logger.addHandler(logging.NullHandler())
+    logger.setLevel(logging.CRITICAL + 1)
     return logger
 
 
