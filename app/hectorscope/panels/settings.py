@@ -65,6 +65,7 @@ class PresetChoice:
         names = {name: name for name in (*PRESETS, CUSTOM)}
         self._control = Choice(gui, "Preset", names, "default", PRESET_HINT, self._note)
         self._touched = False
+        self._shown = "default"
         self._asked: tuple[str, float] | None = None
 
     def _note(self, _: GuiEvent[Any]) -> None:
@@ -80,8 +81,9 @@ class PresetChoice:
                 self._send(ConfigureAll(f"preset {wanted}", values))
         if self._asked is not None and used != self._asked[0] and now - self._asked[1] < PATIENCE:
             return
-        self._asked = None
-        self._control.show(used)
+        if self._asked is not None or used != self._shown:  # else a choice could be lost before its callback
+            self._control.show(used)
+        self._asked, self._shown = None, used
 
 
 class Group:
