@@ -76,12 +76,13 @@ class PresetChoice:
         used = preset_of(config) or CUSTOM
         if self._touched:
             self._touched, wanted = False, self._control.read()
+            self._shown = wanted
             for values in (values for name, values in PRESETS.items() if name == wanted != used):
                 self._asked = wanted, now
                 self._send(ConfigureAll(f"preset {wanted}", values))
         if self._asked is not None and used != self._asked[0] and now - self._asked[1] < PATIENCE:
             return
-        if self._asked is not None or used != self._shown:  # else a choice could be lost before its callback
+        if used != self._shown:  # else a choice could be lost before its callback
             self._control.show(used)
         self._asked, self._shown = None, used
 
