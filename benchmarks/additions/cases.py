@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.additions import faults
 from benchmarks.additions.faults import Fault
-from benchmarks.cases import BESIDE, DEMOS, DRIVES, LOST_M, REAL, Recording, present
+from benchmarks.cases import DEMOS, DRIVES, LOST_M, REAL, Recording, present
 from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
 from hectorscope.inputs import Item, SourceOptions
@@ -203,19 +203,10 @@ def _outages() -> Iterator[Case]:
 
 
 _KITCHEN = REAL[6]
-_BY_NAME = {recording.name: recording for recording in (*DEMOS, *REAL)}
-_FURTHER = {
-    "kitchen": Recording("mumble kitchen_1, scans alone", _KITCHEN.path, options=SourceOptions(imu_topic="none")),
-    "urg": Recording("coreslam_urg", BESIDE / "coreslam_urg/exp1.dat"),
-    "urg alone": Recording(
-        "coreslam_urg, scans alone", BESIDE / "coreslam_urg/exp1.dat", options=SourceOptions(odometry_topic="none")
-    ),
-    "mit alone": replace(
-        REAL[3], name="mit_csail, scans alone", options=replace(REAL[3].options, odometry_topic="none")
-    ),
-    "turtlebot": Recording("turtlebot4", BESIDE / "turtlebot4_rosbag2/macfirst_floor_take_2"),
-    "tilted": Recording("ccny_tilted_handheld", BESIDE / "ccny_tilted_handheld/demo_v2.bag"),
-}
+_KITCHEN_ALONE = Recording("mumble kitchen_1, scans alone", _KITCHEN.path, options=SourceOptions(imu_topic="none"))
+_MIT_ALONE = replace(
+    REAL[3], name="mit_csail, scans alone", options=replace(REAL[3].options, odometry_topic="none")
+)
 
 
 def _recordings() -> Iterator[Case]:
@@ -228,15 +219,11 @@ def _recordings() -> Iterator[Case]:
         (REAL[1], "aligned", scans, VARIANTS),
         (REAL[2], "aligned", scans, VARIANTS),
         (REAL[3], "aligned", wheels, 5),
-        (_FURTHER["mit alone"], "aligned", scans, 5),
+        (_MIT_ALONE, "aligned", scans, 5),
         (REAL[4], "start_to_end", scans, VARIANTS),
         (_KITCHEN, "start_to_end", IMU, VARIANTS),
-        (_FURTHER["kitchen"], "start_to_end", scans, VARIANTS),
+        (_KITCHEN_ALONE, "start_to_end", scans, VARIANTS),
         (REAL[5], "off_map", scans, VARIANTS),
-        (_FURTHER["urg"], "off_map", wheels, VARIANTS),
-        (_FURTHER["urg alone"], "off_map", scans, VARIANTS),
-        (_FURTHER["turtlebot"], "off_map", wheels, VARIANTS),
-        (_FURTHER["tilted"], "off_map", frozenset({"no imu", "sweep"}), VARIANTS),
     )
     for recording, figure, tags, seeds in table:
         if present((recording,)):

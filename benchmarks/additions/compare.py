@@ -16,6 +16,7 @@ Effect = Literal["helps", "harms", "unclear", "none"]
 RESAMPLED = 2000
 SMALLEST = 1e-6  # metres: an error below this counts as this
 SHOWN = 0.02  # a median ratio nearer to one is no effect, however certain
+FEWEST = 5  # seeds: fewer may all lie on one side by chance
 CERTAIN = 0.05  # of the sign test on lost runs
 
 
@@ -69,7 +70,7 @@ class Comparison:
         if sign_test(saved, spoiled) < CERTAIN:
             return "helps" if saved > spoiled else "harms"
         low, high = self.interval
-        if not self.graded:
+        if not self.graded or len(self.off) < FEWEST:
             return "unclear"
         if low > 1.0 and self.ratio > 1.0 + SHOWN:
             return "helps"
@@ -89,7 +90,8 @@ def compare(rows: Mapping[Key, Figures], case: Case, name: str, figure: str = ""
     """An addition in a case by a figure, else by that of the case; None if there are fewer than three seeds."""
     with_it = {row["seed"]: row for row in rows_of(rows, case, FULL)}
     without = {row["seed"]: row for row in rows_of(rows, case, name)}
-    graded, figure = case.graded or bool(figure), figure or case.figure
+    figure = figure or case.figure
+    graded = case.graded or figure != case.figure
     seeds = [seed for seed in with_it if seed in without and with_it[seed][figure] is not None]
     if len(seeds) < 3:
         return None

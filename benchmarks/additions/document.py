@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.additions.cases import RANGE_NOISE, SECONDS, SEEDS, VARIANTS, Case, cases
 from benchmarks.additions.catalogue import FULL, LAST_POSE, MEASURED, PAPER, scope
 from benchmarks.additions.compare import SHOWN, Comparison, compare
-from benchmarks.additions.runs import DECIDED, LARGE, PROBED, SMALL, Figures, Key, rows_of
+from benchmarks.additions.runs import DECIDED, PROBED, SMALL, Figures, Key, rows_of
 from benchmarks.additions.words import DIFFERS, HEAD
 from benchmarks.tables import table
 from slam_core.config import Addition, Leaves, SlamConfig
@@ -79,8 +79,8 @@ its start, or to meet its first map again.
 
 Not every addition is run on every seed. One that changes not one byte of the first {PROBED} trajectories of a case
 is not run there again, as long as what it reacts to does not occur. Neither is one that changes the first
-{PROBED} errors by less than {100 * SMALL:g} %, or the first {DECIDED} all by a factor of more than {LARGE:g}. The
-column *n* gives the seeds.
+{PROBED} errors by less than {100 * SMALL:g} %, or the first {DECIDED} all by more than that and in the same
+direction. The column *n* gives the seeds.
 """
 
 

@@ -26,9 +26,9 @@ from tests.conftest import ROOT
 
 STORE = ROOT / "build" / "additions.jsonl"
 PROCESSES = 2
-PAPER_SEEDS = 10  # of the paper's method, which is far from the defaults
-DECIDED, LARGE = 5, 2.0  # seeds, and the factor between the errors that all of them show
-SMALL = 0.01  # of the error: a smaller difference is next to nothing
+PAPER_SEEDS = 6  # of the paper's method, which is far from the defaults
+SMALL = 0.02  # of the error: a smaller difference is next to nothing
+DECIDED = 6  # seeds that all differ by more, and in the same direction
 PROBED = 3  # seeds after which an addition that changed nothing in a case is not run there any more
 LAST_S = 2.0  # seconds of which the error at the end is the mean
 GHOSTLY = (FULL, "map.clear_interval", PAPER)  # configurations that are watched for ghosts
@@ -91,14 +91,14 @@ def missing(case: Case, seed: int, rows: Mapping[Key, Figures]) -> list[str]:
 
 
 def is_settled(case: Case, name: str, rows: Mapping[Key, Figures]) -> bool:
-    """Whether further seeds tell nothing new: all differ by next to nothing, or by a large factor."""
+    """Whether further seeds tell nothing new: all differ by next to nothing, or in the same direction."""
     without = {row["seed"]: row[case.figure] for row in rows_of(rows, case, name)}
     full = {row["seed"]: row[case.figure] for row in rows_of(rows, case, FULL)}
     pairs = [(without[seed], full[seed]) for seed in without if seed in full]
     ratios = [off / on for off, on in pairs if off is not None and on]
     same = {row["bytes"] for row in rows_of(rows, case, FULL)}
     copied = any(row.get("copied") or row["bytes"] in same for row in rows_of(rows, case, name))
-    if len(ratios) >= DECIDED and (min(ratios) > LARGE or max(ratios) < 1.0 / LARGE):
+    if len(ratios) >= DECIDED and (min(ratios) > 1.0 + SMALL or max(ratios) < 1.0 - SMALL):
         return True
     return not copied and len(ratios) >= PROBED and all(abs(ratio - 1.0) < SMALL for ratio in ratios)
 
