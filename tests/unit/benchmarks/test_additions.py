@@ -87,7 +87,7 @@ def test_sign_test(more: int, fewer: int, p: float) -> None:
 
 
 def test_runs_that_tell_nothing_new_are_left_out() -> None:
-    """The same bytes are copied; next to no difference or one in the same direction is not run again; others are."""
+    """The same bytes are copied; small differences and those in one direction are not run again."""
     assert is_idle(CASE, NAME, rows(0.01, 0.01, same=True))
     for without, settled in ((0.01001, True), (0.012, True), (0.008, True)):
         found = rows(0.01, without)
