@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.additions.cases import RANGE_NOISE, SECONDS, SEEDS, VARIANTS, Case, cases
 from benchmarks.additions.catalogue import FULL, LAST_POSE, MEASURED, PAPER, scope
-from benchmarks.additions.compare import SHOWN, Comparison, compare
+from benchmarks.additions.compare import FEWEST, SHOWN, Comparison, compare
 from benchmarks.additions.runs import DECIDED, PROBED, SMALL, Figures, Key, rows_of
 from benchmarks.additions.words import DIFFERS, HEAD
 from benchmarks.tables import table
@@ -59,6 +59,7 @@ def document(rows: Rows) -> str:
 
 def _method(rows: Rows, every: list[Case]) -> str:
     seeds = [len(list(rows_of(rows, case, FULL))) for case in every if case.family != "recordings"]
+    undecided = "" if max(seeds) >= FEWEST else "**No drive has that many yet: the summary decides nothing.**"
     return f"""## How it is measured
 
 {len(every)} cases: drives through simulated rooms (six rates and motions), the paper's three scenes, a hall with
@@ -70,7 +71,9 @@ variants with {1e3 * RANGE_NOISE:g} mm of noise on every range and without some 
 Every configuration runs on the same measurements, so seeds are compared in pairs. *Ratio* is the median over the
 seeds of the error without the addition over the error with it, with the 95 % interval of it (bootstrap).
 The addition *helps* in a case if the interval lies above 1 and the ratio above {1 + SHOWN:g}, or if
-significantly fewer seeds are lost with it (sign test, 5 %); it *harms* in the opposite case.
+significantly fewer seeds are lost with it (sign test, 5 %); it *harms* in the opposite case. With fewer than
+{FEWEST} seeds a case stays *unclear*, unless every byte is the same: so few may all lie on one side by chance.
+{undecided}
 
 The error is the raw planar error (rms, first pose on first pose); of recordings with truth the aligned one;
 after a fault the mean of the last two seconds. Some additions are compared by height or roll besides. A run is
