@@ -204,7 +204,7 @@ def _look(load: Load, closely: bool) -> tuple[list[list[Part]], list[Run]]:
     for k in range(LOOKS):
         time.sleep(PAUSE_S if k else 0.0)
         for _ in range(2):  # a processor that had nothing to do is slow at first, so the first run does not count
-            slam = HectorSlam(SlamConfig(), time.perf_counter_ns)
+            slam = HectorSlam(SlamConfig(), clock=time.perf_counter_ns)
             done = run(slam, recording)
         runs.append(done)
         if closely:
