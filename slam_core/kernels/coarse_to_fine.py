@@ -17,16 +17,16 @@ from slam_core.kernels.gauss_newton import (
     without,
     workspace,
 )
-from slam_core.kernels.intrinsics import lane
+from slam_core.kernels.intrinsics import alias_scope
 from slam_core.kernels.linear import fill
 from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.structures import Beams, Level, Limits, MatchOutput, MatchSettings, Prior
 from slam_core.kernels.surfaces import tangents, weakest_direction
 from slam_core.kernels.surfels import settle
 
-get, _ = lane(0)
-_, put = lane(1)
-_, put_too = lane(2)
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
+_, put_too = alias_scope(2)
 _workspace = njit(inline="always")(workspace)
 
 # At least this many of the beams, evenly spaced, show how well the shape of the scan observes its position.

@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
-from slam_core.kernels.intrinsics import lane
+from slam_core.kernels.intrinsics import alias_scope
 
-get, _ = lane(0)
-_, put = lane(1)
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,12 +7,12 @@ from numba import njit
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.correlative import cells_at
-from slam_core.kernels.intrinsics import above, lane, lowest, prefetch
+from slam_core.kernels.intrinsics import above, alias_scope, lowest, prefetch
 from slam_core.kernels.map_update import cells_of
 
-get, _ = lane(0)
-_, put = lane(1)
-_, put_too = lane(2)
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
+_, put_too = alias_scope(2)
 
 BINS = 720  # of half a degree each
 BIN = 2.0 * math.pi / BINS
@@ -35,15 +35,15 @@ def by_bearing(laser, ends):
     that a beam or its bin passes.
     """
     n, box, furthest = len(ends), np.empty((2, 2)), 0.0
-    away, ways, places = np.empty((n, 2)), np.empty(n), np.empty(n)
+    away, distances, places = np.empty((n, 2)), np.empty(n), np.empty(n)
     for k in range(n):
         away[k, 0], away[k, 1] = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
-    _polar(away.reshape(-1), n, ways, places)
+    _polar(away.reshape(-1), n, distances, places)
     bins, begin, longest = np.empty(n, np.int64), np.zeros(BINS + 1, np.int64), np.full(BINS, -1.0)
     box[:] = laser
     for k in range(n):
         b = _bin(away[k, 0], away[k, 1], places[k])
-        bins[k], longest[b], furthest = b, max(longest[b], ways[k]), max(furthest, ways[k])
+        bins[k], longest[b], furthest = b, max(longest[b], distances[k]), max(furthest, distances[k])
         begin[b + 1] += 1
         for j in range(2):
             box[0, j], box[1, j] = min(box[0, j], ends[k, j]), max(box[1, j], ends[k, j])
@@ -54,17 +54,17 @@ def by_bearing(laser, ends):
         begin[b + 1] += begin[b]
     lengths, filled = np.empty(n), begin[:-1].copy()
     for k in range(n):
-        lengths[filled[bins[k]]] = ways[k]
+        lengths[filled[bins[k]]] = distances[k]
         filled[bins[k]] += 1
     return lengths, begin, longest, box
 
 
 @njit(cache=True, error_model="numpy")
-def _polar(away, n, ways, places):
+def _polar(away, n, distances, places):
     """Metres from the laser to the first n of what lies `away` (n, 2), flat, and their `_place`; no branch."""
     for k in range(n):
         dx, dy = get(away, 2 * k), get(away, 2 * k + 1)
-        put(ways, k, math.sqrt(dx * dx + dy * dy))
+        put(distances, k, math.sqrt(dx * dx + dy * dy))
         put_too(places, k, _place(dx, dy))
 
 
@@ -84,18 +84,18 @@ def clear_passed(grid, corner, resolution, known, laser, beams, clearing):
     row, end = max(known[0], low), min(known[1], high + 1)
     room = MANY + cells.shape[1]
     us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
-    away, ways, places = np.empty((room, 2)), np.empty(room), np.empty(room)
+    away, distances, places = np.empty((room, 2)), np.empty(room), np.empty(room)
     candidates = np.empty(room + 1, np.int32)
     most, free = np.float32(most), np.float32(free)
     passed = 0
     while row < end:
         n, row = _occupied(cells, row, end, first, last, us, vs)
         _centres(us, vs, n, corner, resolution, laser, away.reshape(-1))
-        _polar(away.reshape(-1), n, ways, places)
-        for i in range(_before_an_end(ways, places, n, longest, behind, candidates)):
+        _polar(away.reshape(-1), n, distances, places)
+        for i in range(_before_an_end(distances, places, n, longest, behind, candidates)):
             k = candidates[i]
             u, v = us[k], vs[k]
-            if _is_passed(_bin(away[k, 0], away[k, 1], places[k]), ways[k], lengths, begin, behind):
+            if _is_passed(_bin(away[k, 0], away[k, 1], places[k]), distances[k], lengths, begin, behind):
                 value = min(log_odds[v, u], most) + free
                 log_odds[v, u] = value
                 cells[v, u] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
@@ -137,7 +137,7 @@ def _centres(us, vs, n, corner, resolution, laser, away):
 
 
 @njit(cache=True, error_model="numpy")
-def _before_an_end(ways, places, n, longest, behind, found):
+def _before_an_end(distances, places, n, longest, behind, found):
     """Into `found` those of n cells with a beam in their bin that ends behind them, or of an unsure bin: how many.
 
     Few do, and a branch would be mispredicted.
@@ -148,7 +148,7 @@ def _before_an_end(ways, places, n, longest, behind, found):
         b = np.int64(np.floor(place))
         b += BINS if b < 0 else 0
         found[m] = k
-        m += (longest[b] > ways[k] + behind) | (abs(place - np.floor(place + 0.5)) < UNSURE)
+        m += (longest[b] > distances[k] + behind) | (abs(place - np.floor(place + 0.5)) < UNSURE)
     return m
 
 

@@ -5,12 +5,12 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import lane
+from slam_core.kernels.intrinsics import alias_scope
 from slam_core.kernels.rotations import cosines, product
 from slam_core.kernels.structures import BeamLimits
 
-get, _ = lane(0)
-_, put = lane(1)
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
 
 
 @njit(cache=True, error_model="numpy")
@@ -25,16 +25,19 @@ def place_beams(ranges, directions, poses, mount, level, limits, output):
     limits, (points, heights, free, laser) = BeamLimits(*limits), output
     low, high, no_return, clear_range, z_min, z_max = limits
     n = len(ranges)
-    way = _knots(poses, mount, level)
-    knot_step = max(n - 1, 1) / (len(way) - 1)
+    transforms = _knots(poses, mount, level)
+    knot_step = max(n - 1, 1) / (len(transforms) - 1)
     xs, ys, zs, flat = np.empty(n), np.empty(n), np.empty(n), points.reshape(-1)
-    laser[0], laser[1] = 0.5 * (way[0, 0, 3] + way[-1, 0, 3]), 0.5 * (way[0, 1, 3] + way[-1, 1, 3])
-    z_laser = 0.5 * (way[0, 2, 3] + way[-1, 2, 3])
+    laser[0], laser[1] = (
+        0.5 * (transforms[0, 0, 3] + transforms[-1, 0, 3]),
+        0.5 * (transforms[0, 1, 3] + transforms[-1, 1, 3]),
+    )
+    z_laser = 0.5 * (transforms[0, 2, 3] + transforms[-1, 2, 3])
     z_low, z_high, over = z_laser + z_min, z_laser + z_max, np.float32(z_laser)
     kept = cleared = end = 0
-    for knot in range(len(way) - 1):  # piece by piece, which stays in the nearest cache
-        begin, end = end, n if knot == len(way) - 2 else min(n, math.ceil((knot + 1) * knot_step))
-        _place(ranges, directions, limits, begin, end, way, knot, knot_step, (xs, ys, zs))
+    for knot in range(len(transforms) - 1):  # piece by piece, which stays in the nearest cache
+        begin, end = end, n if knot == len(transforms) - 2 else min(n, math.ceil((knot + 1) * knot_step))
+        _place(ranges, directions, limits, begin, end, transforms, knot, knot_step, (xs, ys, zs))
         for i in range(end - begin):
             r, z = get(ranges, begin + i), zs[i]
             if z < z_low or z > z_high:

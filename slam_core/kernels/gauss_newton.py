@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import WHOLE, bilinear
-from slam_core.kernels.intrinsics import lane, pair
+from slam_core.kernels.intrinsics import alias_scope, pair
 from slam_core.kernels.structures import LatticePose
 from slam_core.measurements import Float32s
 
@@ -20,9 +20,9 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 PART = np.float32(1.0 / WHOLE)
 TOGETHER = 2048  # beams whose workspace stays in the nearest cache
-get, _ = lane(0)  # what is read
-_, put = lane(1)
-_, put_too = lane(2)
+get, _ = alias_scope(0)  # what is read
+_, put = alias_scope(1)
+_, put_too = alias_scope(2)
 
 
 def workspace() -> tuple[NDArray[np.uint32], Float32s]:

@@ -1,9 +1,9 @@
-"""Accesses to memory that numba has no words for, so that LLVM makes vectors of the loops around them.
+"""LLVM intrinsics for vectorised memory access, which numba does not offer.
 
-Arrays that a kernel reads and writes never overlap, but only its caller knows that. Accesses of different lanes
-declare it by the aliasing metadata of LLVM; without it a loop that gathers or that stores into several arrays
-stays scalar, four to six times as slow. That holds within a function: what one has put, another may get. Arrays
-are flat and contiguous, and indices count from 0.
+Arrays that a kernel reads and writes never overlap, but only its caller knows that. Accesses of different
+alias scopes declare it by the aliasing metadata of LLVM. Without it, a loop that gathers or that stores into
+several arrays stays scalar, four to six times as slow. That holds within a function: what one has put, another
+may get. Arrays are flat and contiguous, and indices count from 0.
 """
 
 from typing import Any
@@ -11,13 +11,13 @@ from typing import Any
 from llvmlite import ir  # of numba
 from numba import extending, types
 
-LANES = range(3)
+SCOPES = range(3)
 
 intrinsic: Any = extending.intrinsic  # its own types leave out that calls lack the first argument
 
 
-def lane(own: int) -> tuple[Any, Any]:
-    """get(array, i) and put(array, i, value) for arrays that share no memory with those of other lanes."""
+def alias_scope(own: int) -> tuple[Any, Any]:
+    """get(array, i) and put(array, i, value) for arrays that share no memory with those of other alias scopes."""
 
     @intrinsic
     def get(_: Any, array: Any, i: Any) -> Any:
@@ -39,7 +39,7 @@ def lane(own: int) -> tuple[Any, Any]:
 
 @intrinsic
 def pair(_: Any, cells: Any, i: Any) -> Any:
-    """cells[i] and, in the high half, cells[i + 1] of an array in lane 0: two of uint16 or of uint32 as one."""
+    """cells[i] and, in the high half, cells[i + 1] of an array in scope 0: two of uint16 or of uint32 as one."""
     both: Any = types.uint32 if cells.dtype == types.uint16 else types.uint64
 
     def load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -53,7 +53,7 @@ def pair(_: Any, cells: Any, i: Any) -> Any:
 
 @intrinsic
 def above(_: Any, cells: Any, i: Any, limit: Any) -> Any:
-    """Which of cells[i : i + 32] of an array of uint16 in lane 0 are above a limit: the bits of a uint32."""
+    """Which of cells[i : i + 32] of an array of uint16 in scope 0 are above a limit: the bits of a uint32."""
 
     def compare(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = context.get_value_type(types.uint16)
@@ -101,10 +101,10 @@ def _address(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _apart(builder: Any, access: Any, own: int) -> Any:
-    """The access, marked as one of its lane and of no other."""
+    """The access, marked as one of its alias scope and of no other."""
     add = builder.module.add_metadata
     domain = add([builder.function.name])
-    scopes = [add([f"lane {k}", domain]) for k in LANES]
+    scopes = [add([f"scope {k}", domain]) for k in SCOPES]
     access.set_metadata("alias.scope", add([scopes[own]]))
     access.set_metadata("noalias", add([scope for k, scope in enumerate(scopes) if k != own]))
     return access

@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import WHOLE
-from slam_core.kernels.intrinsics import lane, prefetch
-from slam_core.kernels.ray_tracing import mark_ways
+from slam_core.kernels.intrinsics import alias_scope, prefetch
+from slam_core.kernels.ray_tracing import trace_rays
 from slam_core.kernels.structures import Steps
 
 OCCUPIED = np.uint8(2)
@@ -26,9 +26,9 @@ LARGEST_POWER = np.float32(60.0)
 E1, E2, E3, E4, E5 = (np.float32(x) for x in (0.69314718, 0.24022651, 0.05550411, 0.00961813, 0.00133336))
 
 # The log-odds, the marks and the probabilities.
-get, put_back = lane(0)
-get_mark, put = lane(1)
-_, put_cell = lane(2)
+get, put_back = alias_scope(0)
+get_mark, put = alias_scope(1)
+_, put_cell = alias_scope(2)
 
 
 @njit(cache=True, error_model="numpy")
@@ -71,8 +71,8 @@ def write_scan(grid, corner, resolution, start, hits, empty, steps):
     rows, columns = log_odds.shape
     laser = cells_of(start.reshape(1, 2), corner, resolution)
     ends, cleared = cells_of(hits, corner, resolution), cells_of(empty, corner, resolution)
-    mark_ways(marks, rows, columns, laser, ends)
-    mark_ways(marks, rows, columns, laser, cleared)
+    trace_rays(marks, rows, columns, laser, ends)
+    trace_rays(marks, rows, columns, laser, cleared)
     _mark_ends(marks, rows, columns, ends)
     column0, column1 = _span(columns, laser[0], ends[0], cleared[0])
     row0, row1 = _span(rows, laser[1], ends[1], cleared[1])

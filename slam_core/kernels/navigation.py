@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import lane
+from slam_core.kernels.intrinsics import alias_scope
 from slam_core.kernels.linear import fill_estimate, gain, multiply, symmetric
 from slam_core.kernels.rotations import cosines, exponential, product
 from slam_core.measurements import Float64s
@@ -24,8 +24,8 @@ NEAR_GRAVITY = 0.1
 CONSTRAINED = 1e-12  # variance of what the platform cannot do
 SLIP_SIGMA = 0.005  # m/s, of wheels that do not slip sideways
 
-get, _ = lane(0)
-_, put = lane(1)
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
 
 
 @njit(cache=True, error_model="numpy")

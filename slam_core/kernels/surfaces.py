@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import lane
+from slam_core.kernels.intrinsics import alias_scope
 
-get, _ = lane(0)
-_, put = lane(1)
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
 
 # Surface on either side of an endpoint that gives its direction: enough of it that the noise of the ranges does
 # not turn it. In picometres, as whole numbers are compared sooner than others; or this many neighbours: where
@@ -102,7 +102,7 @@ def _join(xs, ys, joined, way):
     for i in range(1, n):
         dx, dy = get(xs, i) - get(xs, i - 1), get(ys, i) - get(ys, i - 1)
         put(steps, i, math.sqrt(dx * dx + dy * dy))
-    for i in range(2, n):  # from the endpoints again: what a lane has stored the other one may not load
+    for i in range(2, n):  # from the endpoints again: what one alias scope has stored, another may not load
         dx, dy = get(xs, i) - get(xs, i - 1), get(ys, i) - get(ys, i - 1)
         ux, uy = get(xs, i - 1) - get(xs, i - 2), get(ys, i - 1) - get(ys, i - 2)
         step, before = math.sqrt(dx * dx + dy * dy), math.sqrt(ux * ux + uy * uy)

@@ -13,12 +13,12 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.gauss_newton import TOGETHER, in_lattice, place, solve3, without
-from slam_core.kernels.intrinsics import lane, pair
+from slam_core.kernels.intrinsics import alias_scope, pair
 from slam_core.kernels.surfaces import tangents
 
-get, _ = lane(0)
-_, put = lane(1)
-_, put_too = lane(2)
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
+_, put_too = alias_scope(2)
 ZERO, HALF, ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 # The word: 6 bits of the count, 7 of each component of the normal, 12 of the offset, from the lowest.
 COUNT, LAST = np.int32(63), np.float32(60.0)

@@ -5,11 +5,11 @@ import re
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import lane
+from slam_core.kernels.intrinsics import alias_scope
 
-get, _ = lane(0)
-_, put = lane(1)
-DOMAIN = re.compile(r'!\{!"lane [0-9]", (![0-9]+)\}')
+get, _ = alias_scope(0)
+_, put = alias_scope(1)
+DOMAIN = re.compile(r'!\{!"scope [0-9]", (![0-9]+)\}')
 
 
 @njit
@@ -33,7 +33,7 @@ def there_and_back(source, target):
     copy_back(source, target)
 
 
-def test_lanes_hold_within_one_function() -> None:
+def test_alias_scopes_hold_within_one_function() -> None:
     """One kernel gets what another has put, in one piece of code: neither's word binds the other."""
     source, target = np.arange(9.0), np.zeros(9)
     there_and_back(source, target)
