@@ -106,26 +106,31 @@ class Timeline:
 
     def __init__(self, slider: GuiSliderHandle[float]) -> None:
         self._slider = slider
+        self._shown = slider.value  # what was put there; another value comes from a hand
         self._touched: float | None = None
         self._arriving: tuple[int, float] | None = None
         slider.on_update(self._note)
 
     def _note(self, event: GuiEvent[Any]) -> None:
-        if event.client is not None:
+        if event.client is not None and self._slider.value != self._shown:
             self._touched = monotonic()
 
     def draw(self, playback: PlaybackStatus, send: Callable[[Seek], None], now: float) -> None:
         """Send the jump once the slider rests; else show the time."""
         self._fit(playback)
+        if self._touched is None and self._slider.value != self._shown:
+            self._touched = now  # the value is there before its event: it must not be overwritten
         if self._touched is not None:
             if now - self._touched >= SETTLE and not self._slider.disabled:
                 self._touched = None
+                self._shown = self._slider.value
                 target = playback.start_ns + round(min(max(self._slider.value, 0.0), self._slider.max) * 1e9)
                 self._arriving = target, now
                 send(Seek(target))
         elif not self._on_the_way(playback, now):
             seconds = (playback.time_ns - playback.start_ns) / 1e9
-            put_value(self._slider, round(min(max(seconds, 0.0), self._slider.max), 2))
+            self._shown = round(min(max(seconds, 0.0), self._slider.max), 2)
+            put_value(self._slider, self._shown)
 
     def _on_the_way(self, playback: PlaybackStatus, now: float) -> bool:
         if self._arriving is None:

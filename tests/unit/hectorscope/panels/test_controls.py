@@ -147,6 +147,17 @@ def test_a_dragged_timeline_is_one_jump(scene: Scene, clock: list[float]) -> Non
     assert slider.value == 31.0
 
 
+def test_a_jump_whose_event_is_late(scene: Scene, clock: list[float]) -> None:
+    """viser sets the value before it calls anybody: the time that is drawn in between does not overwrite it."""
+    line, slider, sent = timeline(scene)
+    status = PlaybackStatus("paused", False, 15 * S, 10 * S, 60 * S)
+    line.draw(status, sent.append, 100.0)
+    slider._impl.value = 2.0
+    line.draw(status, sent.append, 100.1)
+    line.draw(status, sent.append, 100.1 + SETTLE)
+    assert sent == [Seek(12 * S)]
+
+
 def test_a_jump_stays_inside_the_recording(scene: Scene, clock: list[float]) -> None:
     """Whatever a browser sends."""
     line, slider, sent = timeline(scene)
