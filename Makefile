@@ -6,6 +6,8 @@ BIN := $(VENV)/bin
 PIP := PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip
 INSTALL := $(PIP) install --constraint constraints.txt --editable
 ARGS ?=
+# Files of tests are shared out among processes. One processor each; more than 4 would crowd the browser tests.
+PROCESSES ?= auto
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check wheel-check bench screenshots docs constraints clean chromium
@@ -17,7 +19,7 @@ demo: $(VENV)/ready-run  ## a robot maps a rescue arena in the browser; ARGS=lit
 	$(BIN)/hectorscope demo $(ARGS)
 
 test: $(VENV)/ready-dev chromium  ## every test; ARGS="-k matcher", ARGS="-m 'not browser'" choose
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest --numprocesses $(PROCESSES) --maxprocesses 4 --dist loadfile $(ARGS)
 
 check: $(VENV)/ready-dev  ## style, types and import rules
 	$(BIN)/ruff check .
