@@ -59,10 +59,6 @@ ADDITIONS = (
         {"matcher.converged_step": 0.0},
     ),
     Addition(
-        "Limits the change of yaw in one Gauss-Newton step.",
-        {"matcher.max_yaw_step": 3.14},
-    ),
-    Addition(
         "Matches the coarser levels with a part of the beams.",
         {"matcher.coarse_beams": 0},
     ),

@@ -68,7 +68,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     for i in range(last, 0, -1):
         cell, (begin, end) = resolution * (1 << i), _share(i, n, settings.coarse_beams)
         close = max(settings.converged_step, NEAR * cell) if settings.converged_step else 0.0
-        limits = Limits(settings.iterations_coarse, close, settings.max_yaw_step)
+        limits = Limits(settings.iterations_coarse, close)
         lighter = term.copy()
         lighter[:3] *= (end - begin) / max(n, 1)
         some = Beams(mixed.xs[begin:end], mixed.ys[begin:end], mixed.along_x[begin:end], mixed.along_y[begin:end])
@@ -77,7 +77,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
             level, some, pose, lighter, unobservable, limits, residuals, trace[i], work, matched
         )
     finest = Level(cells[0], corner, 1.0 / resolution)
-    limits = Limits(settings.iterations_fine, settings.converged_step, settings.max_yaw_step)
+    limits = Limits(settings.iterations_fine, settings.converged_step)
     output.taken[0], converged = gauss_newton(
         finest, beams, pose, term, unobservable, limits, residuals, trace[0], work, matched
     )

@@ -204,7 +204,6 @@ def gauss_newton(level, beams, pose, prior, unobservable, limits, residuals, tra
         )
         if not solved:
             return steps, False
-        dpsi = min(max(dpsi, -limits.max_yaw_step), limits.max_yaw_step)
         pose[0] += dx
         pose[1] += dy
         pose[2] += dpsi

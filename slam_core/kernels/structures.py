@@ -38,11 +38,10 @@ class LatticePose(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """Of Gauss-Newton on one level: most steps, the step in metres that ends it, the largest turn in radians."""
+    """Of Gauss-Newton on one level: most steps, the step in metres that ends it."""
 
     iterations: int
     converged_step: float
-    max_yaw_step: float
 
 
 class Prior(NamedTuple):
@@ -59,7 +58,6 @@ class MatchSettings(NamedTuple):
     iterations_coarse: int
     iterations_fine: int
     converged_step: float
-    max_yaw_step: float
     coarse_beams: int
     prior_restart_sigmas: float
     sigma: float

@@ -45,8 +45,8 @@ class Tracker:
             return Rejection("overlap", fit.known, config.min_overlap)
         if fit.hit < config.min_inlier_ratio * self._usual:
             return Rejection("inlier_ratio", fit.hit, self._usual)
-        if distance > config.mahalanobis_limit or _astray(fit, distance):
-            return Rejection("mahalanobis_distance", distance, config.mahalanobis_limit)
+        if _astray(fit, distance):
+            return Rejection("mahalanobis_distance", distance, NEAR)
         return None
 
     def confirms(self, fit: Fit, distance: float, config: TrackingConfig) -> bool:

@@ -76,7 +76,6 @@ def _settings(config: MatcherConfig) -> tuple[float, ...]:
         config.iterations_coarse,
         config.iterations_fine,
         config.converged_step,
-        config.max_yaw_step,
         config.coarse_beams,
         config.prior_restart_sigmas,
         config.sigma,

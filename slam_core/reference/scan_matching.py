@@ -63,7 +63,6 @@ def match(
     points: Float64s,
     start: Float64s,
     iterations: tuple[int, int],
-    max_yaw_step: float = math.inf,
 ) -> Iterator[Iteration]:
     """Every iteration from the coarsest level to the finest, and last an evaluation at the matched pose.
 
@@ -74,8 +73,6 @@ def match(
     for level in range(len(levels) - 1, -1, -1):
         for _ in range(iterations[0] if level else iterations[1]):
             found = evaluate(levels[level], points, pose, level)
-            turn = min(max(float(found.step[2]), -max_yaw_step), max_yaw_step)
-            found = found._replace(step=np.array([found.step[0], found.step[1], turn]))
             yield found
             pose = pose + found.step
     pose[2] = math.remainder(pose[2], 2.0 * math.pi)

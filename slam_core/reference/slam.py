@@ -102,7 +102,7 @@ class ReferenceSlam:
         """Sections IV-B and IV-C."""
         matcher = self.config.matcher
         steps = matcher.iterations_coarse, matcher.iterations_fine
-        iterations = tuple(match(self.map.levels, points, start, steps, matcher.max_yaw_step))
+        iterations = tuple(match(self.map.levels, points, start, steps))
         self._pose = iterations[-1].pose
         return hessian_covariance(iterations[-1].H, matcher.sigma), iterations
 

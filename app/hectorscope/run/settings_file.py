@@ -24,12 +24,13 @@ RENAMED = {
     "motion.refinements": "motion.deskew_refinements",
     "navigation.gate_patience": "navigation.gate_reset_time",
     "tracking.go_on": "tracking.continue_from_prediction",
-    "tracking.max_sigmas": "tracking.mahalanobis_limit",
     "tracking.max_surprise": "tracking.unaided_mahalanobis_limit",
     "tracking.min_fit": "tracking.min_inlier_ratio",
     "tracking.min_place": "tracking.relocalise_min_inlier_ratio",
     "tracking.search_interval": "tracking.relocalise_interval",
 }
+# Settings of version 0.1 that changed no trajectory: entries of old files that are passed over.
+REMOVED = {"matcher.max_yaw_step", "tracking.mahalanobis_limit", "tracking.max_sigmas"}
 
 
 class SettingsError(ConfigError):
@@ -81,6 +82,7 @@ def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:
     changes = tree.pop(_CHANGES, [])
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")
+    changes = [each for each in changes if not (isinstance(each, dict) and each.get("name") in REMOVED)]
     values = dict(_entries(tree))
     for name in values:
         _check_name(name)
@@ -94,7 +96,8 @@ def _entries(tree: dict[str, Any]) -> Iterator[tuple[str, Any]]:
             raise SettingsError(f"{group} stands outside of a group: put it below one, as in [matcher]")
         for key, value in table.items():
             name = f"{group}.{key}"
-            yield RENAMED.get(name, name), value
+            if name not in REMOVED:
+                yield RENAMED.get(name, name), value
 
 
 @cache

@@ -29,9 +29,6 @@ class MatcherConfig:
             0.05,
         ),
     ] = 0.0005
-    max_yaw_step: Annotated[float, Param("Largest change of yaw in one Gauss-Newton step.", "rad", 0.01, 3.14)] = (
-        0.2
-    )
     coarse_beams: Annotated[
         int,
         Param(

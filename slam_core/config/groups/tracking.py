@@ -22,17 +22,15 @@ class TrackingConfig:
         float, Param("Minimum inlier ratio of a match, relative to its running mean.", "", 0.0, 1.0)
     ] = 0.65
     min_overlap: Annotated[float, Param("Minimum share of the endpoints on known cells.", "", 0.0, 1.0)] = 0.3
-    mahalanobis_limit: Annotated[
+    unaided_mahalanobis_limit: Annotated[
         float,
         Param(
-            "Mahalanobis limit of a match: one further from the prediction is checked by a search.",
+            "Mahalanobis limit of a match with slow scans alone, without an IMU and wheels: one further from the"
+            " prediction is checked by a search.",
             "σ",
             1.0,
             1000.0,
         ),
-    ] = 100.0
-    unaided_mahalanobis_limit: Annotated[
-        float, Param("The same with slow scans alone, without an IMU and wheels.", "σ", 1.0, 1000.0)
     ] = 2.5
     search_distance: Annotated[float, Param("Largest translation that the search covers.", "m", 0.1, 5.0)] = 2.0
     search_angle: Annotated[float, Param("Largest rotation that the search covers.", "rad", 0.05, 3.14)] = 3.14

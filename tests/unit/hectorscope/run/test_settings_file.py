@@ -87,3 +87,17 @@ def test_a_missing_file_is_named(tmp_path: Path):
     """No such file: said so."""
     with pytest.raises(SettingsError, match=r"none\.toml cannot be read"):
         read_toml(tmp_path / "none.toml")
+
+
+def test_a_file_of_version_0_1_is_read(tmp_path: Path) -> None:
+    """Renamed settings keep their values, in tables and in changes; settings that are no more are passed over."""
+    path = tmp_path / "old.toml"
+    path.write_text(
+        "[matcher]\nmax_yaw_step = 0.1\nblind_share = 0.04\n[tracking]\nmax_sigmas = 50.0\n"
+        '[[changes]]\ntime_ns = 5\nname = "tracking.max_sigmas"\nvalue = 7.0\n'
+        '[[changes]]\ntime_ns = 6\nname = "tracking.max_surprise"\nvalue = 3.0\n',
+        encoding="utf-8",
+    )
+    settings = read_toml(path)
+    assert settings.start == with_value(SlamConfig(), "matcher.degeneracy_threshold", 0.04)
+    assert settings.changes == (Change(6, "tracking.unaided_mahalanobis_limit", 3.0),)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.config import TrackingConfig
-from slam_core.localization.tracking import Tracker, exceeds_basin, mahalanobis_distance
+from slam_core.localization.tracking import NEAR, Tracker, exceeds_basin, mahalanobis_distance
 from slam_core.mapping.grid import GridLevel
 from slam_core.results import Fit, MatchResult, PlanarGaussian, Rejection
 from tests.worlds import fit, in_parts
@@ -27,12 +27,12 @@ def test_the_fit_counts_known_and_occupied_cells():
 
 
 def test_a_match_is_rejected_for_each_of_three_reasons():
-    """Little overlap, few inliers, far from the prediction: the code, the value and the limit."""
+    """Little overlap, few inliers, mostly unknown and far from the prediction: the code, the value and the limit."""
     tracker = Tracker()
     assert tracker.check(GOOD, 1.0, CONFIG) is None
     assert tracker.check(Fit(0.1, 1.0), 1.0, CONFIG) == ("overlap", 0.1, CONFIG.min_overlap)
     assert tracker.check(BAD, 1.0, CONFIG) == ("inlier_ratio", 0.2, 0.9)
-    assert tracker.check(GOOD, 400.0, CONFIG) == ("mahalanobis_distance", 400.0, CONFIG.mahalanobis_limit)
+    assert tracker.check(Fit(0.5, 0.9), 40.0, CONFIG) == ("mahalanobis_distance", 40.0, NEAR)
     assert tracker.check(GOOD, 40.0, CONFIG) is None  # the correction at the end of a corridor
 
 

@@ -172,14 +172,6 @@ def test_trace_holds_every_iterate(room):
     np.testing.assert_allclose(result.trace[-1, 1:], result.pose)
 
 
-def test_yaw_step_is_clamped(room):
-    """No single step turns further than max_yaw_step."""
-    truth = np.array([0.3, -0.2, 0.7])
-    config = MatcherConfig(max_yaw_step=0.01)
-    result = coarse_to_fine(room, room_points(truth), truth + np.array([0, 0, 0.3]), config, trace=True)
-    assert np.abs(np.diff(np.concatenate([[truth[2] + 0.3], result.trace[:, 3]]))).max() <= 0.01 + 1e-12
-
-
 def test_converged_step_ends_early(room):
     """With an early exit fewer steps are taken and the pose moves by less than the threshold's order."""
     truth = np.array([0.3, -0.2, 0.7])
