@@ -123,7 +123,8 @@ class Watch:
         bearing = np.arctan2(dy, dx) - middle
         beam = np.rint((np.mod(bearing + np.pi, 2 * np.pi) - np.pi) / UTM30LX.field * 1080 + 540).astype(np.int64)
         within = (beam >= 0) & (beam <= 1080)
-        return within & (np.hypot(dx, dy) + AROUND < reach[np.clip(beam, 0, 1080)])
+        seen: NDArray[np.bool_] = within & (np.hypot(dx, dy) + AROUND < reach[np.clip(beam, 0, 1080)])
+        return seen
 
 
 def _near_walls(scene: Scene, x: Float64s, y: Float64s) -> Cells:

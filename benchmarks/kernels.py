@@ -224,9 +224,10 @@ def rates(runs: list[Run]) -> tuple[float, float, float]:
     """Scans a second of whole steps: the median run, the best, and every measurement as fast as it ever was."""
     scans, spent = len(runs[0].durations), np.array([each.spent for each in runs])
     whole = spent.sum(axis=1)
-    return tuple(
+    median, best, undisturbed = (
         scans * 1e9 / float(time_ns) for time_ns in (np.median(whole), whole.min(), spent.min(axis=0).sum())
     )
+    return median, best, undisturbed
 
 
 def _best(looks: tuple[Part, ...]) -> Part:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.options import ScenarioName
 from hectorscope.simulation.sensors import START_NS, heights, inertial
 from slam_core import geometry
 from slam_core.config import SlamConfig, leaves, with_value
@@ -29,7 +30,9 @@ NOISE = np.array([0.01, 0.01, np.radians(0.1)])
 CLAIMED = np.array([0.005, 0.005, np.radians(0.1)])
 
 
-def drive(scene: str, seed: int, config: SlamConfig, correlation: float = 0.0, barometer: bool = True) -> Float64s:
+def drive(
+    scene: ScenarioName, seed: int, config: SlamConfig, correlation: float = 0.0, barometer: bool = True
+) -> Float64s:
     """(n, 14) at the scans: errors of roll, pitch, heading, x, y, z; sigmas of roll, z; errors of v, gyros."""
     simulation = Simulation(scene, SceneOptions(seed=seed))
     motion, rng = simulation.scene.motion, np.random.default_rng([seed, 9])

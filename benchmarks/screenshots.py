@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
 from hectorscope.cli.main import Scene, demo_bag
 from hectorscope.inputs import SourceOptions
@@ -26,7 +26,7 @@ from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
 from tests.conftest import ROOT, chromium_path
 
-SIZE = {"width": 1280, "height": 800}
+SIZE: ViewportSize = {"width": 1280, "height": 800}
 FLAGS = [
     "--no-sandbox",  # also runs as root, as in a container; it only opens our own page
     "--use-angle=swiftshader",

@@ -107,7 +107,8 @@ class Panes:
     @property
     def flicker(self) -> float:
         """Share of the cells that were occupied again, of those that ever were."""
-        return float(np.count_nonzero(self._risen > 1) / max(np.count_nonzero(self._risen), 1))
+        ever = int(np.count_nonzero(self._risen))
+        return int(np.count_nonzero(self._risen > 1)) / max(ever, 1)
 
     def look(self, level: GridLevel) -> None:
         """Compare the map with what it was at the last look; the map may have grown."""

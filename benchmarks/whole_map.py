@@ -140,8 +140,8 @@ def _look(world: World, pose: Float64s, rng: np.random.Generator) -> StabilisedS
     turned = angles + pose[2]
     directions = np.column_stack([np.cos(turned), np.sin(turned), np.zeros(BEAMS)])
     ranges, _ = world.cast(np.tile([pose[0], pose[1], 0.3], (BEAMS, 1)), directions, 30.0)
-    ranges = (ranges + 0.01 * rng.standard_normal(BEAMS)).astype(np.float32)
-    scan = LaserScan(0, ranges, angles[0], float(angles[1] - angles[0]), 0.0, 0.1, 30.0)
+    noisy = (ranges + 0.01 * rng.standard_normal(BEAMS)).astype(np.float32)
+    scan = LaserScan(0, noisy, angles[0], float(angles[1] - angles[0]), 0.0, 0.1, 30.0)
     return stabilise(scan, PlanarMotion().poses, SlamConfig().scan)  # one that stands at the origin
 
 

@@ -192,7 +192,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tyro.extras.subcommand_cli_from_dict(
                 commands,
                 prog="hectorscope",
-                description="Watch a SLAM system think: Hector SLAM on a bag or a live stream."
+                description="Hector SLAM on a recording or a live robot, with every step shown in the browser."
                 " --version alone prints the version.",
                 args=arguments,
                 config=(tyro.conf.DisallowNone,),

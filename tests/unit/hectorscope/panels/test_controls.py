@@ -148,7 +148,7 @@ def test_a_dragged_timeline_is_one_jump(scene: Scene, clock: list[float]) -> Non
 
 
 def test_a_jump_whose_event_is_late(scene: Scene, clock: list[float]) -> None:
-    """viser sets the value before it calls anybody: the time that is drawn in between does not overwrite it."""
+    """Viser sets the value before it calls anybody: the time that is drawn in between does not overwrite it."""
     line, slider, sent = timeline(scene)
     status = PlaybackStatus("paused", False, 15 * S, 10 * S, 60 * S)
     line.draw(status, sent.append, 100.0)

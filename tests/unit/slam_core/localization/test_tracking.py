@@ -27,7 +27,7 @@ def test_the_fit_counts_known_and_occupied_cells():
 
 
 def test_a_match_is_rejected_for_each_of_three_reasons():
-    """Little overlap, few inliers, mostly unknown and far from the prediction: the code, the value and the limit."""
+    """Little overlap, few inliers, hardly known and far from the prediction: code, value and limit."""
     tracker = Tracker()
     assert tracker.check(GOOD, 1.0, CONFIG) is None
     assert tracker.check(Fit(0.1, 1.0), 1.0, CONFIG) == ("overlap", 0.1, CONFIG.min_overlap)
