@@ -9,37 +9,59 @@ import pytest
 from hectorscope.inputs import Item
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Change, Settings
-from hectorscope.session.commands import Configure, ConfigureAll, Play, Seek, SetSpeed
+from hectorscope.session.commands import Command, Configure, ConfigureAll, Pause, Play, Seek, SetSpeed, StepScan
 from slam_core.config import PRESETS, preset_of, with_value, with_values
 from tests.engines import START, after, running, state, until
 from tests.sources import MemoryRecording
 
 
-def test_a_change_acts_from_the_next_scan_and_is_logged(drive: list[Item], reference: np.ndarray):
-    """The past stays, the future differs, and the log says when, what, from what, to what."""
+def test_a_change_at_rest_processes_the_shown_scan_again(drive: list[Item], reference: np.ndarray):
+    """What it does is seen at once, the past stays, the future follows from it, and the log says what and when."""
     with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
         until(engine, state("paused"))
         there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
         changed = after(engine, Configure("fusion.omega", 0.9))
+        back = after(engine, Configure("fusion.omega", START.start.fusion.omega))
+        engine.send(Configure("fusion.omega", 0.9))
         engine.send(Play())
         ended = until(engine, state("ended"))
-    entry = changed.log[-1]
+    entry, shown = changed.log[-1], there.scans - 1
     assert entry.text == f"fusion.omega: {START.start.fusion.omega} → 0.9"
-    assert entry.time_ns == there.playback.time_ns
-    assert changed.config.fusion.omega == 0.9
-    assert ended.trajectory[: there.scans].tobytes() == reference[: there.scans].tobytes()
-    assert ended.trajectory[there.scans :].tobytes() != reference[there.scans :].tobytes()
+    assert entry.time_ns == there.playback.time_ns == changed.playback.time_ns
+    assert (changed.config.fusion.omega, changed.scans) == (0.9, there.scans)
+    assert "processed again" in changed.playback.detail
+    assert changed.trajectory[:shown].tobytes() == reference[:shown].tobytes()
+    assert changed.trajectory[shown].tobytes() != reference[shown].tobytes()
+    assert changed.epoch > there.epoch
+    assert back.trajectory.tobytes() == there.trajectory.tobytes()
+    assert ended.trajectory[: there.scans].tobytes() == changed.trajectory.tobytes()
 
 
-def test_a_run_with_changes_can_be_repeated_headless(drive: list[Item]):
-    """The logged change, planned at its time, gives the same trajectory without a hand."""
+@pytest.mark.parametrize(
+    "rest", [[], [Play(), Pause()], [StepScan(), StepScan()]], ids=["sought", "paused", "stepped"]
+)
+def test_a_run_with_changes_can_be_repeated_headless(drive: list[Item], rest: list[Command]):
+    """The change, planned for the scan at which the run rested, gives the same trajectory without a hand."""
     with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
         until(engine, state("paused"))
-        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9), *rest)
         after(engine, Configure("fusion.omega", 0.9))
         engine.send(Play())
         ended = until(engine, state("ended"))
-    planned = replace(START, changes=(Change(there.playback.time_ns + 1, "fusion.omega", 0.9),))
+    planned = replace(START, changes=(Change(there.playback.time_ns, "fusion.omega", 0.9),))
+    repeated, _ = run_headless(MemoryRecording(drive), planned)
+    assert repeated.trajectory.tobytes() == ended.trajectory.tobytes()
+
+
+def test_a_change_while_it_plays_acts_from_the_next_scan(drive: list[Item]):
+    """What is shown stays; the run repeated with the change at its time is the same."""
+    with running(MemoryRecording(drive), speed=4.0) as engine:
+        until(engine, lambda now: now.scans > 20)
+        engine.send(Configure("fusion.omega", 0.9))
+        changed = until(engine, lambda now: now.config.fusion.omega == 0.9)
+        engine.send(SetSpeed(math.inf))
+        ended = until(engine, state("ended"))
+    planned = replace(START, changes=(Change(changed.log[-1].time_ns + 1, "fusion.omega", 0.9),))
     repeated, _ = run_headless(MemoryRecording(drive), planned)
     assert repeated.trajectory.tobytes() == ended.trajectory.tobytes()
 
@@ -70,17 +92,32 @@ def test_one_bad_value_refuses_all_of_them(drive: list[Item]):
     assert refused.config == START.start
 
 
-def test_a_new_run_takes_the_present_values_throughout(drive: list[Item]):
-    """After a slider was moved, going back runs with its value from the first scan on."""
+def test_a_change_belongs_to_its_time(drive: list[Item]):
+    """Going back shows the past with its old value; beyond the change the new one acts again."""
     with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
         until(engine, state("paused"))
-        after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
-        after(engine, Configure("fusion.omega", 0.9))
-        after(engine, Seek(drive[0].stamp_ns + 10**9))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        changed = after(engine, Configure("fusion.omega", 0.9))
+        before = after(engine, Seek(drive[0].stamp_ns + 10**9))
+        again = after(engine, Seek(there.playback.time_ns))
+    assert before.config.fusion.omega == START.start.fusion.omega
+    assert before.trajectory.tobytes() == there.trajectory[: before.scans].tobytes()
+    assert again.trajectory.tobytes() == changed.trajectory.tobytes()
+
+
+def test_a_change_can_act_on_the_whole_run(drive: list[Item]):
+    """The recording runs again up to the same instant, with the value from the first scan on."""
+    with running(MemoryRecording(drive), autoplay=False, speed=math.inf) as engine:
+        until(engine, state("paused"))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        after(engine, Configure("fusion.omega", 0.5))
+        changed = after(engine, Configure("fusion.omega", 0.9, throughout=True))
         engine.send(Play())
         ended = until(engine, state("ended"))
-    throughout = Settings(with_value(START.start, "fusion.omega", 0.9))
-    expected, _ = run_headless(MemoryRecording(drive), throughout)
+    assert changed.playback.time_ns == there.playback.time_ns
+    assert changed.log[-1].text == "fusion.omega: 0.5 → 0.9, for the whole run"
+    assert changed.log[-1].time_ns == there.playback.time_ns
+    expected, _ = run_headless(MemoryRecording(drive), Settings(with_value(START.start, "fusion.omega", 0.9)))
     assert ended.trajectory.tobytes() == expected.trajectory.tobytes()
 
 
@@ -94,7 +131,10 @@ def test_a_setting_of_the_map_runs_again_to_the_same_instant(drive: list[Item]):
     assert len(again.maps) == 2
     assert again.playback.time_ns == there.playback.time_ns
     assert again.scans == there.scans
-    assert f"map.levels: {START.start.map.levels} → 2" in [entry.text for entry in again.log]
+    assert (again.log[-1].text, again.log[-1].time_ns) == (
+        f"map.levels: {START.start.map.levels} → 2",
+        there.playback.time_ns,
+    )
 
 
 @pytest.mark.parametrize(("name", "value"), [("fusion.omega", 7.0), ("no.such", 1), ("matcher.sigma", math.nan)])

@@ -114,6 +114,16 @@ class Choice:
         self._list = gui.add_dropdown(name, tuple(names.values()), initial_value=names[value], hint=help_text)
         self._list.on_update(by_hand(touched))
 
+    @property
+    def visible(self) -> bool:
+        """Whether it is shown."""
+        return self._list.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        if self._list.visible != visible:
+            self._list.visible = visible
+
     def read(self) -> str:
         """The word chosen, as the configuration spells it."""
         return next((word for word, name in self._names.items() if name == self._list.value), "")

@@ -1,7 +1,8 @@
-"""The configuration tree as controls: what is moved here acts from the next scan, in every browser."""
+"""The configuration tree as controls: what is moved here acts on the run that every browser shows."""
 
 from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import replace
 from itertools import groupby
 from time import monotonic
 from typing import Any
@@ -29,6 +30,11 @@ PATIENCE = 2.0  # seconds that a control waits for the run to take its value ove
 
 
 CUSTOM = "custom"
+EXTENTS = {"here": "from here on", "run": "for the whole run"}
+EXTENT_HINT = (
+    "From here on: the scan that is shown is processed again, and what was before it stays."
+    " For the whole run: the recording runs again up to here."
+)
 PRESET_HINT = "The defaults, or the paper's method without their additions. Custom: neither of them."
 
 
@@ -40,21 +46,32 @@ class SettingsPanel:
     rate = 5.0
 
     def __init__(self, scene: Scene) -> None:
+        self._scene = scene
         self._groups: list[Group] = []
         with _workspace.tab(scene, self.title, Icon.ADJUSTMENTS_HORIZONTAL):
             _workspace.mark(scene, "settings")
-            self._preset = PresetChoice(scene.server.gui, scene.send)
+            self._preset = PresetChoice(scene.server.gui, self._send)
+            self._extent = Choice(scene.server.gui, "Changes act", EXTENTS, "here", EXTENT_HINT, lambda _: None)
             for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
-                self._groups.append(Group(scene, name, list(members)))
+                self._groups.append(Group(scene.server.gui, self._send, name, list(members)))
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send what was touched, show what the run uses."""
         if snapshot.sequence == 0:
             return  # no run yet: nothing to go back to either
         self._preset.draw(snapshot.config, monotonic())
+        live = snapshot.playback.live
+        self._extent.visible = not live  # a stream cannot be run again
         values = {leaf.name: leaf.value for leaf in leaves(snapshot.config)}
         for group in self._groups:
-            group.draw(values, snapshot.playback.live)
+            group.draw(values, live, settle=self._throughout)
+
+    @property
+    def _throughout(self) -> bool:
+        return self._extent.read() == "run"
+
+    def _send(self, command: Configure | ConfigureAll) -> None:
+        self._scene.send(replace(command, throughout=self._throughout))
 
 
 class PresetChoice:
@@ -90,26 +107,25 @@ class PresetChoice:
 class Group:
     """The settings of one part of the pipeline: the basic ones, and the others in a folded folder."""
 
-    def __init__(self, scene: Scene, name: str, members: list[Leaf]) -> None:
-        gui = scene.server.gui
+    def __init__(self, gui: GuiApi, send: Callable[[Configure], None], name: str, members: list[Leaf]) -> None:
         self._first: dict[str, Any] = {}
         self._values: dict[str, Any] = {}
-        self._send = scene.send
+        self._send = send
         basic = [leaf for leaf in members if leaf.param.tier == "basic"]
         expert = [leaf for leaf in members if leaf.param.tier == "expert"]
         with gui.add_folder(TITLES.get(name, name.capitalize()), expand_by_default=bool(basic)):
-            self._settings = [Setting(gui, leaf, scene.send) for leaf in basic]
+            self._settings = [Setting(gui, leaf, send) for leaf in basic]
             with gui.add_folder(f"Expert · {len(expert)}", expand_by_default=False) if basic else nullcontext():
-                self._settings += [Setting(gui, leaf, scene.send) for leaf in expert]
+                self._settings += [Setting(gui, leaf, send) for leaf in expert]
             self._reset = gui.add_button("Reset", icon=Icon.RESTORE, disabled=True)
         self._reset.on_click(lambda _: self._reset_all())
 
-    def draw(self, values: dict[str, Any], live: bool) -> None:
-        """Bring controls and the reset button up to date."""
+    def draw(self, values: dict[str, Any], live: bool, *, settle: bool = False) -> None:
+        """Bring controls and the reset button up to date. settle: as for a `Setting`."""
         self._first = self._first or values
         self._values = values
         for setting in self._settings:
-            setting.draw(values[setting.name], live, monotonic())
+            setting.draw(values[setting.name], live, monotonic(), settle=settle)
         changed = sum(values[s.name] != self._first[s.name] for s in self._settings)
         label = f"Reset {changed} changed" if changed else "Nothing changed"
         if self._reset.label != label:
@@ -137,10 +153,10 @@ class Setting:
     def _note(self, _: GuiEvent[Any]) -> None:
         self._touched = monotonic()
 
-    def draw(self, value: Any, live: bool, now: float) -> None:
-        """value: what the run uses. now: seconds of a clock that only runs forward."""
+    def draw(self, value: Any, live: bool, now: float, *, settle: bool = False) -> None:
+        """value: what the run uses. now: seconds, monotonic. settle: any change runs the recording again."""
         if self._touched is not None:
-            if self._leaf.param.restart and now - self._touched < RESTART_SETTLE:
+            if (settle or self._leaf.param.restart) and now - self._touched < RESTART_SETTLE:
                 return
             self._touched = None
             self._ask(value, live, now)

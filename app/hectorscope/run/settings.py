@@ -49,21 +49,20 @@ class Settings:
         """`changed_all` with one setting."""
         return self.changed_all(time_ns, {name: value})
 
-    def changed_all(self, time_ns: int, values: Mapping[str, Setting]) -> "Settings":
-        """Settings take values from `time_ns` on, whatever was planned for them later.
+    def changed_all(self, time_ns: int | None, values: Mapping[str, Setting]) -> "Settings":
+        """Settings take values from `time_ns` on, whatever was planned for them later; None: from the start.
 
         Those that need a new map change from the start. ConfigError for an unknown name or a bad value.
         """
         known = Leaves(self.start)
-        rebuilt = {name: value for name, value in values.items() if known[name].rebuilds(value)}
-        kept = [c for c in self.changes if c.name not in values or (c.time_ns < time_ns and c.name not in rebuilt)]
-        new = [Change(time_ns, name, value) for name, value in values.items() if name not in rebuilt]
-        start = with_values(self.start, rebuilt) if rebuilt else self.start
+        first = {n: value for n, value in values.items() if time_ns is None or known[n].rebuilds(value)}
+        kept, new = [c for c in self.changes if c.name not in values], []
+        if time_ns is not None:
+            later = {n: value for n, value in values.items() if n not in first}
+            kept += [c for c in self.changes if c.name in later and c.time_ns < time_ns]
+            new = [Change(time_ns, n, value) for n, value in later.items()]
+        start = with_values(self.start, first) if first else self.start
         return Settings(start, _in_order([*kept, *new]))
-
-    def flattened(self, time_ns: int) -> "Settings":
-        """The values of this time from the start on; what is planned for later stays."""
-        return Settings(self.at(time_ns), tuple(c for c in self.changes if c.time_ns > time_ns))
 
 
 def value_of(config: SlamConfig, name: str) -> Setting:

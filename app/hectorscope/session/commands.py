@@ -11,7 +11,7 @@ class Play:
 
 @dataclass(frozen=True, slots=True)
 class Pause:
-    """Stop before the next scan."""
+    """Stop after the next scan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,18 +45,20 @@ class Seek:
 
 @dataclass(frozen=True, slots=True)
 class Configure:
-    """Change one setting, by its dotted name; acts from the next scan."""
+    """Change one setting, by its dotted name, from the scan that is shown on. throughout: for the whole run."""
 
     name: str
     value: float | int | bool | str
+    throughout: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class ConfigureAll:
-    """Change several settings at once, by their dotted names; acts from the next scan. title: for the log."""
+    """Change several settings at once, by their dotted names, as `Configure` does. title: for the log."""
 
     title: str
     values: Mapping[str, float | int | bool | str]
+    throughout: bool = False
 
 
 @dataclass(frozen=True, slots=True)

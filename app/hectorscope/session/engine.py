@@ -5,8 +5,10 @@ import threading
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
+from operator import methodcaller
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from typing import Any
 
 from hectorscope.exporters import save
 from hectorscope.inputs import Source, SourceReport, merged
@@ -29,6 +31,7 @@ from hectorscope.session.commands import (
 from hectorscope.session.feeder import Feeder
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking
+from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import LogEntry, Snapshot
 from hectorscope.session.transport import Transport, valid_speed
 from slam_core.config import MapConfig, needs_restart
@@ -47,13 +50,15 @@ class Engine:
 
     prior_map: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
     before anything is read, with what shows on the page how far it is (from any thread, until it returns).
-    A setting moved by hand acts from the next scan on; a run that begins again takes present values throughout.
+    A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
+    the run rests, the scan that is shown, which is processed again.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
     or Seek begin again.
     """
 
     _settings: Settings
     _pipeline: Pipeline
+    _rework: Rework | None
     _sought: bool
 
     def __init__(
@@ -128,6 +133,8 @@ class Engine:
                 self._guard(partial(self._obey, command))
                 self._obeyed += 1
                 self._publisher.touch()
+                if self._commands.empty():
+                    self._guard(self._process_again)
         self._source.close()
         if self._feeder is not None:
             self._feeder.close()
@@ -169,16 +176,22 @@ class Engine:
         elif isinstance(self._ready[0], LaserScan):
             self._scan(self._ready[0])
         else:
-            self._pipeline.step(self._ready.popleft())
+            self._give(methodcaller("step", self._ready.popleft()))
+
+    def _give(self, act: Callable[[Pipeline], Any]) -> Any:
+        """Give the pipeline something, and keep it for when the last scan is processed again."""
+        if self._rework is not None:
+            self._rework.note(act)
+        return act(self._pipeline)
 
     def _fetch(self) -> None:
         if self._feeder is None:
             self._feeder = Feeder(self._source)
         item = self._feeder.get(FETCH_S)
         if item is not None:
-            self._ready.extend(self._pipeline.admit(item))
+            self._ready.extend(self._give(methodcaller("admit", item)))
         elif self._feeder.done:
-            self._ready.extend(self._pipeline.flush())
+            self._ready.extend(self._give(methodcaller("flush")))
             if not self._ready:
                 self._end(self._feeder)
 
@@ -195,7 +208,9 @@ class Engine:
 
     def _step(self, scan: LaserScan) -> None:
         before = self._pipeline.result
-        result = self._pipeline.step(scan)
+        rests = self._transport.may_rest_after(scan.stamp_ns)
+        self._rework = Rework(self._pipeline, scan.stamp_ns) if rests else None
+        result = self._give(methodcaller("step", scan))
         if result is None and self._pipeline.searching and not self._sought:
             self._sought = True
             self._log(f"The robot is not found in the map yet: {self._pipeline.searching}", "warning")
@@ -207,7 +222,7 @@ class Engine:
         if not self._pipeline.scans:
             raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam)
         self._transport.end()
-        self._log(f"The recording ended after {self._pipeline.scans} scans")
+        self._publisher.log_once(self._entry(f"The recording ended after {self._pipeline.scans} scans"))
 
     def _fail(self, reason: str) -> None:
         self._transport.fail(reason)
@@ -222,7 +237,7 @@ class Engine:
                     self._restart()
                 self._transport.play()
             case Pause():
-                self._transport.pause()
+                self._pause()
             case PlayPause():
                 self._obey(Pause() if self._transport.running else Play())
             case StepScan():
@@ -233,12 +248,19 @@ class Engine:
                 self._restart()
             case Seek(time_ns):
                 self._seek(time_ns)
-            case Configure(name, value):
-                self._configure({name: value})
-            case ConfigureAll(title, values):
-                self._configure(values, title)
+            case Configure(name, value, throughout):
+                self._configure({name: value}, "", throughout)
+            case ConfigureAll(title, values, throughout):
+                self._configure(values, title, throughout)
             case Save():
                 self._save()
+
+    def _pause(self) -> None:
+        """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
+        on = self._transport.running and not self._source.live
+        self._transport.pause()
+        if on:
+            self._transport.step()
 
     def _set_speed(self, speed: float) -> None:
         if valid_speed(speed):
@@ -253,7 +275,7 @@ class Engine:
             self._log(str(error), "warning", answer=True)
 
     def _restart(self) -> None:
-        self._begin(self._settings_again())
+        self._begin(self._settings)
         self._log(f"Started again with {'the saved' if self._prior_map else 'an empty'} map")
 
     def _seek(self, time_ns: int) -> None:
@@ -264,20 +286,17 @@ class Engine:
         time_ns = min(max(time_ns, span[0]), span[1])
         if self._transport.failure or time_ns < self._pipeline.time_ns:
             rests = self._transport.stopped
-            self._begin(self._settings_again())
+            self._begin(self._settings)
             if rests:  # a jump from the end is to look there, not to go on to the end again
                 self._transport.pause()
         self._transport.seek(time_ns)
 
-    def _settings_again(self) -> Settings:
-        """For the next run: as planned, or, once somebody has moved a slider, the present values throughout."""
-        return self._settings.flattened(self._now_ns) if self._by_hand else self._settings
-
-    def _configure(self, values: Mapping[str, Setting], title: str = "") -> None:
+    def _configure(self, values: Mapping[str, Setting], title: str, throughout: bool) -> None:
         """Change settings; one line of the log has the change of the one, or how many changed."""
         before, now_ns = self._settings, self._now_ns
+        throughout = throughout and not self._source.live
         try:
-            after = before.changed_all(now_ns, values)
+            after = before.changed_all(None if throughout else now_ns, values)
             if any(name.startswith("map.") for name in values):
                 self._check_map(after.at(now_ns).map)
         except SlamError as error:
@@ -289,14 +308,24 @@ class Engine:
             for name in values
             if value_of(old, name) != value_of(new, name)
         ]
-        if not lines:
+        if after == before or not (lines or throughout):
             return
-        self._by_hand = True
-        if needs_restart(before.start, after.start):
-            self._rebuild(after.flattened(now_ns))
+        text = f"{title}: {len(lines)} settings changed" if title or not lines else lines[0]
+        entry = self._entry(f"{text}, for the whole run" if throughout else text)
+        if throughout or needs_restart(before.start, after.start):
+            self._rebuild(after)
         else:
             self._settings = self._pipeline.settings = after
-        self._log(f"{title}: {len(lines)} settings changed" if title else lines[0])
+            self._outdated = now_ns <= self._pipeline.time_ns
+        self._publisher.log(entry)
+
+    def _process_again(self) -> None:
+        """Process the scan at which the run rested, with the settings that changed meanwhile."""
+        outdated, self._outdated = self._outdated, False
+        if outdated and self._rework is not None:
+            self._pipeline = self._rework.again(self._settings)
+            self._transport.processed_again = True
+            self._epoch += 1
 
     def _check_map(self, config: MapConfig) -> None:
         """Refuse what the next run could not begin with."""
@@ -324,7 +353,8 @@ class Engine:
         self._pipeline = Pipeline(settings, span[0] if span else now_ns, self._prior_map)
         self._settings = settings
         self._ready: deque[Measurement] = deque()
-        self._by_hand = False
+        self._rework = None
+        self._outdated = False
         self._sought = False
         self._epoch += 1
         self._transport.begin()
@@ -334,7 +364,9 @@ class Engine:
 
     @property
     def _now_ns(self) -> int:
-        """The time that a change made now belongs to: right after the last scan."""
+        """The time of a change made now: of the scan that can be processed again, or right after the last one."""
+        if self._rework is not None and not self._transport.running:
+            return self._rework.scan_ns
         return self._pipeline.time_ns + (self._pipeline.last_scan_ns is not None)
 
     @property
@@ -343,7 +375,11 @@ class Engine:
         return merged(self._source.report, self._pipeline.skipped, dropped)
 
     def _log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
-        self._publisher.log(LogEntry(self._pipeline.time_ns, text, level, self._pipeline.scans, answer))
+        self._publisher.log(self._entry(text, level, answer=answer))
+
+    def _entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
+        """At the present time of the recording."""
+        return LogEntry(self._pipeline.time_ns, text, level, self._pipeline.scans, answer)
 
     def _publish(self, resting: bool) -> None:
         if self._publisher.due(resting):

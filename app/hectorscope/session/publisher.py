@@ -104,18 +104,19 @@ class Publisher:
     def _log_notes(self, run: Run) -> None:
         """What the source and the pipeline found, and what holds the pipeline back, each once."""
         pipeline = run.pipeline
-        now = pipeline.time_ns, pipeline.scans
+        now_ns, now_scans = pipeline.time_ns, pipeline.scans
         for note in (*run.report.notes, *pipeline.notes):
-            self._note(*now, note, "info")
+            self.log_once(LogEntry(now_ns, note, "info", now_scans))
         for warning in run.report.warnings:
-            self._note(*now, warning, "warning")
+            self.log_once(LogEntry(now_ns, warning, "warning", now_scans))
         for warning, (time_ns, scans) in pipeline.warned.items():
-            self._note(time_ns, scans, warning, "warning")
+            self.log_once(LogEntry(time_ns, warning, "warning", scans))
 
-    def _note(self, time_ns: int, scans: int, text: str, level: LogLevel) -> None:
-        if text not in self._noted:
-            self._noted.add(text)
-            self.log(LogEntry(time_ns, text, level, scans))
+    def log_once(self, entry: LogEntry) -> None:
+        """A line whose text is not in the log of this session yet."""
+        if entry.text not in self._noted:
+            self._noted.add(entry.text)
+            self.log(entry)
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
         state = (epoch, pipeline.slam.map.revision)
@@ -131,6 +132,8 @@ def status(source: Source, pipeline: Pipeline, transport: Transport) -> Playback
     """Where the run is."""
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
     detail = transport.failure or transport.preparing or source.report.waiting
+    if transport.processed_again:
+        detail = detail or "this scan was processed again with the changed settings"
     if transport.target_ns is not None:
         whole_ns = max(1, transport.target_ns - start_ns)
         detail = f"running up to {whole_ns / 1e9:.1f} s: {100 * (time_ns - start_ns) // whole_ns} %"

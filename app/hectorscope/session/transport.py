@@ -7,13 +7,15 @@ from hectorscope.session.playback import Clock, Pacer, RateMeter
 from hectorscope.session.snapshot import PlaybackState
 
 SLOWEST = 0.1
+NEAR = 1.5  # times the last interval between scans: so near to its target may a scan be the last of a seek
 SILENCE_S = 1.0  # a live stream without a scan for so long is waited for
 
 
 class Transport:
     """Play, pause, one step, a seek, the end or a failure, of a recording or a live stream.
 
-    A stream flows on while it is paused: its scans are `unwanted`. clock: seconds, monotonic.
+    A stream flows on while it is paused: its scans are `unwanted`. processed_again: whether the last scan was so,
+    with other settings. clock: seconds, monotonic.
     """
 
     def __init__(
@@ -31,7 +33,9 @@ class Transport:
     def begin(self) -> None:
         """At the beginning again, playing or paused as before."""
         self.failure, self._ended, self._single = "", False, False
+        self.processed_again = False
         self.target_ns: int | None = None
+        self._last_ns: int | None = None
         self._passed_at = self._clock()
         self._rest()
 
@@ -102,9 +106,18 @@ class Transport:
         self._rest()
         return True
 
+    def may_rest_after(self, scan_ns: int) -> bool:
+        """Whether a recording may stand still after this scan: one step, or a seek whose target is near."""
+        if self.live:
+            return False
+        if self.target_ns is None or self._last_ns is None:
+            return self._single
+        return scan_ns + NEAR * (scan_ns - self._last_ns) > self.target_ns
+
     def passed(self, scan_ns: int) -> None:
         """A scan went by."""
-        self._single = False
+        self._single = self.processed_again = False
+        self._last_ns = scan_ns
         self._passed_at = self._clock()
         self.meter.count(scan_ns)
 

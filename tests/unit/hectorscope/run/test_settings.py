@@ -47,12 +47,12 @@ def test_however_often_a_slider_moved_a_configuration_is_made_once(monkeypatch: 
     assert made == [pytest.approx(0.199)]
 
 
-def test_flattened_takes_the_present_values_from_the_start_on():
-    """What has happened becomes the start; what is planned stays planned."""
-    settings = Settings(changes=(Change(50, "fusion.omega", 0.2), Change(90, "fusion.omega", 0.3)))
-    flat = settings.flattened(60)
-    assert flat.start.fusion.omega == 0.2
-    assert [change.time_ns for change in flat.changes] == [90]
+def test_a_change_for_the_whole_run_replaces_what_was_planned():
+    """The start has the value, and no later change of that setting is left."""
+    settings = Settings(changes=(Change(50, "fusion.omega", 0.2), Change(90, "matcher.sigma", 0.3)))
+    throughout = settings.changed_all(None, {"fusion.omega": 0.4})
+    assert throughout.start.fusion.omega == 0.4
+    assert [change.name for change in throughout.changes] == ["matcher.sigma"]
 
 
 @pytest.mark.parametrize(

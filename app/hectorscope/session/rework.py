@@ -1,0 +1,33 @@
+"""The last scan, ready to be processed again: what a changed setting does to it is seen while the run rests."""
+
+from collections.abc import Callable
+from copy import deepcopy
+
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+
+Act = Callable[[Pipeline], object]
+
+
+class Rework:
+    """A copy of the pipeline before a scan, and what it was given since.
+
+    scan_ns: the stamp of that scan, from which on a change acts.
+    """
+
+    def __init__(self, pipeline: Pipeline, scan_ns: int) -> None:
+        self.scan_ns = scan_ns
+        self._before = deepcopy(pipeline)
+        self._since: list[Act] = []
+
+    def note(self, act: Act) -> None:
+        """The pipeline was given something: an item, a measurement or the end."""
+        self._since.append(act)
+
+    def again(self, settings: Settings) -> Pipeline:
+        """Another pipeline at the same instant, as if these settings had been there before the scan."""
+        pipeline = deepcopy(self._before)
+        pipeline.settings = settings
+        for act in self._since:
+            act(pipeline)
+        return pipeline
