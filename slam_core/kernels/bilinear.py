@@ -7,7 +7,7 @@ loads fetch four cells.
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import pair
+from slam_core.kernels.memory import pair
 
 WHOLE = 65536.0  # the parts of a probability of 1, which is rounded to one part less
 UNKNOWN = np.uint16(32768)
@@ -31,8 +31,8 @@ def bilinear(lower, upper, fu, fv):
 def bilinear_at(cells, rows, columns, us, vs, out):
     """The same for many points, clamped to the grid; `out` (n, 3) takes value and gradient."""
     for i in range(len(us)):
-        column = np.int32(min(max(us[i], 0.0), columns - 2))
-        row = np.int32(min(max(vs[i], 0.0), rows - 2))
+        column = np.int32(min(columns - 2, max(0.0, us[i])))
+        row = np.int32(min(rows - 2, max(0.0, vs[i])))
         k = row * np.int32(columns) + column
         out[i, 0], out[i, 1], out[i, 2] = bilinear(
             pair(cells, k), pair(cells, k + np.int32(columns)), us[i] - np.float32(column), vs[i] - np.float32(row)

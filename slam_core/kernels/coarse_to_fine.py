@@ -17,8 +17,8 @@ from slam_core.kernels.gauss_newton import (
     without,
     workspace,
 )
-from slam_core.kernels.intrinsics import alias_scope
 from slam_core.kernels.linear import fill
+from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.structures import Beams, Level, Limits, MatchOutput, MatchSettings, Prior
 from slam_core.kernels.surfaces import tangents, weakest_direction

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
-from slam_core.kernels.intrinsics import alias_scope
+from slam_core.kernels.memory import alias_scope
 
 get, _ = alias_scope(0)
 _, put = alias_scope(1)

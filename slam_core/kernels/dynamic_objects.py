@@ -7,8 +7,8 @@ from numba import njit
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.correlative import cells_at
-from slam_core.kernels.intrinsics import above, alias_scope, lowest, prefetch
 from slam_core.kernels.map_update import cells_of
+from slam_core.kernels.memory import above, alias_scope, lowest, prefetch
 
 get, _ = alias_scope(0)
 _, put = alias_scope(1)
@@ -80,8 +80,8 @@ def clear_passed(grid, corner, resolution, known, laser, beams, clearing):
     (log_odds, cells, surfels), (lengths, begin, longest, box) = grid, beams
     behind, most, free = clearing
     (left, right), (low, high) = cells_of(box, corner, resolution)
-    first, last = max(known[2], left), min(known[3], right + 1)
-    row, end = max(known[0], low), min(known[1], high + 1)
+    first, row = max(known[2], left), max(known[0], low)
+    last, end = max(first, min(known[3], right + 1)), min(known[1], high + 1)
     room = MANY + cells.shape[1]
     us, vs = np.empty(room, np.int32), np.empty(room, np.int32)
     away, distances, places = np.empty((room, 2)), np.empty(room), np.empty(room)
@@ -196,13 +196,16 @@ def _near_occupied(cells, columns, i, around):
 
 @njit(inline="always")
 def _place(dx, dy):
-    """The bearing in bins from -BINS / 2 to BINS / 2, nearly: the library's arc tangent is a call."""
+    """The bearing in bins from -BINS / 2 to BINS / 2, nearly: the library's arc tangent is a call.
+
+    No more than half a bin beyond, and also for a direction that is no number.
+    """
     x, y = abs(dx), abs(dy)
     t = min(x, y) / max(x, y, 1e-9)
     angle = t * (A1 + t * t * (A3 + t * t * (A5 + t * t * (A7 + t * t * A9))))
     angle = 0.5 * math.pi - angle if y > x else angle
     angle = math.pi - angle if dx < 0.0 else angle
-    return (-angle if dy < 0.0 else angle) / BIN
+    return min(BINS / 2 + 0.5, max(-BINS / 2 - 0.5, (-angle if dy < 0.0 else angle) / BIN))
 
 
 @njit(inline="always")

@@ -5,12 +5,14 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import alias_scope
+from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.rotations import cosines, product
 from slam_core.kernels.structures import BeamLimits
 
 get, _ = alias_scope(0)
 _, put = alias_scope(1)
+
+FURTHEST = 1e4  # metres from the base: no beam ends there, nor where it is no number
 
 
 @njit(cache=True, error_model="numpy")
@@ -40,7 +42,7 @@ def place_beams(ranges, directions, poses, mount, level, limits, output):
         _place(ranges, directions, limits, begin, end, transforms, knot, knot_step, (xs, ys, zs))
         for i in range(end - begin):
             r, z = get(ranges, begin + i), zs[i]
-            if z < z_low or z > z_high:
+            if not (z_low <= z <= z_high and abs(xs[i]) + abs(ys[i]) < FURTHEST):
                 continue
             if low <= r < high:
                 put(flat, 2 * kept, np.float32(xs[i]))

@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import WHOLE, bilinear
-from slam_core.kernels.intrinsics import alias_scope, pair
+from slam_core.kernels.memory import alias_scope, pair
 from slam_core.kernels.structures import LatticePose
 from slam_core.measurements import Float32s
 
@@ -75,9 +75,12 @@ def in_lattice(level, pose):
     return LatticePose(turn, shift, box)
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@njit(cache=True, fastmath={"contract", "reassoc", "nsz", "arcp", "afn"}, error_model="numpy")
 def place(xs, ys, begin, n, frame, columns, where, ends):
-    """Of n beams the first of the four cells around the endpoint, and the endpoint from the robot, in cells."""
+    """Of n beams the first of the four cells around the endpoint, and the endpoint from the robot, in cells.
+
+    No number is placed, too: `max` gives what it is given first then, unless LLVM may take everything for numbers.
+    """
     (turn, shift, box), (arm_u, arm_v) = frame, ends
     left, low, width = np.int32(box[0]), np.int32(box[2]), np.int32(columns)
     for i in range(n):
@@ -86,8 +89,8 @@ def place(xs, ys, begin, n, frame, columns, where, ends):
         u, v = turn[0] * px - turn[1] * py, turn[1] * px + turn[0] * py
         put(arm_u, j, u)
         put_too(arm_v, j, v)
-        column = np.int32(np.floor(min(max(u + shift[0], box[0]), box[1]))) - left
-        row = np.int32(np.floor(min(max(v + shift[1], box[2]), box[3]))) - low
+        column = np.int32(np.floor(min(box[1], max(box[0], u + shift[0])))) - left
+        row = np.int32(np.floor(min(box[3], max(box[2], v + shift[1])))) - low
         put(where, j, np.uint32(row * width + column))
 
 

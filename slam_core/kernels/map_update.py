@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.bilinear import WHOLE
-from slam_core.kernels.intrinsics import alias_scope, prefetch
+from slam_core.kernels.memory import alias_scope, prefetch
 from slam_core.kernels.ray_tracing import trace_rays
 from slam_core.kernels.structures import Steps
 
@@ -17,6 +17,7 @@ BEHIND = np.uint8(3)
 BLOCK = 32  # cells that are changed together
 AHEAD = 4  # rows: what is changed there is fetched meanwhile
 WORDS = BLOCK // 8  # of their marks
+FURTHEST = 2.0**40  # cells from the map's start: what lies further off is taken to lie there
 
 LOG2_E = np.float32(1.44269504)
 HALF, ONE, CERTAIN = np.float32(0.5), np.float32(1.0), np.float32(WHOLE)
@@ -31,6 +32,12 @@ get_mark, put = alias_scope(1)
 _, put_cell = alias_scope(2)
 
 
+@njit(inline="always")
+def whole(cells):
+    """The cell that a place in cells lies in; far off the map for what is no number."""
+    return np.int64(np.floor(min(FURTHEST, max(-FURTHEST, cells))))
+
+
 @njit(cache=True, error_model="numpy")
 def cells_of(points, corner, resolution):
     """Columns and rows (2, n) of map coordinates (n, 2) in metres, in the window at `corner`; may lie off it."""
@@ -38,8 +45,8 @@ def cells_of(points, corner, resolution):
     cells = np.empty((2, n), np.int64)
     places, flat, left, low = points.reshape(-1), cells.reshape(-1), corner[0], corner[1]
     for k in range(n):
-        put(flat, k, np.int64(np.floor(get(places, 2 * k) / resolution)) - left)
-        put(flat, n + k, np.int64(np.floor(get(places, 2 * k + 1) / resolution)) - low)
+        put(flat, k, whole(get(places, 2 * k) / resolution) - left)
+        put(flat, n + k, whole(get(places, 2 * k + 1) / resolution) - low)
     return cells
 
 
@@ -117,8 +124,8 @@ def _beyond(hits, rows, columns, stride, corner, resolution, start, where):
         hit_x, hit_y = get(hits, 2 * k), get(hits, 2 * k + 1)
         dx, dy = hit_x - x, hit_y - y
         further = resolution / max(abs(dx), abs(dy), resolution)
-        u = np.int64(np.floor((hit_x + further * dx) / resolution)) - left
-        v = np.int64(np.floor((hit_y + further * dy) / resolution)) - low
+        u = whole((hit_x + further * dx) / resolution) - left
+        v = whole((hit_y + further * dy) / resolution) - low
         inside = (u >= 0) & (u < columns) & (v >= 0) & (v < rows)
         put(where, k, v * stride + u if inside else -1)
 

@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import alias_scope
 from slam_core.kernels.linear import fill_estimate, gain, multiply, symmetric
+from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.rotations import cosines, exponential, product
 from slam_core.measurements import Float64s
 

@@ -49,7 +49,7 @@ def _ray(du, dv, stride, steps, ray):
     upright = abs(dv) > abs(du)
     long, short = (abs(dv), abs(du)) if upright else (abs(du), abs(dv))
     su, sv = 1 if du > 0 else -1, 1 if dv > 0 else -1
-    part = (short << PARTS) // max(long, 1)
+    part = (short << PARTS) // max(long, 1) if long < LONGEST else 0
     ray[0] = steps if long < LONGEST else 0
     ray[1], ray[2] = (sv * stride, su) if upright else (su, sv * stride)
     ray[3] = part

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.intrinsics import alias_scope
+from slam_core.kernels.memory import alias_scope
 
 get, _ = alias_scope(0)
 _, put = alias_scope(1)
@@ -111,7 +111,7 @@ def _join(xs, ys, joined, way):
     for i in range(n):
         joined[i] = (steps[i] <= GAP) | straight[i] | straight[i + 1]
     for i in range(1, n):
-        way[i] = way[i - 1] + np.int64(steps[i] * 1e12)
+        way[i] = way[i - 1] + np.int64(min(1.0, steps[i]) * 1e12)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")

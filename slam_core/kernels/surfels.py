@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.gauss_newton import TOGETHER, in_lattice, place, solve3, without
-from slam_core.kernels.intrinsics import alias_scope, pair
+from slam_core.kernels.map_update import whole
+from slam_core.kernels.memory import alias_scope, pair
 from slam_core.kernels.surfaces import tangents
 
 get, _ = alias_scope(0)
@@ -77,7 +78,7 @@ def _lines(along, ends, laser, psi, shape, corner, resolution, where, lines):
         nx, ny = nx / length, ny / length
         u, v = x * inverse, y * inverse
         floor_u, floor_v = np.floor(u), np.floor(v)
-        column, row = np.int64(floor_u) - left, np.int64(floor_v) - low
+        column, row = whole(floor_u) - left, whole(floor_v) - low
         counts = (straight >= STRAIGHT) & (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
         put(where, k, row * columns + column if counts else -1)
         put_too(flat, k, np.float32(nx))

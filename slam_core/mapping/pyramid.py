@@ -17,6 +17,8 @@ from slam_core.measurements import Float32s, Float64s
 MARGIN = 2
 # Growing a side adds at least this part of the map's length there, which keeps growing rare.
 GROWTH = 0.25
+# Cells on a side at most: float32 holds the place of each, on which the kernels rely.
+LONGEST_SIDE = 1 << 24
 # A beam passes a cell if it ends this many metres behind it; a cell that is passed keeps so much of its log-odds.
 BEHIND = 0.5
 CLEARED_CAP = 4.0
@@ -96,8 +98,9 @@ class Pyramid:
         left, right = self._missing(column0, column1, columns)
         if not (below or above or left or right):
             return
-        cells = (rows + below + above) * (columns + left + right)
-        self.stopped_at = limit if megabytes(cells, len(self.levels)) > limit else 0.0
+        high, wide = rows + below + above, columns + left + right
+        fits = max(high, wide) <= LONGEST_SIDE and megabytes(high * wide, len(self.levels)) <= limit
+        self.stopped_at = 0.0 if fits else limit
         if not self.stopped_at:
             for i, level in enumerate(self.levels):
                 level.grow(below >> i, above >> i, left >> i, right >> i)

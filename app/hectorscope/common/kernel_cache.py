@@ -1,4 +1,5 @@
-"""Where compiled kernels are kept: a folder for each state of their sources, so that none is ever out of date.
+"""Where compiled kernels are kept: a folder for each state of their sources and each build, so that none is ever
+out of date.
 
 Numba notices a change in a kernel's own file, not in a kernel that it calls from another one. Call `keep_compiled`
 before numba is imported; processes that are started inherit it.
@@ -28,7 +29,8 @@ COMPILED = re.compile(rb"njit|intrinsic|NamedTuple|^def cosines", re.MULTILINE)
 
 def keep_compiled(caches: Path) -> None:
     """Keep them below `caches`, unless the environment names a folder already or this one cannot be written."""
-    folder = caches / fingerprint()
+    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")
+    folder = caches / (fingerprint() + ("-checked" if checked else ""))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -1,0 +1,69 @@
+"""The names of `intrinsics` as plain indexing that raises IndexError outside of an array.
+
+For the checked build (docs/memory-safety.md): numba checks what kernels index themselves, this what they leave to
+pointers. An index below 0 is outside, too.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import extending, njit, types
+
+
+@njit
+def get(array, i):
+    """array[i]."""
+    _check(array, i, 1)
+    return array[i]
+
+
+@njit
+def put(array, i, value):
+    """array[i] = value."""
+    _check(array, i, 1)
+    array[i] = value
+
+
+def alias_scope(_: int) -> tuple[Any, Any]:
+    """The get and put of every scope; nothing is declared to the compiler."""
+    return get, put
+
+
+def pair(cells: Any, i: Any) -> Any:
+    """As `intrinsics.pair`; for compiled code only."""
+    raise NotImplementedError
+
+
+@extending.overload(pair)
+def _pair(cells: Any, i: Any) -> Any:
+    word, half = (np.uint32, 16) if cells.dtype == types.uint16 else (np.uint64, 32)
+
+    def read(cells: Any, i: Any) -> Any:
+        _check(cells, i, 2)
+        return word(word(cells[i]) | word(word(cells[i + 1]) << word(half)))
+
+    return read
+
+
+@njit
+def above(cells, i, limit):
+    """As `intrinsics.above`."""
+    _check(cells, i, 32)
+    bits = np.uint32(0)
+    for k in range(32):
+        if cells[i + k] > limit:
+            bits |= np.uint32(np.uint32(1) << np.uint32(k))
+    return bits
+
+
+@njit
+def prefetch(array, i):
+    """Nothing is fetched."""
+    _check(array, i, 1)
+
+
+@njit
+def _check(array, i, n):
+    """IndexError unless array[i : i + n] exists."""
+    if i < 0 or i + n > len(array):
+        raise IndexError("index is out of bounds")

@@ -1,0 +1,139 @@
+"""Kernels stay within their arrays for every pose and endpoint, also far away and without a number.
+
+What these tests prove they prove in the checked build, in which an access out of range is an IndexError.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from slam_core.config import MapConfig, MatcherConfig
+from slam_core.kernels.structures import Level
+from slam_core.kernels.surfels import normal_equations as surfel_equations
+from slam_core.localization.global_search import agreement, find_places
+from slam_core.mapping.interpolate import interpolate
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.correlative import find_pose
+from slam_core.matching.matcher import coarse_to_fine, normal_equations, sampled_covariance
+from slam_core.results import PlanarGaussian
+from slam_core.scan.stabilise import StabilisedScan
+from slam_core.scan.surfaces import Beams
+from tests.worlds import room_ranges
+
+# From beside the map to beyond what whole numbers hold, and what is no number.
+FAR = st.sampled_from(
+    [
+        sign * size
+        for size in (0.0, 3.2, 51.17, 2e3, 8.4e5, 1.1e8, 1e19, 1e200, math.inf, math.nan)
+        for sign in (1, -1)
+    ]
+)
+COORDINATES = FAR | st.floats(-100.0, 100.0) | st.floats()
+POSES = st.tuples(COORDINATES, COORDINATES, st.floats(-4.0, 4.0) | FAR).map(np.array)
+ENDS = st.lists(st.tuples(COORDINATES, COORDINATES), min_size=1, max_size=12).map(
+    lambda ends: np.array(ends).astype(np.float32)
+)
+SMALL = MapConfig(size=64, limit=1.0)
+NARROW = MapConfig(size=64, levels=6, limit=0.5)  # 2 cells on a side of the coarsest
+MAPS = st.sampled_from(["empty", "room", "full", "narrow"])
+NO_POINTS = np.empty((0, 2), np.float32)
+ORIGIN = np.zeros(3)
+CLOSE = np.array([0.1, 0.2])
+CLOSE3 = np.array([0.01, 0.02, 0.3])
+
+pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")  # numpy's, at numbers beyond its own
+
+
+def room() -> np.ndarray:
+    """(360, 2) endpoints of a scan in a small room."""
+    angles = np.linspace(-math.pi, math.pi, 360, endpoint=False)
+    ranges = room_ranges(CLOSE3, angles)
+    return np.column_stack([ranges * np.cos(angles), ranges * np.sin(angles)]).astype(np.float32)
+
+
+def made(kind: str) -> tuple[Pyramid, MapConfig]:
+    """A map without a cell, of a room, of a room that has no space to grow, and of very few coarse cells."""
+    config = NARROW if kind == "narrow" else SMALL
+    pyramid = Pyramid(config)
+    if kind != "empty":
+        pyramid.update(room(), NO_POINTS, CLOSE, ORIGIN, config)
+    if kind == "full":
+        config = MapConfig(size=64, limit=1.0, grow=False)
+    return pyramid, config
+
+
+def is_unharmed(pyramid: Pyramid) -> bool:
+    """Whether levels agree on their area, hold numbers, and know a box that lies within."""
+    for i, level in enumerate(pyramid.levels):
+        row0, row1, column0, column1 = level.known
+        rows, columns = level.shape
+        within = 0 <= row0 <= row1 <= rows and 0 <= column0 <= column1 <= columns
+        if not (within and np.isfinite(level.log_odds).all() and level.shape == level.cells.shape):
+            return False
+        if tuple(n * 2**i for n in level.shape) != pyramid.levels[0].shape or level._marks.any():
+            return False
+    return True
+
+
+@settings(max_examples=60)
+@given(MAPS, ENDS, ENDS, POSES)
+@example("full", room(), room(), np.array([-2e3, 0.0, 0.0]))
+@example("room", np.array([[math.nan, 1.0]], np.float32), NO_POINTS, ORIGIN)
+def test_writing_and_clearing_stay_within_the_map(kind, points, cleared, pose):
+    """Wherever a scan is written and clears cells that it passes: the map stays whole and within its limit."""
+    pyramid, config = made(kind)
+    laser = points[0].astype(np.float64)
+    for start in (CLOSE, laser):
+        pyramid.update(points, cleared, start, pose, config)
+        pyramid.clear(points, start, pose, config)
+        pyramid.unexpected(points, pose)
+    pyramid.clear(room(), CLOSE, pose, config)
+    assert is_unharmed(pyramid)
+    assert sum(level.log_odds.nbytes + level.cells.nbytes for level in pyramid.levels) < 1.1e6
+
+
+@settings(max_examples=60)
+@given(MAPS, ENDS, POSES, POSES, st.floats(0.0, 1.0))
+@example("room", room(), np.array([1.7e6, -1.7e6, 1.0]), ORIGIN, 1.0)
+@example("narrow", room(), np.array([math.nan] * 3), ORIGIN, 0.0)
+def test_matching_stays_within_the_map(kind, points, start, prior, threshold):
+    """From every start, with every prediction, along surfaces or not, by surfels and by samples."""
+    pyramid, _ = made(kind)
+    config = MatcherConfig(weak_observability_threshold=threshold, coarse_beams=2, iterations_fine=3)
+    predicted = PlanarGaussian(prior, np.diag([0.1, 0.1, 0.1]))
+    for ends in (points, room()):
+        match = coarse_to_fine(pyramid, ends, start, config, prior=predicted, trace=True)
+        assert 0 <= match.fit.hit <= 1.0
+        assert len(match.residuals) == len(ends)
+    finest = pyramid.levels[0]
+    normal_equations(finest, Beams.with_surfaces(points), start)
+    level = Level(finest.surfels, finest.corner, 1.0 / finest.resolution)
+    xs, ys = np.ascontiguousarray(points.T)
+    surfel_equations(level, xs, ys, start)
+
+
+@settings(max_examples=40)
+@given(MAPS, POSES, ENDS)
+def test_samples_and_points_stay_within_the_map(kind, pose, points):
+    """The sampled covariance around any finite pose, and eqs. (4)-(6) at any point."""
+    level = made(kind)[0].levels[0]
+    if np.abs(pose).max() < 1e7:
+        sampled_covariance(level, room(), pose, 0.2)
+    us, vs = np.ascontiguousarray(points.T)
+    assert interpolate(level.cells, us, vs).shape == (len(us), 3)
+
+
+@settings(max_examples=25)
+@given(MAPS, ENDS, POSES)
+def test_searches_stay_within_the_map(kind, points, pose):
+    """The local search around any pose, and that of the whole map, by endpoints within the range of a laser."""
+    pyramid, _ = made(kind)
+    ends = np.clip(np.nan_to_num(points), -100.0, 100.0)
+    find_pose(pyramid.levels[-1], points, pose, (1.0, 0.3))
+    scan = StabilisedScan(ends, np.zeros(len(ends), np.float32), NO_POINTS, CLOSE)
+    if not pyramid.empty:
+        find_places(pyramid.levels[1], ends, 0.7)
+        assert 0.0 <= agreement(pyramid, scan, pose) <= 1.0
