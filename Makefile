@@ -6,11 +6,12 @@ BIN := $(VENV)/bin
 PIP := PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip
 INSTALL := $(PIP) install --constraint constraints.txt --editable
 ARGS ?=
+SANITISED ?= tests/unit/slam_core tests/property tests/integration tests/real
 # Files of tests are shared out among processes. One processor each; more than 4 would crowd the browser tests.
 PROCESSES ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check wheel-check bench screenshots docs constraints clean chromium
+.PHONY: help demo test sanitise check wheel-check bench screenshots docs constraints clean chromium
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -20,6 +21,9 @@ demo: $(VENV)/ready-run  ## a robot maps a rescue arena in the browser; ARGS=lit
 
 test: $(VENV)/ready-dev chromium  ## every test; ARGS="-k matcher", ARGS="-m 'not browser'" choose
 	$(BIN)/python -m pytest --numprocesses $(PROCESSES) --maxprocesses 4 --dist loadfile $(ARGS)
+
+sanitise: $(VENV)/ready-dev  ## tests of the core, demos and recordings with checked kernels; ARGS chooses
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest $(SANITISED) $(ARGS)
 
 check: $(VENV)/ready-dev  ## style, types and import rules
 	$(BIN)/ruff check .

@@ -37,6 +37,17 @@ def test_the_environment_s_choice_is_kept(sources: Path, monkeypatch: pytest.Mon
     assert kernel_cache.os.environ["NUMBA_CACHE_DIR"] == "elsewhere"
 
 
+def test_the_checked_build_has_a_folder_of_its_own(sources: Path, monkeypatch: pytest.MonkeyPatch):
+    """Kernels with bounds checks never stand in for those without, nor the other way round."""
+    folders = []
+    for asked in ("0", "1"):
+        monkeypatch.setenv("NUMBA_BOUNDSCHECK", asked)
+        monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+        kernel_cache.keep_compiled(sources / "caches")
+        folders.append(kernel_cache.os.environ["NUMBA_CACHE_DIR"])
+    assert folders[1] == f"{folders[0]}-checked"
+
+
 def test_a_place_that_cannot_be_written_is_no_error(sources: Path, monkeypatch: pytest.MonkeyPatch):
     """Then numba looks for a place of its own."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
