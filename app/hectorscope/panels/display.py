@@ -9,6 +9,7 @@ from viser import GuiButtonGroupHandle, GuiEvent, Icon
 from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Layer, Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._controls import Choice, Control, LinearSlider, LogSlider, Switch
+from hectorscope.panels._ellipse_scale import fitted
 from hectorscope.panels._slider import Scale
 from hectorscope.run.map_images import MapImage
 from hectorscope.session.snapshot import Snapshot
@@ -61,13 +62,20 @@ class DisplayPanel:
             "Ellipses (σ)",
             SIGMAS,
             now.ellipse_scale,
-            "Ellipses are drawn this many sigmas large.",
-            self._setter("ellipse_scale"),
+            "Ellipses are drawn this many sigmas large. Moving this holds it.",
+            lambda _: self._scene.show(ellipse_scale=self._controls["ellipse_scale"].read(), ellipse_fit=False),
+        )
+        fit = Switch(
+            gui,
+            "Fit the ellipses",
+            now.ellipse_fit,
+            "Chooses the number of sigmas so that the ellipses are well seen in the map.",
+            self._setter("ellipse_fit"),
         )
         points = Choice(
             gui, "Scan", POINTS, now.points, "What colours the scan's endpoints.", self._setter("points")
         )
-        return {"layout": layout, "gap": gap, "ellipse_scale": scale, "points": points}
+        return {"layout": layout, "gap": gap, "ellipse_scale": scale, "ellipse_fit": fit, "points": points}
 
     def _setter(self, name: str) -> Callable[[GuiEvent[Any]], None]:
         return lambda _: self._scene.show(**{name: self._controls[name].read()})
@@ -93,6 +101,7 @@ class DisplayPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the display settings, whoever changed them, and the number of levels."""
         self._draw_levels(snapshot.maps)
+        self._fit_ellipses(snapshot)
         display, before = self._scene.display, self._drawn
         if display == before:
             return
@@ -103,6 +112,11 @@ class DisplayPanel:
         for key, box in self._layers.items():
             if (key in display.hidden) != (key in before.hidden):
                 box.show(key not in display.hidden)
+
+    def _fit_ellipses(self, snapshot: Snapshot) -> None:
+        now = self._scene.display
+        if now.ellipse_fit and (scale := fitted(snapshot, now.ellipse_scale)) != now.ellipse_scale:
+            self._scene.show(ellipse_scale=scale)
 
     def _draw_levels(self, maps: tuple[MapImage, ...]) -> None:
         resolutions = tuple(image.resolution for image in maps)

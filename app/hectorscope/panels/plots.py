@@ -107,7 +107,8 @@ def curves(chart: Chart, series: NDArray[np.void], first: int) -> tuple[NDArray[
     """Time and the curves, thinned, in the chart's unit; nothing when no curve has two finite values."""
     known = np.any([np.isfinite(series[curve.column][first:]) for curve in chart.curves], axis=0)
     first += int(np.argmax(known)) if len(known) else 0  # with a gap in front its axis would find no range
-    values = [series[curve.column][first:] for curve in chart.curves]
+    whole = [series[curve.column] for curve in chart.curves]
+    values = [(np.unwrap(column) if chart.angles else column)[first:] for column in whole]
     if not any(np.count_nonzero(np.isfinite(column)) > 1 for column in values):
         return ()
     x, columns = decimate(series["time_s"][first:], values, POINTS, first)

@@ -23,6 +23,17 @@ def test_a_chart_begins_with_its_first_value():
     assert all(np.isfinite(value).all() for value in values)
 
 
+def test_a_heading_goes_on_beyond_half_a_turn():
+    """From 179 to 181 degrees the curve rises by two, and where it stands does not depend on the window."""
+    (chart,) = [chart for page in PAGES.values() for chart in page if chart.title == "Yaw, °"]
+    series = np.zeros(30, SERIES_DTYPE)
+    series["time_s"] = np.arange(30)
+    series["yaw"] = np.angle(np.exp(1j * np.radians(150.0 + 5.0 * np.arange(30))))
+    for first in (0, 20):
+        _, yaw = curves(chart, series, first)
+        np.testing.assert_allclose(yaw, 150.0 + 5.0 * np.arange(30)[first:], rtol=1e-5)
+
+
 def test_a_page_without_a_curve_says_so(scene: Scene) -> None:
     """As of biases where there is no filter; the note goes with the first curve."""
     panel, full = PlotsPanel(scene), room_snapshot()
