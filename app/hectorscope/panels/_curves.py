@@ -44,6 +44,7 @@ def columns(title: str, factor: float, *names: str) -> Chart:
     return Chart(title, factor, tuple(Curve(c, short or c, i) for i, (c, _, short) in enumerate(pairs)))
 
 
+AGAINST_TRUTH = "Error against truth"
 PAGES: dict[str, tuple[Chart, ...]] = {
     "Covariance": (sigmas("σ x, mm", "x", 1e3), sigmas("σ y, mm", "y", 1e3), sigmas("σ ψ, °", "yaw", DEGREES)),
     "Match": (
@@ -52,6 +53,11 @@ PAGES: dict[str, tuple[Chart, ...]] = {
         columns("Beams used", 1.0, "beams"),
         columns("Unexpected beams, %", 100.0, "unexpected"),
         columns("Beams that fix the weakest direction, %", 100.0, "weakest_share:share"),
+    ),
+    AGAINST_TRUTH: (
+        columns("Position in the plane, mm", 1e3, "error:distance"),
+        columns("Heading, °", DEGREES, "error_yaw:heading"),
+        columns("Height, mm", 1e3, "error_z:height"),
     ),
     "Attitude": (
         columns("Roll and pitch, °", DEGREES, "roll", "pitch"),
