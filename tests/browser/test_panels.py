@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
 from hectorscope.inputs import Item
@@ -165,6 +167,27 @@ def test_a_click_in_the_log_goes_there(run: Run, open_page: Open) -> None:
     entry.get_by_role("button").click()
     back = run.until(lambda s: s.epoch > there.epoch and s.playback.state == "paused")
     assert (back.scans, back.playback.time_ns) == (there.scans, there.playback.time_ns)
+
+
+def test_a_picture_of_the_scene_is_saved(run: Run, open_page: Open, tmp_path: Path) -> None:
+    """As this browser shows it, with the map in it, as a PNG file."""
+    page = open_page(run.url)
+    open_tab(page, "Display")
+    with page.expect_download() as download:
+        button(page, "Save a picture").click()
+    assert download.value.suggested_filename == "hectorscope.png"
+    download.value.save_as(tmp_path / "picture.png")
+    pixels = np.asarray(Image.open(tmp_path / "picture.png").convert("L"))
+    assert min(pixels.shape) > 50
+    assert np.ptp(pixels) > 100
+
+
+def test_the_page_has_no_settings_but_its_own(run: Run, open_page: Open) -> None:
+    """Viser's icon for its own settings, which would take the place of the panel, is hidden."""
+    page = open_page(run.url)
+    icon = page.locator(".tabler-icon-adjustments")
+    expect(icon).to_have_count(1)
+    expect(icon).to_be_hidden()
 
 
 def test_the_timeline_jumps(run: Run, open_page: Open) -> None:

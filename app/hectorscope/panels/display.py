@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any, cast
 
-from viser import GuiButtonGroupHandle, GuiEvent, Icon
+from viser import GuiButtonGroupHandle, GuiButtonHandle, GuiEvent, Icon
 
 from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Layer, Scene
 from hectorscope.panels import _workspace
@@ -18,6 +18,7 @@ CAMERAS: dict[str, Camera] = {"Top": "top", "Follow": "follow", "Free": "free", 
 LAYOUTS = {"stacked": "levels stacked", "side": "levels side by side", "one": "one level"}
 POINTS = {"residual": "by residual", "height": "by height", "plain": "plain"}
 GAP = Scale(GAP_RANGE[0], GAP_RANGE[1], 0.05, log=False, integer=False)
+PICTURE = "window.hectorscope?.picture()"
 SIGMAS = Scale(
     math.log10(ELLIPSE_SCALE_RANGE[0]), math.log10(ELLIPSE_SCALE_RANGE[1]), 0.01, log=True, integer=False
 )
@@ -44,9 +45,13 @@ class DisplayPanel:
             self._level = gui.add_dropdown(
                 "Level", ("finest",), initial_value="finest", hint="The one level shown."
             )
+            picture = gui.add_button(
+                "Save a picture", icon=Icon.CAMERA, hint="The scene as this browser shows it, as a PNG file."
+            )
             with gui.add_folder("Layers"):
                 self._layers = {layer.key: self._add_layer(layer) for layer in scene.layers}
         camera.on_click(self._point_camera)
+        picture.on_click(self._save_picture)
         for key, name in enumerate(CAMERAS, start=1):
             self._add_hotkey(str(key), name)
         self._level.on_update(self._choose_level)
@@ -135,6 +140,10 @@ class DisplayPanel:
     def _point_camera(self, event: GuiEvent[GuiButtonGroupHandle]) -> None:
         if event.target.value in CAMERAS:
             self._scene.camera(CAMERAS[event.target.value], event.client)
+
+    def _save_picture(self, event: GuiEvent[GuiButtonHandle]) -> None:
+        if event.client is not None:  # else every browser would save one
+            self._scene.run(PICTURE, event.client)
 
 
 def level_name(resolution: float) -> str:
