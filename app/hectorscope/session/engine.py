@@ -222,6 +222,7 @@ class Engine:
         if not self._pipeline.scans:
             raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam)
         self._transport.end()
+        self._publisher.touch()
         self._publisher.log_once(self._entry(f"The recording ended after {self._pipeline.scans} scans"))
 
     def _fail(self, reason: str) -> None:
