@@ -1,9 +1,11 @@
 """Files that a run leaves, at its end or on the way. One file a format; each has `EXPORTER`, an `Exporter`."""
 
+import os
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,9 @@ from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap, saved_levels
+
+if sys.platform != "win32":
+    import fcntl
 
 # Bytes that must find room before the work is begun: about what the files of a very short run take.
 PROBE = 2**16
@@ -42,6 +47,30 @@ def exporters() -> list[Exporter]:
 
 class OutputError(SlamError):
     """The folder for the results cannot be used."""
+
+
+@contextmanager
+def reserved(folder: Path) -> Iterator[None]:
+    """`prepare` a folder, and keep other programs of this kind out of it meanwhile; OutputError if one is there.
+
+    The lock is on the folder itself and goes with the process, however that ends.
+    """
+    prepare(folder)
+    if sys.platform == "win32":
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(handle)
+        raise OutputError(f"another run writes into {folder}: wait for its end, or give another --out") from error
+    except OSError:
+        pass  # a file system without locks
+    try:
+        yield
+    finally:
+        os.close(handle)
 
 
 def prepare(folder: Path) -> None:
@@ -111,10 +140,10 @@ def run(
     prior_map: PriorMap | None = None,
 ) -> dict[str, Any]:
     """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
-    prepare(folder)
-    pipeline, effort = run_headless(source, settings, progress, prior_map)
-    figures = run_metrics(pipeline, source.report, effort)
-    if truth is not None and figures["truth"] is None:
-        raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
-    export(pipeline, figures, folder)
-    return figures
+    with reserved(folder):
+        pipeline, effort = run_headless(source, settings, progress, prior_map)
+        figures = run_metrics(pipeline, source.report, effort)
+        if truth is not None and figures["truth"] is None:
+            raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
+        export(pipeline, figures, folder)
+        return figures

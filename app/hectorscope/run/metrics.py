@@ -35,6 +35,7 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = No
             "skipped": dict(pipeline.skipped),
         },
         "tracking": dict(pipeline.states),
+        "tracking_at_end": pipeline.result.tracking if pipeline.result else None,
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
         "filter_unused": dict(pipeline.slam.status.unused),
         "filter_sources": sources(pipeline.result),
