@@ -22,7 +22,7 @@ from hectorscope.cli.options import (
     SourceArgs,
     source_options,
 )
-from hectorscope.common.kernel_cache import keep_compiled, user_cache
+from hectorscope.common.kernel_cache import cache_places, keep_compiled
 from hectorscope.common.resources import resource_folder
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source, SourceOptions
@@ -196,7 +196,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if list(arguments) == ["--version"]:
         print(f"hectorscope {version('hectorscope')}")
         return 0
-    keep_compiled(user_cache())
     gc.disable()  # while the libraries come: it would go through all of them again and again
     commands: dict[str, Callable[..., Any]] = {
         "demo": demo,
@@ -209,6 +208,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with ended_by_interruption(), delivered_later():
             _refuse_empty(arguments)
+            keep_compiled(*cache_places())
             code = tyro.extras.subcommand_cli_from_dict(
                 commands,
                 prog="hectorscope",
