@@ -120,13 +120,7 @@ def test_a_damaged_file_is_compiled_again(tmp_path: Path, kind: str, damage: byt
     environment.pop("NUMBA_CACHE_DIR", None)
     command = [sys.executable, script, tmp_path / "caches"]
     for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, script, tmp_path / "caches"],
-            capture_output=True,
-            text=True,
-            check=False,
-            env=environment,
-        )
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
         assert (done.stdout, done.stderr) == ("4.0\n", "")
         files = list((tmp_path / "caches").rglob(f"*.{kind}"))
         assert files
