@@ -1,5 +1,6 @@
 """Recordings of either ROS generation: .bag, rosbag2 folders, bare .mcap and .db3."""
 
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -93,7 +94,7 @@ class BagSource:
         return {channel: n for channel, n in self.recording.messages.items() if channel not in self._refused}
 
     def _decoded(self, channels: Collection[Channel], converter: Converter | None) -> Iterator[tuple[Raw, Any]]:
-        for raw in self._raw(channels):
+        for raw in self._raw(channels, converter):
             if self._closed:
                 return
             try:
@@ -104,12 +105,23 @@ class BagSource:
                 continue
             yield raw, message
 
-    def _raw(self, channels: Collection[Channel]) -> Iterator[Raw]:
-        """Messages up to where the file can be read."""
+    def _raw(self, channels: Collection[Channel], converter: Converter | None = None) -> Iterator[Raw]:
+        """Messages up to where the file can be read; a database may hold anything in place of one."""
+        read: Counter[Channel] = Counter()
         try:
-            yield from self.recording.read(channels)
+            for raw in self.recording.read(channels):
+                read[raw.channel] += 1
+                if type(raw.log_ns) is int and isinstance(raw.data, bytes | memoryview):
+                    yield raw
+                elif converter is not None:
+                    converter.skip(raw.channel.topic, "entry whose time or data is none")
         except Exception as error:  # the parsers' ways to stumble over a damaged file are many
             self._failure = f"{type(error).__name__}: {error}".splitlines()[0]
+            return
+        for channel in channels:  # some parsers stop at damage without a word
+            promised = self.recording.messages[channel]
+            if read[channel] < promised:
+                self._failure = f"{read[channel]} of {promised} messages of {channel.topic} are there"
 
     def _first_scans(self) -> dict[str, tuple[Any, int]]:
         """The first scan of each scanner that can be decoded, and when it was recorded."""
