@@ -15,6 +15,7 @@ from rosbags import rosbag1
 
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.ros.recorder import Recorder
+from hectorscope.sources import _rosbag_index, _rosbag_scan
 from hectorscope.sources.bag import open_bag
 from slam_core.measurements import Imu, LaserScan
 from tests.bags import CONTAINERS, TENTH, kinds, messages_for, open_run, small_run
@@ -77,6 +78,38 @@ def test_a_cut_mcap_gives_what_is_left(tmp_path: Path) -> None:
     assert [scan.stamp_ns - START for scan in scans] == list(range(len(scans)))
     assert "run.mcap is cut off or damaged" in source.report.notes[0]
     assert not source.report.skipped
+
+
+@pytest.mark.parametrize("packing", list(rosbag1.Writer.CompressionFormat))
+@pytest.mark.parametrize("keep", [0.9, 1.0], ids=["cut", "whole"])
+def test_a_chunk_unpacks_to_its_limit_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, packing: rosbag1.Writer.CompressionFormat, keep: float
+) -> None:
+    """A small file may hold zeros without end: they are left out, and the report warns."""
+    ros = Messages("ros1")
+    writer = rosbag1.Writer(tmp_path / "run.bag")
+    writer.set_compression(packing)
+    with writer:
+        connection = writer.add_connection("/scan", "sensor_msgs/msg/LaserScan", typestore=ros.store)
+        for i, beams in enumerate((100, 100, 1_000_000)):
+            message = ros.scan(i, ranges=np.ones(beams), angle_increment=1e-6)
+            writer.write(connection, START + i, ros.store.serialize_ros1(message, connection.msgtype))
+    path = tmp_path / "run.bag" if keep == 1.0 else cut(tmp_path / "run.bag", keep)
+    monkeypatch.setattr(_rosbag_scan, "LARGEST_CHUNK", 100_000)
+    sizes: list[int] = []
+    unpacked = _rosbag_scan.unpacked
+
+    def noted(*arguments: Any) -> bytes:
+        content = unpacked(*arguments)
+        sizes.append(len(content))
+        return content
+
+    monkeypatch.setattr(_rosbag_scan, "unpacked", noted)
+    monkeypatch.setattr(_rosbag_index, "unpacked", noted)
+    source = open_run(path)
+    assert kinds(source) == {LaserScan: 2}
+    assert 0 < max(sizes) <= 100_000
+    assert "run.bag is cut off or damaged" in source.report.notes[0]
 
 
 def test_messages_that_the_index_promises_are_missed(tmp_path: Path) -> None:
