@@ -6,7 +6,7 @@ import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from hectorscope.inputs import Source, SourceError, SourceReport
 from hectorscope.run.headless import Progress, run_headless
 from hectorscope.run.map_images import map_images
 from hectorscope.run.metrics import metrics as run_metrics  # a module of this package has the name
+from hectorscope.run.metrics import truth_errors
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
@@ -95,17 +96,26 @@ def _names() -> list[str]:
     return [name for exporter in exporters() for name in exporter.files]
 
 
-def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
-    """Write every format, even if another fails; the files written. OutputError names what is missing."""
-    run = Run(
+def collected(pipeline: Pipeline, figures: dict[str, Any]) -> Run:
+    """The results so far; the run may go on, and they stay as they are."""
+    return Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
         map_images(pipeline.slam.map),
         pipeline.settings,
         figures,
-        saved_levels(pipeline.slam.map),
+        saved_levels(pipeline.slam.map, copied=True),
         pipeline.navigation,
     )
+
+
+def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
+    """`write` the results so far."""
+    return write(collected(pipeline, figures), folder)
+
+
+def write(run: Run, folder: Path) -> list[Path]:
+    """Write every format, even if another fails; the files written. OutputError names what is missing."""
     missing: defaultdict[str, list[str]] = defaultdict(list)
     for exporter in exporters():
         try:
@@ -120,14 +130,23 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
     return [folder / name for name in _names() if (folder / name).exists()]
 
 
-def save(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> str:
-    """Write every format of a run that may still go on; the sentence for the log. OutputError if that fails."""
+def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Callable[[], str]:
+    """Collect the results of a run that may go on. The function writes them, from any thread; it gives a sentence.
+
+    OutputError, also from the function, if they cannot be saved.
+    """
     if folder is None:
         raise OutputError("there is no folder to save to: start the program with --out DIR")
     if not pipeline.scans:
         raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
-    files = export(pipeline, run_metrics(pipeline, report), folder)
-    return f"Saved {', '.join(file.name for file in files)} in {folder}"
+    results, truth = collected(pipeline, run_metrics(pipeline, report, with_truth=False)), pipeline.truth
+
+    def save() -> str:
+        figures = {**results.metrics, "truth": truth_errors(results.trajectory, truth)}
+        files = write(replace(results, metrics=figures), folder)
+        return f"Saved {', '.join(file.name for file in files)} in {folder}"
+
+    return save
 
 
 def run(

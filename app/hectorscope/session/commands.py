@@ -67,8 +67,29 @@ class Save:
 
 
 @dataclass(frozen=True, slots=True)
+class Answer:
+    """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
+
+    text: str
+    failed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Quit:
     """End the engine."""
 
 
-Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | ConfigureAll | Save | Quit
+Command = (
+    Play
+    | Pause
+    | PlayPause
+    | StepScan
+    | SetSpeed
+    | Restart
+    | Seek
+    | Configure
+    | ConfigureAll
+    | Save
+    | Answer
+    | Quit
+)

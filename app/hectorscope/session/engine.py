@@ -10,11 +10,12 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from hectorscope.exporters import save
+from hectorscope.exporters import saving
 from hectorscope.inputs import Source, SourceReport, merged
 from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.settings import Setting, Settings, value_of
 from hectorscope.session.commands import (
+    Answer,
     Command,
     Configure,
     ConfigureAll,
@@ -81,6 +82,7 @@ class Engine:
         self._sent = self._obeyed = 0
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
         self._publisher = Publisher(source)
+        self._saver: threading.Thread | None = None
         self._transport = Transport(source.live, autoplay, speed)
         self._feeder: Feeder | None = None
         self._epoch = -1
@@ -119,7 +121,9 @@ class Engine:
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return save(self._pipeline, self._source.report, self._out)
+        if self._saver is not None:
+            self._saver.join()
+        return saving(self._pipeline, self._source.report, self._out)()
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -131,7 +135,7 @@ class Engine:
                 self._guard(self._advance)
             else:
                 self._guard(partial(self._obey, command))
-                self._obeyed += 1
+                self._obeyed += not isinstance(command, Answer)
                 self._publisher.touch()
                 if self._commands.empty():
                     self._guard(self._process_again)
@@ -255,6 +259,8 @@ class Engine:
                 self._configure(values, title, throughout)
             case Save():
                 self._save()
+            case Answer(text, failed):
+                self._log(text, "warning" if failed else "info", answer=True)
 
     def _pause(self) -> None:
         """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
@@ -270,10 +276,24 @@ class Engine:
             self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning", answer=True)
 
     def _save(self) -> None:
+        """Collect the results, and write them beside the run."""
+        if self._saver is not None and self._saver.is_alive():
+            self._log("The results are being saved already: wait for the end", "warning", answer=True)
+            return
         try:
-            self._log(self.save(), answer=True)
+            write = saving(self._pipeline, self._source.report, self._out)
         except SlamError as error:
             self._log(str(error), "warning", answer=True)
+            return
+        self._saver = threading.Thread(target=self._write, args=(write,), name="save")
+        self._saver.start()
+
+    def _write(self, write: Callable[[], str]) -> None:
+        """On a thread of its own; the engine tells how it ended."""
+        try:
+            self._commands.put(Answer(write()))
+        except SlamError as error:
+            self._commands.put(Answer(str(error), failed=True))
 
     def _restart(self) -> None:
         self._begin(self._settings)
