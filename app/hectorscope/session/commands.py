@@ -32,6 +32,13 @@ class SetSpeed:
 
 
 @dataclass(frozen=True, slots=True)
+class ChangeSpeed:
+    """So many notches faster or slower: counted where the speed is known, not from a drawing that may be late."""
+
+    notches: int
+
+
+@dataclass(frozen=True, slots=True)
 class Restart:
     """Begin the recording again with an empty map (a live stream keeps flowing, the map starts anew)."""
 
@@ -85,6 +92,7 @@ Command = (
     | PlayPause
     | StepScan
     | SetSpeed
+    | ChangeSpeed
     | Restart
     | Seek
     | Configure

@@ -16,6 +16,7 @@ from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.settings import Setting, Settings, value_of
 from hectorscope.session.commands import (
     Answer,
+    ChangeSpeed,
     Command,
     Configure,
     ConfigureAll,
@@ -31,6 +32,7 @@ from hectorscope.session.commands import (
 )
 from hectorscope.session.feeder import Feeder
 from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.playback import changed_speed
 from hectorscope.session.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking
 from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import LogEntry, Snapshot
@@ -133,9 +135,11 @@ class Engine:
         while not isinstance(command := self._next_command(), Quit):
             if command is None:
                 self._guard(self._advance)
+            elif isinstance(command, Answer):
+                self._log(command.text, "warning" if command.failed else "info", answer=True)
             else:
                 self._guard(partial(self._obey, command))
-                self._obeyed += not isinstance(command, Answer)
+                self._obeyed += 1
                 self._publisher.touch()
                 if self._commands.empty():
                     self._guard(self._process_again)
@@ -249,6 +253,8 @@ class Engine:
                 self._transport.step()
             case SetSpeed(speed):
                 self._set_speed(speed)
+            case ChangeSpeed(notches):
+                self._set_speed(changed_speed(self._transport.speed, notches))
             case Restart():
                 self._restart()
             case Seek(time_ns):
@@ -259,8 +265,6 @@ class Engine:
                 self._configure(values, title, throughout)
             case Save():
                 self._save()
-            case Answer(text, failed):
-                self._log(text, "warning" if failed else "info", answer=True)
 
     def _pause(self) -> None:
         """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
