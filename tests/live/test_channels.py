@@ -211,6 +211,19 @@ def test_a_good_channel_takes_the_part_of_a_refused_one(scripted: Callable[..., 
         }
 
 
+def test_a_refused_channel_keeps_no_part_for_another_type(scripted: Callable[..., Any]) -> None:
+    """Its topic plays another part in another type: the laser's is free all the same."""
+    bad = offer(3, "/data", schema=STORE.generate_msgdef("sensor_msgs/msg/LaserScan")[0].replace("[]", ""))
+    imu = offer(4, "/data", "sensor_msgs/msg/Imu")
+    server = scripted(
+        [HELLO, advertise(bad, imu), advertise(offer(5, "/scan"))], answers={asks_for(5): [data(5, scan_bytes(7))]}
+    )
+    source = open_source(server.uri, SourceOptions())
+    (scan,) = islice(source.items(), 1)
+    source.close()
+    assert isinstance(scan, LaserScan)
+
+
 def test_a_topic_that_changes_its_type_gives_each_its_part(scripted: Callable[..., Any]) -> None:
     """A bridge may advertise it again with another type: every message goes where its channel's type belongs."""
     server = scripted(

@@ -44,11 +44,13 @@ class Channels:
     def refuse(self, offer: Offer) -> None:
         """A channel cannot be decoded: another one may take its parts, also one that is offered later."""
         del self._offers[offer.id]
-        if all(other.topic != offer.topic for other in self._offers.values()):
-            freed: dict[str, Any] = {
-                f.name: None for f in fields(self.roles) if getattr(self.roles, f.name) == offer.topic
-            }
-            self.roles = replace(self.roles, **freed)
+        others = {message_type(other) for other in self._offers.values() if other.topic == offer.topic}
+        freed: dict[str, Any] = {
+            role: None
+            for role, types in ROLE_TYPES.items()
+            if getattr(self.roles, role) == offer.topic and others.isdisjoint(types)
+        }
+        self.roles = replace(self.roles, **freed)
 
     def decode(self, channel: int) -> tuple[str, str, Decode] | None:
         """Topic and type of a channel and the function for its messages; None if it was not asked for."""
