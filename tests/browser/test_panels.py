@@ -114,9 +114,9 @@ def test_the_results_are_saved(run: Run, open_page: Open, tmp_path: Path) -> Non
     button(page, "Save the results").click()
     run.until(lambda s: str(tmp_path) in s.log[-1].text)
     assert (tmp_path / "map.npz").exists()
-    expect(page.locator(".mantine-Notification-root", has_text="Saved trajectory.tum, ")).to_be_visible()
+    expect(page.locator(".mantine-Notification-root", has_text="Saved map.npz, ")).to_be_visible()
     open_tab(page, "Log")
-    expect(page.locator(".hs-log-list")).to_contain_text("Saved trajectory.tum, ")
+    expect(page.locator(".hs-log-list")).to_contain_text("Saved map.npz, ")
 
 
 def test_hotkeys(run: Run, open_page: Open) -> None:
