@@ -30,6 +30,7 @@ from hectorscope.ros.recorder import Recorder
 from hectorscope.run.settings import Settings
 from hectorscope.run.settings_file import read_toml, to_toml
 from hectorscope.sources import open_source
+from hectorscope.sources.coreslam import FIRST_BEAM
 from slam_core.config import MapConfig
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import SavedLevel
@@ -105,7 +106,10 @@ def carmen(path: Path) -> Path:
 def tinyslam(path: Path) -> Path:
     """A tinySLAM log."""
     ranges = " ".join(["2000"] * 682)
-    path.write_text("".join(f"{100 * k} {k} {k} 0 0 0 {ranges}\n" for k in range(1, SCANS)))
+    lines = (
+        " ".join([str(100 * k), "0", str(k), str(k), *["0"] * (FIRST_BEAM - 4), ranges]) for k in range(1, SCANS)
+    )
+    path.write_text("\n".join(lines))
     return path
 
 
