@@ -1,5 +1,5 @@
 """Measurements and pictures: `python -m benchmarks.NAME`. Compiled kernels are kept as the program keeps them."""
 
-from hectorscope.common.kernel_cache import keep_compiled, user_cache
+from hectorscope.common.kernel_cache import cache_places, keep_compiled
 
-keep_compiled(user_cache())
+keep_compiled(*cache_places())

@@ -130,7 +130,7 @@ def replay(recording: Recording) -> dict[str, Replay]:
 
 def outcome(pipeline: Pipeline) -> Outcome:
     """Against the truth that came with the measurements."""
-    errors = truth_errors(pipeline)
+    errors = truth_errors(pipeline.trajectory, pipeline.truth)
     assert errors is not None
     return Outcome(errors["raw_rmse_m"], errors["aligned_rmse_m"])
 

@@ -20,8 +20,10 @@ Every setting stands in one tree. Its name is the same everywhere:
 - on the page, as a slider or switch with the same help.
 
 Flags override the file, and the file overrides the preset. A value out of range is refused with the range. A
-change on the page acts from the next scan and is logged with its time; a setting marked *restart* rebuilds the map
-(a recording is run again up to the same instant, a live stream begins a new map).
+change on the page acts from its time on and is logged with it. At rest that is the scan that is shown, which is
+processed again with the new value; else it is the next scan. *Changes act: for the whole run* runs a recording
+again up to the same instant. So does a setting marked *restart*, which rebuilds the map; a live stream begins a
+new map.
 
 Settings in **bold** are the basic ones. The page shows them first, and the others in folded groups.
 

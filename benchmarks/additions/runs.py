@@ -156,7 +156,7 @@ def figures_of(pipeline: Pipeline) -> Figures:
     trajectory = pipeline.trajectory
     series = pipeline.series.view(SERIES_DTYPE).reshape(-1)
     first, last = trajectory[[0, -1], 1:3]
-    errors = (truth_errors(pipeline) if len(pipeline.truth) else None) or {}
+    errors = (truth_errors(pipeline.trajectory, pipeline.truth) if len(pipeline.truth) else None) or {}
     worst, end = _over_time(pipeline) if errors else (None, None)
     return {
         "raw": errors.get("raw_rmse_m"),

@@ -210,8 +210,8 @@ def _place(dx, dy):
 
 @njit(inline="always")
 def _bin(dx, dy, place):
-    """The bin of a direction with its `_place`; near an edge the arc tangent itself decides."""
+    """The bin of a direction with its `_place`; near an edge the arc tangent itself decides, if it is a number."""
     if abs(place - np.floor(place + 0.5)) < UNSURE:
-        place = math.atan2(dy, dx) / BIN
+        place = max(-BINS / 2, math.atan2(dy, dx) / BIN)
     b = np.int64(np.floor(place))
     return b if b >= 0 else b + BINS

@@ -1,5 +1,6 @@
 """A prior map: saved cells, whether the run writes them, and where the robot starts."""
 
+from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,12 +61,13 @@ class PriorMap:
         return pyramid
 
 
-def saved_levels(pyramid: Pyramid) -> tuple[SavedLevel, ...]:
-    """The known part of every level, to be kept; views of the pyramid's cells."""
+def saved_levels(pyramid: Pyramid, *, copied: bool = False) -> tuple[SavedLevel, ...]:
+    """The known part of every level, to be kept; views of the pyramid's cells unless they are `copied`."""
     levels = []
     for level in pyramid.levels:
         row0, row1, column0, column1 = level.known
         corner, box = level.corner + np.array([column0, row0]), np.s_[row0:row1, column0:column1]
         surfels = level.surfels[box] if len(level.surfels) else None
-        levels.append(SavedLevel(level.resolution, corner, level.log_odds[box], surfels))
+        saved = SavedLevel(level.resolution, corner, level.log_odds[box], surfels)
+        levels.append(deepcopy(saved) if copied else saved)
     return tuple(levels)

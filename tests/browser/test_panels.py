@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 
 from hectorscope.inputs import Item
@@ -112,9 +114,9 @@ def test_the_results_are_saved(run: Run, open_page: Open, tmp_path: Path) -> Non
     button(page, "Save the results").click()
     run.until(lambda s: str(tmp_path) in s.log[-1].text)
     assert (tmp_path / "map.npz").exists()
-    expect(page.locator(".mantine-Notification-root", has_text="Saved trajectory.tum, ")).to_be_visible()
+    expect(page.locator(".mantine-Notification-root", has_text="Saved map.npz, ")).to_be_visible()
     open_tab(page, "Log")
-    expect(page.locator(".hs-log-list")).to_contain_text("Saved trajectory.tum, ")
+    expect(page.locator(".hs-log-list")).to_contain_text("Saved map.npz, ")
 
 
 def test_hotkeys(run: Run, open_page: Open) -> None:
@@ -165,6 +167,27 @@ def test_a_click_in_the_log_goes_there(run: Run, open_page: Open) -> None:
     entry.get_by_role("button").click()
     back = run.until(lambda s: s.epoch > there.epoch and s.playback.state == "paused")
     assert (back.scans, back.playback.time_ns) == (there.scans, there.playback.time_ns)
+
+
+def test_a_picture_of_the_scene_is_saved(run: Run, open_page: Open, tmp_path: Path) -> None:
+    """As this browser shows it, with the map in it, as a PNG file."""
+    page = open_page(run.url)
+    open_tab(page, "Display")
+    with page.expect_download() as download:
+        button(page, "Save a picture").click()
+    assert download.value.suggested_filename == "hectorscope.png"
+    download.value.save_as(tmp_path / "picture.png")
+    pixels = np.asarray(Image.open(tmp_path / "picture.png").convert("L"))
+    assert min(pixels.shape) > 50
+    assert np.ptp(pixels) > 100
+
+
+def test_the_page_has_no_settings_but_its_own(run: Run, open_page: Open) -> None:
+    """Viser's icon for its own settings, which would take the place of the panel, is hidden."""
+    page = open_page(run.url)
+    icon = page.locator(".tabler-icon-adjustments")
+    expect(icon).to_have_count(1)
+    expect(icon).to_be_hidden()
 
 
 def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
@@ -224,17 +247,18 @@ def test_a_preset_sets_all_its_settings_at_once(run: Run, open_page: Open) -> No
 
 
 def test_a_threshold_changes_the_number_of_map_updates(run: Run, open_page: Open) -> None:
-    """With a distance of 5 m between updates the same drive updates the map less often."""
+    """With a distance of 5 m between updates, for the whole run, the same drive updates the map less often."""
     page = open_page(run.url)
     choose(page, "bar-transport", "max")
     button(page, "Play").click()
     often = run.until(lambda s: s.playback.state == "ended")
     open_tab(page, "Settings")
+    row(page, "Changes act").locator(".mantine-Select-input").click()
+    page.locator("[role=option]:visible", has_text="for the whole run").click()
     for label, value in (("Update distance (m)", "5"), ("Update angle (rad)", "3")):
         row(page, label).get_by_role("textbox").fill(value)
     run.until(lambda s: s.config.map.update_distance == 5.0 and s.config.map.update_angle == 3.0)
-    button(page, "Restart").click()
-    rarely = run.until(lambda s: s.epoch > often.epoch and s.playback.state == "ended")
+    rarely = run.until(lambda s: s.epoch >= often.epoch + 2 and s.playback.state == "ended")
     assert 1 <= rarely.map_updates < often.map_updates
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from hectorscope.cli.options import _setting_flags
+from hectorscope.exporters import reserved
 from hectorscope.run.settings_file import read_toml
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, leaves, with_values
@@ -20,7 +21,7 @@ from slam_core.measurements import Imu, LaserScan
 from tests.ros_messages import Messages, write_bag
 
 PATIENCE_S = 180.0
-MISTAKE, INTERRUPTED = 2, 130
+MISTAKE, LOST, INTERRUPTED = 2, 3, 130
 
 
 def hectorscope(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -117,6 +118,44 @@ def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path
     assert figures["map_updates"] > 0
     assert figures["occupied_cells"] > 0
     assert f"{figures['truth']['aligned_rmse_m']:.4f} m aligned" in done.stdout
+
+
+def test_a_run_that_ends_lost_says_so(tmp_path: Path):
+    """The table counts the states, the files are there, and the exit code is 3."""
+    ros, rng, entries = Messages("ros1"), np.random.default_rng(1), []
+    drive = list(Simulation("rooms", SceneOptions(duration=3.0, beams=181, scan_rate=20.0)).items())
+    scans = [item for item in drive if isinstance(item, LaserScan)]
+    for k, scan in enumerate(scans):
+        ns = scan.stamp_ns - scans[0].stamp_ns
+        ranges = scan.ranges if k < 10 else rng.uniform(0.5, 20.0, len(scan.ranges))
+        entries.append(
+            (
+                "/scan",
+                ros.scan(ns, ranges=ranges, angle_min=scan.angle_min, angle_increment=scan.angle_increment),
+                ns,
+            )
+        )
+    noise = write_bag(tmp_path / "noise.bag", entries)
+    done = hectorscope("run", noise, "--out", tmp_path / "out")
+    assert done.returncode == LOST, done.stderr
+    assert done.stderr.splitlines()[-1].startswith("hectorscope: the pose was lost")
+    figures = json.loads((tmp_path / "out" / "metrics.json").read_text())
+    assert figures["tracking_at_end"] == "lost"
+    assert f"{figures['tracking']['lost']} lost" in done.stdout
+    assert (tmp_path / "out" / "map.npz").exists()
+
+
+def test_one_folder_takes_the_results_of_one_run(bag: Path, tmp_path: Path):
+    """A second program is told; the lock goes with the first one."""
+    with reserved(tmp_path):
+        assert f"another run writes into {tmp_path}" in refused("run", bag, "--out", tmp_path)
+    assert hectorscope("run", bag, "--out", tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize("flag", [["--out", ""], ["--out="]])
+def test_an_empty_value_is_refused(bag: Path, flag: list[str]):
+    """It is a variable of a script that was not set, and not the present folder."""
+    assert "the value of --out is empty" in refused("run", bag, *flag)
 
 
 def test_a_run_is_repeated_by_its_own_settings(bag: Path, tmp_path: Path):

@@ -195,7 +195,8 @@ def test_restart_begins_again_with_an_empty_map(drive: list[Item], reference: np
         again = until(engine, lambda now: now.epoch == 1 and now.playback.state == "ended")
         assert again.trajectory.tobytes() == reference.tobytes()
         engine.send(Play())
-        until(engine, lambda now: now.epoch == 2 and now.playback.state == "ended")
+        ended = until(engine, lambda now: now.epoch == 2 and now.playback.state == "ended")
+        assert sum("The recording ended" in entry.text for entry in ended.log) == 1
 
 
 def test_a_paused_restart_is_empty(drive: list[Item]):

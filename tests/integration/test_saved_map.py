@@ -74,7 +74,7 @@ def test_the_second_half_goes_on_where_the_first_ended(imu: bool):
     assert pipeline.scans >= (180 if imu else 195)
     assert gap(pipeline, imu) < 0.06
     assert set(pipeline.states) == {"tracking"}
-    errors = truth_errors(pipeline)
+    errors = truth_errors(pipeline.trajectory, pipeline.truth)
     assert errors is not None
     assert errors["raw_rmse_m"] < 0.06
     assert pipeline.slam.map.updates > 0
@@ -94,7 +94,9 @@ def test_a_saved_map_tells_where_in_its_cells_the_walls_are():
     """Another drive localises nearer to the truth than by the cells alone."""
     given = saved(whole(), start=np.zeros(3))
     cells = replace(given, levels=tuple(replace(level, surfels=None) for level in given.levels))
-    errors = [truth_errors(run(drive(2), each)) for each in (given, cells)]
+    errors = [
+        truth_errors(made.trajectory, made.truth) for made in (run(drive(2), each) for each in (given, cells))
+    ]
     with_surfels, without = (each["raw_rmse_m"] for each in errors if each)
     assert with_surfels < 0.75 * without
 

@@ -7,6 +7,7 @@ import os
 import signal
 import socket
 import tempfile
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,27 +16,36 @@ import pytest
 
 from hectorscope.cli.interruption import ENDING
 from hectorscope.cli.main import main
-from hectorscope.exporters import OutputError, export
+from hectorscope.exporters import OutputError, export, write
 from hectorscope.inputs import Item, SourceReport
 from hectorscope.maps.saved_map import load_map
 from hectorscope.run.headless import run_headless
 from hectorscope.run.metrics import metrics
-from hectorscope.session.commands import Save
+from hectorscope.run.results import Run
+from hectorscope.session.commands import Play, Save, Seek
 from hectorscope.session.engine import Engine
+from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SimulateOptions, simulate
 from hectorscope.web import server
 from slam_core.localization.prior_map import saved_levels
 from tests.engines import START, after, running, state, until
 from tests.sources import MemoryRecording
 
+PATIENCE_S = 20.0
 FILES = {"trajectory.tum", "map.npz", "map.pgm", "map.yaml", "config.toml", "metrics.json", "navigation.csv"}
+
+
+def saved_by(engine: Engine) -> Snapshot:
+    """The snapshot that has the answer to Save, which works beside the engine."""
+    lines = len(after(engine, Save()).log)
+    return until(engine, lambda now: now.log[-1].answer and len(now.log) >= lines)
 
 
 def test_save_leaves_what_a_run_leaves(drive: list[Item], tmp_path: Path):
     """Every file, named in the log; the map is that of the run to the last bit, and --map can read it."""
     with running(MemoryRecording(drive), speed=math.inf, out=tmp_path) as engine:
         assert until(engine, state("ended")).saves
-        saved = after(engine, Save())
+        saved = saved_by(engine)
     assert {path.name for path in tmp_path.iterdir()} == FILES
     assert all(name in saved.log[-1].text for name in (*FILES, str(tmp_path)))
     pipeline, _ = run_headless(MemoryRecording(drive), START)
@@ -62,11 +72,43 @@ def test_save_without_a_folder_or_a_scan_says_so(drive: list[Item], tmp_path: Pa
     assert not any(tmp_path.iterdir())
 
 
+def test_the_run_goes_on_while_its_results_are_saved(
+    drive: list[Item], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """What is saved is the moment of the button; a second one is told to wait; the end waits for the first."""
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(run: Run, folder: Path) -> list[Path]:
+        begun.set()
+        assert go_on.wait(PATIENCE_S)
+        return write(run, folder)
+
+    monkeypatch.setattr("hectorscope.exporters.write", slow)
+    with running(MemoryRecording(drive), autoplay=False, speed=math.inf, out=tmp_path) as engine:
+        until(engine, state("paused"))
+        there = after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        after(engine, Save())
+        assert begun.wait(PATIENCE_S)
+        engine.send(Play())
+        ended = until(engine, state("ended"))
+        assert ended.scans > there.scans
+        assert "being saved already" in after(engine, Save()).log[-1].text
+        assert not any(tmp_path.iterdir())
+        go_on.set()
+        until(engine, lambda now: now.log[-1].text.startswith("Saved"))
+    rows = np.loadtxt(tmp_path / "trajectory.tum")
+    assert len(rows) == there.scans
+    levels = load_map(tmp_path, START.start.map).levels
+    pipeline, _ = run_headless(MemoryRecording([i for i in drive if i.stamp_ns <= there.playback.time_ns]), START)
+    for ours, theirs in zip(levels, saved_levels(pipeline.slam.map), strict=True):
+        np.testing.assert_array_equal(ours.log_odds, theirs.log_odds)
+
+
 def test_a_folder_that_went_away_does_not_stop_the_run(drive: list[Item], tmp_path: Path):
     """The reason is a warning in the log."""
     with running(MemoryRecording(drive), speed=math.inf, out=tmp_path / "gone") as engine:
         until(engine, state("ended"))
-        refused = after(engine, Save())
+        refused = saved_by(engine)
     assert "gone cannot be written to" in refused.log[-1].text
     assert refused.playback.state == "ended"
 

@@ -175,7 +175,7 @@ def test_broken_frames_and_messages_are_counted_and_passed_over(scripted: Callab
     [
         ("float32 x\n" * 50_000, "its definition of sensor_msgs/msg/LaserScan is too long to be one"),
         (f"{'=' * 80}\nMSG: 1a/2b\nfloat32 x", "its definition of sensor_msgs/msg/LaserScan cannot be read"),
-        ("float32 ranges", "its sensor_msgs/msg/LaserScan is not the one that everybody knows"),
+        ("float32 ranges", "its definition of sensor_msgs/msg/LaserScan has no header"),
     ],
 )
 def test_a_definition_that_is_none_does_no_harm(
@@ -192,6 +192,55 @@ def test_a_definition_that_is_none_does_no_harm(
     source.close()
     assert isinstance(item, Imu)
     assert source.report.skipped == {f"/scan: {reason}": 1}
+
+
+def test_a_good_channel_takes_the_part_of_a_refused_one(scripted: Callable[..., Any]) -> None:
+    """The refused one is named, and the next that is offered is asked for, on the same topic or on another one."""
+    for topic in ("/scan", "/zscan"):
+        bad = offer(3, "/scan", schema=STORE.generate_msgdef("sensor_msgs/msg/LaserScan")[0].replace("[]", ""))
+        server = scripted(
+            [HELLO, advertise(bad), advertise(offer(5, topic))], answers={asks_for(5): [data(5, scan_bytes(7))]}
+        )
+        source = open_source(server.uri, SourceOptions())
+        (scan,) = islice(source.items(), 1)
+        source.close()
+        assert scan.stamp_ns == 7
+        assert source.report.read == {topic: 1}
+        assert source.report.skipped == {
+            "/scan: its definition of sensor_msgs/msg/LaserScan has ranges of another kind": 1
+        }
+
+
+def test_a_refused_channel_keeps_no_part_for_another_type(scripted: Callable[..., Any]) -> None:
+    """Its topic plays another part in another type: the laser's is free all the same."""
+    bad = offer(3, "/data", schema=STORE.generate_msgdef("sensor_msgs/msg/LaserScan")[0].replace("[]", ""))
+    imu = offer(4, "/data", "sensor_msgs/msg/Imu")
+    server = scripted(
+        [HELLO, advertise(bad, imu), advertise(offer(5, "/scan"))], answers={asks_for(5): [data(5, scan_bytes(7))]}
+    )
+    source = open_source(server.uri, SourceOptions())
+    (scan,) = islice(source.items(), 1)
+    source.close()
+    assert isinstance(scan, LaserScan)
+
+
+def test_a_topic_that_changes_its_type_gives_each_its_part(scripted: Callable[..., Any]) -> None:
+    """A bridge may advertise it again with another type: every message goes where its channel's type belongs."""
+    server = scripted(
+        [HELLO, advertise(offer(3, "/data")), advertise(offer(4, "/data", "sensor_msgs/msg/Imu"))],
+        answers={
+            asks_for(3): [data(3, scan_bytes(7))],
+            asks_for(4): [data(4, imu_bytes(8)), data(3, scan_bytes(9))],
+        },
+    )
+    source = open_source(server.uri, SourceOptions())
+    items = list(islice(source.items(), 3))
+    source.close()
+    assert sorted((type(item).__name__, item.stamp_ns) for item in items) == [
+        ("Imu", 8),
+        ("LaserScan", 7),
+        ("LaserScan", 9),
+    ]
 
 
 def test_names_that_are_no_names_never_reach_the_code_generator(scripted: Callable[..., Any]) -> None:

@@ -82,6 +82,7 @@ def is_unharmed(pyramid: Pyramid) -> bool:
 @given(MAPS, ENDS, ENDS, POSES)
 @example("full", room(), room(), np.array([-2e3, 0.0, 0.0]))
 @example("room", np.array([[math.nan, 1.0]], np.float32), NO_POINTS, ORIGIN)
+@example("room", np.array([[1.0, math.nan]], np.float32), NO_POINTS, ORIGIN)
 def test_writing_and_clearing_stay_within_the_map(kind, points, cleared, pose):
     """Wherever a scan is written and clears cells that it passes: the map stays whole and within its limit."""
     pyramid, config = made(kind)

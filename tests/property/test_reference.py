@@ -139,7 +139,7 @@ def room(seed: int) -> tuple[OccupancyGrid, np.ndarray]:
 def test_the_matcher_returns_from_a_wrong_start(x: float, y: float, psi: float):
     """From half a cell off, the iterations end within half a cell of the pose that the map was written at."""
     grid, points = room(1)
-    *_, last = match([grid], points, np.array([x, y, psi]), (0, 12), 0.2)
+    *_, last = match([grid], points, np.array([x, y, psi]), (0, 12))
     assert np.hypot(*last.pose[:2]) < 0.025
     assert abs(last.pose[2]) < 0.02
 
@@ -147,7 +147,7 @@ def test_the_matcher_returns_from_a_wrong_start(x: float, y: float, psi: float):
 def test_a_quadratic_cost_samples_to_its_hessian_covariance():
     """Around a match with sub-cell noise the sampled covariance is of the size of (15)."""
     grid, points = room(2)
-    *_, last = match([grid], points, np.zeros(3), (0, 8), 0.2)
+    *_, last = match([grid], points, np.zeros(3), (0, 8))
     sampled, exact = sampled_covariance(grid, points, last.pose, 0.02), hessian_covariance(last.H, 0.02)
     ratios = np.diag(sampled) / np.diag(exact)
     assert (ratios > 0.2).all() and (ratios < 5.0).all()

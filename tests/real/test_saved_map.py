@@ -39,7 +39,7 @@ def test_jackal_is_localised_from_anywhere_in_its_own_map(
     told = None if start is None else np.array(start)
     given = load_map(tmp_path / name, SlamConfig().map, start=told)
     first, other = (run(recordings / f"{JACKAL}{suffix}", given) for suffix in (".bag", "_mcap"))
-    errors = truth_errors(first)
+    errors = truth_errors(first.trajectory, first.truth)
     assert errors is not None
     assert errors["aligned_rmse_m"] < 0.016
     assert set(first.states) == {"tracking"}

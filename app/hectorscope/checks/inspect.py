@@ -159,9 +159,16 @@ def _scan_detail(scan: LaserScan) -> str:
     return f"{n} beams over {field:.0f}°, {scan.range_min:g} to {scan.range_max:g} m, {sweep}, mount {mount}"
 
 
+def _date(time_ns: int) -> str:
+    """A time for people; as it is where no calendar has it."""
+    try:
+        return f"{datetime.fromtimestamp(time_ns * 1e-9, UTC):%Y-%m-%d %H:%M:%S} UTC"
+    except (ValueError, OverflowError, OSError):
+        return f"{time_ns} ns, a time of no calendar"
+
+
 def _render(report: BagReport) -> Iterator[str]:
-    start = datetime.fromtimestamp(report.start_ns * 1e-9, UTC)
-    yield f"{report.name}: {report.container}, {report.duration_s:.1f} s from {start:%Y-%m-%d %H:%M:%S} UTC"
+    yield f"{report.name}: {report.container}, {report.duration_s:.1f} s from {_date(report.start_ns)}"
     yield ""
     rows: list[_Row] = [("topic", "type", "messages", "rate", "longest gap")]
     for line in report.topics:
@@ -177,6 +184,7 @@ def _render(report: BagReport) -> Iterator[str]:
     for title, lines in (
         ("devices", list(_devices(report.measures))),
         ("wrong with them", list(_wrong(report.findings))),
+        ("warnings", report.source.warnings),
         ("notes", report.source.notes),
         ("skipped", _skipped(report.source)),
     ):

@@ -3,7 +3,8 @@
 import gc
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -21,7 +22,7 @@ from hectorscope.cli.options import (
     SourceArgs,
     source_options,
 )
-from hectorscope.common.kernel_cache import keep_compiled, user_cache
+from hectorscope.common.kernel_cache import cache_places, keep_compiled
 from hectorscope.common.resources import resource_folder
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source, SourceOptions
@@ -38,7 +39,13 @@ Bag = Annotated[
 ]
 
 MISTAKE = 2
+LOST = 3
+LOST_SHARE = 0.5  # of the scans of a run: so many without a known pose make its map of no use
 INTERRUPTED = 130
+
+
+class EmptyArgumentError(SlamError):
+    """A flag without its value."""
 
 
 class DemoError(SlamError):
@@ -82,8 +89,11 @@ def run(
     settings: SettingArgs,
     saved: MapArgs,
     source: SourceArgs,
-) -> None:
-    """Process a recording as fast as it goes; leave trajectory, map, settings and figures."""
+) -> int:
+    """Process a recording as fast as it goes; leave trajectory, map, settings and figures.
+
+    Exits with 3 when the pose is lost at the end, or in more than half of the scans.
+    """
     from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
 
@@ -96,6 +106,16 @@ def run(
             recording, chosen, out, truth=source.truth_topic, progress=progress, prior_map=prior_map
         )
     summary(recording.name, figures, out)
+    if not is_lost(figures):
+        return 0
+    print("hectorscope: the pose was lost, so the map cannot be trusted: see tracking above", file=sys.stderr)
+    return LOST
+
+
+def is_lost(figures: Mapping[str, Any]) -> bool:
+    """Whether the pose of a run is lost at its end, or was so for too long."""
+    lost = figures["tracking"].get("lost", 0)
+    return bool(figures["tracking_at_end"] == "lost" or lost > LOST_SHARE * figures["scans"]["used"])
 
 
 def inspect(bag: Bag, *, source: SourceArgs) -> None:
@@ -114,22 +134,21 @@ def _checked(uri: str, flags: Any) -> Source:
 
 
 def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
-    from hectorscope.exporters import prepare  # noqa: PLC0415
+    from hectorscope.exporters import reserved  # noqa: PLC0415
     from hectorscope.session.engine import Engine  # noqa: PLC0415
     from hectorscope.web.server import serve  # noqa: PLC0415
 
-    chosen = settings.settings()
-    if page.out is not None:
-        prepare(page.out)
-    engine = Engine(source, chosen, saved.prior_map(chosen), prepare=_get_ready, out=page.out)
-    try:
-        serve(engine, engine.start, host=page.host, port=page.port, token=page.token)
-    except KeyboardInterrupt:  # once more, while the page was being closed
-        pass
-    finally:
-        with undisturbed():
-            engine.stop()
-            message = engine.save() if engine.started and page.out is not None else ""
+    chosen, token = settings.settings(), page.secret()
+    with reserved(page.out) if page.out is not None else nullcontext():
+        engine = Engine(source, chosen, saved.prior_map(chosen), prepare=_get_ready, out=page.out)
+        try:
+            serve(engine, engine.start, host=page.host, port=page.port, token=token)
+        except KeyboardInterrupt:  # once more, while the page was being closed
+            pass
+        finally:
+            with undisturbed():
+                engine.stop()
+                message = engine.save() if engine.started and page.out is not None else ""
     if message:
         print(printable(message))
     sys.exit(INTERRUPTED)  # nothing else ends the serving
@@ -172,12 +191,11 @@ def _simulate_command(wanted: bool) -> Callable[..., None]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; the exit code. Mistakes are one line on stderr and 2, an interruption is 130."""
+    """Run one command; the exit code: 2 for a mistake, with a line on stderr; 3: lost; 130: interrupted."""
     arguments = sys.argv[1:] if arguments is None else arguments
     if list(arguments) == ["--version"]:
         print(f"hectorscope {version('hectorscope')}")
         return 0
-    keep_compiled(user_cache())
     gc.disable()  # while the libraries come: it would go through all of them again and again
     commands: dict[str, Callable[..., Any]] = {
         "demo": demo,
@@ -189,7 +207,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     }
     try:
         with ended_by_interruption(), delivered_later():
-            tyro.extras.subcommand_cli_from_dict(
+            _refuse_empty(arguments)
+            keep_compiled(*cache_places())
+            code = tyro.extras.subcommand_cli_from_dict(
                 commands,
                 prog="hectorscope",
                 description="Hector SLAM on a recording or a live robot, with every step shown in the browser."
@@ -205,9 +225,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    else:
+        return int(code or 0)
     finally:
         gc.enable()
     return 0
+
+
+def _refuse_empty(arguments: Sequence[str]) -> None:
+    """An empty value is a variable of a script that was not set; as a path it would be the present folder."""
+    for at, argument in enumerate(arguments):
+        if not argument or argument.endswith("="):
+            name = argument or arguments[max(0, at - 1)]
+            raise EmptyArgumentError(f"the value of {name.rstrip('=')} is empty: give one, or leave the flag out")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """The command line's flags: every setting from its tree, the topics, the page's address."""
 
+import os
+import stat
 from dataclasses import asdict, dataclass, field, fields, make_dataclass
 from itertools import groupby
 from pathlib import Path
@@ -17,6 +19,8 @@ from slam_core.measurements import Float64s
 
 if TYPE_CHECKING:
     from slam_core.localization.prior_map import PriorMap  # takes long: loads the compiler
+
+TOKEN = "HECTORSCOPE_TOKEN"
 
 
 class _Words(NamedTuple):
@@ -139,11 +143,42 @@ class PageFlags:
         "127.0.0.1"
     )
     port: Annotated[int, tyro.conf.arg(help="Port to serve.")] = 8080
-    token: Annotated[str | None, _optional("Secret that a browser must bring.")] = None
+    token: Annotated[
+        str | None, _optional(f"Secret that a browser must bring; also from {TOKEN} in the environment.")
+    ] = None
+    token_file: Annotated[
+        Path | None, _optional("File with that secret, which the command line would show to everybody here.")
+    ] = None
     out: Annotated[
         Path | None,
         _optional("Folder for the results of `run`: saved by a button of the page, and at the end."),
     ] = None
+
+    def secret(self) -> str | None:
+        """The token of the flag, the file or the environment, in this order; TokenError if it is of no use."""
+        if self.token is not None:
+            if self.token_file is not None:
+                raise TokenError("--token and --token-file are both given: leave one out")
+            return self.token
+        return os.environ.get(TOKEN) if self.token_file is None else read_token(self.token_file)
+
+
+def read_token(path: Path) -> str:
+    """The secret in a file that nobody else may read; TokenError otherwise."""
+    try:
+        mode, text = path.stat().st_mode, path.read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is no text"
+        raise TokenError(f"--token-file {path} cannot be read ({reason}): give a file with the token") from error
+    if os.name == "posix" and mode & (stat.S_IRWXG | stat.S_IRWXO):
+        raise TokenError(f"--token-file {path} can be read by others: run chmod 600 {path}")
+    if not text:
+        raise TokenError(f"--token-file {path} is empty: write the token into it")
+    return text
+
+
+class TokenError(SlamError):
+    """The token cannot be had."""
 
 
 class StartError(SlamError):

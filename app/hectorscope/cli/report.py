@@ -71,6 +71,7 @@ def summary(name: str, figures: dict[str, Any], folder: Path) -> None:
 def _rows(figures: dict[str, Any]) -> Iterator[tuple[str, str]]:
     scans = figures["scans"]
     yield "scans", f"{scans['used']} used of {scans['read']}"
+    yield "tracking", ", ".join(f"{count} {state}" for state, count in figures["tracking"].items())
     for reason, count in {**scans["skipped"], **figures["messages"]["skipped"]}.items():
         yield "  skipped", f"{count} x {reason}"
     for note in figures["notes"]:

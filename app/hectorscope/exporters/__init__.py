@@ -1,10 +1,12 @@
 """Files that a run leaves, at its end or on the way. One file a format; each has `EXPORTER`, an `Exporter`."""
 
+import os
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +15,15 @@ from hectorscope.inputs import Source, SourceError, SourceReport
 from hectorscope.run.headless import Progress, run_headless
 from hectorscope.run.map_images import map_images
 from hectorscope.run.metrics import metrics as run_metrics  # a module of this package has the name
+from hectorscope.run.metrics import truth_errors
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap, saved_levels
+
+if sys.platform != "win32":
+    import fcntl
 
 # Bytes that must find room before the work is begun: about what the files of a very short run take.
 PROBE = 2**16
@@ -44,6 +50,30 @@ class OutputError(SlamError):
     """The folder for the results cannot be used."""
 
 
+@contextmanager
+def reserved(folder: Path) -> Iterator[None]:
+    """`prepare` a folder, and keep other programs of this kind out of it meanwhile; OutputError if one is there.
+
+    The lock is on the folder itself and goes with the process, however that ends.
+    """
+    prepare(folder)
+    if sys.platform == "win32":
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(handle)
+        raise OutputError(f"another run writes into {folder}: wait for its end, or give another --out") from error
+    except OSError:
+        pass  # a file system without locks
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
 def prepare(folder: Path) -> None:
     """Make the folder for the results, and try it, before the work is done; OutputError if it is of no use."""
     try:
@@ -66,17 +96,26 @@ def _names() -> list[str]:
     return [name for exporter in exporters() for name in exporter.files]
 
 
-def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
-    """Write every format, even if another fails; the files written. OutputError names what is missing."""
-    run = Run(
+def collected(pipeline: Pipeline, figures: dict[str, Any]) -> Run:
+    """The results so far; the run may go on, and they stay as they are."""
+    return Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
         map_images(pipeline.slam.map),
         pipeline.settings,
         figures,
-        saved_levels(pipeline.slam.map),
+        saved_levels(pipeline.slam.map, copied=True),
         pipeline.navigation,
     )
+
+
+def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
+    """`write` the results so far."""
+    return write(collected(pipeline, figures), folder)
+
+
+def write(run: Run, folder: Path) -> list[Path]:
+    """Write every format, even if another fails; the files written. OutputError names what is missing."""
     missing: defaultdict[str, list[str]] = defaultdict(list)
     for exporter in exporters():
         try:
@@ -91,14 +130,23 @@ def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Pa
     return [folder / name for name in _names() if (folder / name).exists()]
 
 
-def save(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> str:
-    """Write every format of a run that may still go on; the sentence for the log. OutputError if that fails."""
+def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Callable[[], str]:
+    """Collect the results of a run that may go on. The function writes them, from any thread; it gives a sentence.
+
+    OutputError, also from the function, if they cannot be saved.
+    """
     if folder is None:
         raise OutputError("there is no folder to save to: start the program with --out DIR")
     if not pipeline.scans:
         raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
-    files = export(pipeline, run_metrics(pipeline, report), folder)
-    return f"Saved {', '.join(file.name for file in files)} in {folder}"
+    results, truth = collected(pipeline, run_metrics(pipeline, report, with_truth=False)), pipeline.truth
+
+    def save() -> str:
+        figures = {**results.metrics, "truth": truth_errors(results.trajectory, truth)}
+        files = write(replace(results, metrics=figures), folder)
+        return f"Saved {', '.join(file.name for file in files)} in {folder}"
+
+    return save
 
 
 def run(
@@ -111,10 +159,10 @@ def run(
     prior_map: PriorMap | None = None,
 ) -> dict[str, Any]:
     """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
-    prepare(folder)
-    pipeline, effort = run_headless(source, settings, progress, prior_map)
-    figures = run_metrics(pipeline, source.report, effort)
-    if truth is not None and figures["truth"] is None:
-        raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
-    export(pipeline, figures, folder)
-    return figures
+    with reserved(folder):
+        pipeline, effort = run_headless(source, settings, progress, prior_map)
+        figures = run_metrics(pipeline, source.report, effort)
+        if truth is not None and figures["truth"] is None:
+            raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
+        export(pipeline, figures, folder)
+        return figures

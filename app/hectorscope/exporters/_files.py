@@ -1,7 +1,14 @@
 """Files that are whole or not there at all, and the times in them."""
 
 import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+TOGETHER = 4096  # rows
 
 
 def exact_seconds(start_ns: int, seconds: float) -> str:
@@ -10,11 +17,33 @@ def exact_seconds(start_ns: int, seconds: float) -> str:
     return f"{stamp_ns // 10**9}.{stamp_ns % 10**9:09d}"
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write under a temporary name beside `path`, then rename; an older file stays until then."""
+def lines_of(rows: NDArray[np.float64], line: Callable[[list[float]], str]) -> Iterator[bytes]:
+    """A line for each row (n, columns), some thousand at a time: a long run has millions."""
+    for begin in range(0, len(rows), TOGETHER):
+        yield "".join(map(line, rows[begin : begin + TOGETHER].tolist())).encode()
+
+
+def write_whole(path: Path, *parts: bytes | Iterable[bytes]) -> None:
+    """Write under a temporary name beside `path`, then rename; an older file stays until all is on the disk."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        temporary.write_bytes(content)
+        with temporary.open("wb") as file:
+            for part in parts:
+                file.writelines([part] if isinstance(part, bytes) else part)
+            file.flush()
+            os.fsync(file.fileno())
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+    _sync(path.parent)
+
+
+def _sync(folder: Path) -> None:
+    """The new name is on the disk too, where folders can be asked for that."""
+    if sys.platform == "win32":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -42,4 +42,4 @@ def _write(run: Run, folder: Path) -> None:
         write_whole(folder / "map.yaml", description(run.maps[0]).encode())
 
 
-EXPORTER = Exporter(("map.pgm", "map.yaml"), _write)
+EXPORTER = Exporter(("map.pgm", "map.yaml"), _write, order=10)

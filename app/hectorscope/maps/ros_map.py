@@ -1,6 +1,7 @@
 """Maps as the map servers of ROS share them: map.yaml and a grey image, from any tool."""
 
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,11 @@ from slam_core.config import MapConfig
 from slam_core.localization.prior_map import MapError, SavedLevel
 
 FARTHEST = 1e5  # metres to an origin
+LONGEST_DESCRIPTION = 2**16  # bytes of a yaml file
+CELL_BYTES = 10  # of a cell in the map, all levels together
+STRIP = 256  # rows that are turned at once
+PLAIN_BYTES = 8  # of a pixel in plain text, with room for a header
+NUMBER = re.compile(rb"(?:\s|#[^\n]*+\n)*+(\d{1,9})")
 HAIR = 1e-6  # of a cell: a corner rounded in the yaml file falls on the cell that was meant
 OCCUPIED = 2  # class of a cell
 # Surer than one look, less sure than many: a map that goes on can still change its mind.
@@ -48,10 +54,15 @@ def read_ros_map(file: Path, config: MapConfig) -> tuple[SavedLevel, ...]:
             f"{file} has cells of {said.resolution:g} m, the settings {config.resolution:g} m: "
             f"give --map.resolution {said.resolution:g}"
         )
-    classes = _classes(read_pgm(file.parent / said.image), said)
+    most = int(config.limit * 1e6 / CELL_BYTES)
+    classes = _classes(read_pgm(file.parent / said.image, most), said)
     if not (classes == OCCUPIED).any():
         raise MapError(f"{file} has not one occupied cell: check its thresholds, negate and image")
-    corner, cells = _on_lattice(classes, said, 2 ** (config.levels - 1))
+    low, high = _extent(classes, said, 2 ** (config.levels - 1))
+    if math.prod((high - low).tolist()) > most:
+        wide, long = (high - low).tolist()
+        raise MapError(f"{file} covers {wide} x {long} cells, turned by {said.yaw:g} rad: raise --map.limit")
+    corner, cells = low, _on_lattice(classes, said, low, high)
     levels = [SavedLevel(said.resolution, corner, LOG_ODDS[cells])]
     for _ in range(1, config.levels):
         levels.append(coarser(levels[-1]))
@@ -68,7 +79,11 @@ def coarser(level: SavedLevel) -> SavedLevel:
 
 def _described(file: Path) -> Described:
     try:
-        said = YAML(typ="safe", pure=True).load(file.read_text(encoding="utf-8"))
+        with file.open("rb") as stream:
+            text = stream.read(LONGEST_DESCRIPTION + 1)
+        if len(text) > LONGEST_DESCRIPTION:
+            raise ValueError(f"it has more than {LONGEST_DESCRIPTION} bytes")
+        said = YAML(typ="safe", pure=True).load(text.decode())
     except Exception as error:  # the parser's ways to stumble over words that are no value are many
         raise MapError(f"{file} cannot be read ({error}): give a map's yaml file") from error
     try:
@@ -77,7 +92,9 @@ def _described(file: Path) -> Described:
         rest = {name: float(said[name]) for name in ("occupied_thresh", "free_thresh") if name in said}
         x, y, yaw = map(float, said["origin"])
         negate = bool(said.get("negate", 0))
-        return Described(str(said["image"]), float(said["resolution"]), x, y, yaw, negate, **rest)
+        if not isinstance(said["image"], str):  # words for people of a list of lists of lists have no end
+            raise TypeError("its image is no name of a file")
+        return Described(said["image"], float(said["resolution"]), x, y, yaw, negate, **rest)
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise MapError(
             f"{file} describes no map ({error}): it needs image, resolution, origin [x, y, yaw]"
@@ -91,41 +108,58 @@ def _classes(grey: NDArray[np.uint8], said: Described) -> NDArray[np.uint8]:
     return np.where(occupancy > said.occupied_thresh, OCCUPIED, free).astype(np.uint8)
 
 
-def _on_lattice(
+def _extent(
     classes: NDArray[np.uint8], said: Described, block: int
-) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
-    """Corner and cells of whole blocks of the lattice around an image, wherever it lies and however it is turned.
-
-    Each cell takes the pixel that its centre lies in: walls move by half a cell at most.
-    """
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Lowest and highest corner of whole blocks of the lattice around an image, wherever it lies and is turned."""
     rows, columns = classes.shape
     u, v = said.x / said.resolution, said.y / said.resolution
     c, s = math.cos(said.yaw), math.sin(said.yaw)
     corners = np.array([[u + c * a - s * b, v + s * a + c * b] for a in (0, columns) for b in (0, rows)])
     low = (np.floor(corners.min(axis=0) / block) * block).astype(np.int64)
-    high = (np.ceil(corners.max(axis=0) / block) * block).astype(np.int64)
-    across, up = np.meshgrid(np.arange(low[0], high[0]) + 0.5 - u, np.arange(low[1], high[1]) + 0.5 - v)
-    column = np.floor(c * across + s * up + HAIR).astype(np.int64)
-    row = np.floor(c * up - s * across + HAIR).astype(np.int64)
-    inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
-    cells = np.zeros(inside.shape, np.uint8)
-    cells[inside] = classes[row[inside], column[inside]]
-    return low, cells
+    return low, (np.ceil(corners.max(axis=0) / block) * block).astype(np.int64)
 
 
-def read_pgm(file: Path) -> NDArray[np.uint8]:
+def _on_lattice(
+    classes: NDArray[np.uint8], said: Described, low: NDArray[np.int64], high: NDArray[np.int64]
+) -> NDArray[np.uint8]:
+    """The cells between two corners; each takes the pixel of its centre: walls move by half a cell at most."""
+    (rows, columns), (width, height) = classes.shape, (high - low).tolist()
+    u, v = said.x / said.resolution, said.y / said.resolution
+    c, s = math.cos(said.yaw), math.sin(said.yaw)
+    cells = np.zeros((height, width), np.uint8)
+    for begin in range(0, height, STRIP):
+        strip = cells[begin : begin + STRIP]
+        first = low[1] + begin
+        across, up = np.meshgrid(
+            np.arange(low[0], high[0]) + 0.5 - u, np.arange(first, first + len(strip)) + 0.5 - v
+        )
+        column = np.floor(c * across + s * up + HAIR).astype(np.int64)
+        row = np.floor(c * up - s * across + HAIR).astype(np.int64)
+        inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+        strip[inside] = classes[row[inside], column[inside]]
+    return cells
+
+
+def read_pgm(file: Path, most_pixels: int = 2**31) -> NDArray[np.uint8]:
     """A grey image in the format PGM, binary (P5) or plain (P2), rows from the top; MapError for anything else."""
     try:
-        content = file.read_bytes()
+        size = file.stat().st_size
+        content = file.read_bytes() if size <= PLAIN_BYTES * most_pixels else b""
     except (OSError, ValueError) as error:  # ValueError: a name that no file can have
         reason = getattr(error, "strerror", error)
         raise MapError(f"{file} cannot be read ({reason}): the yaml file names it as its image") from error
-    kind, rest = content[:2], content[2:]
+    if size > PLAIN_BYTES * most_pixels:
+        raise MapError(f"{file} has {size} bytes, too many for {most_pixels} cells: raise --map.limit")
+    kind = content[:2]
     if kind not in {b"P5", b"P2"}:
         raise MapError(f"{file} is no PGM image: convert it and name it in the yaml file")
     try:
-        (columns, rows, most), rest = _header(rest)
-        values = np.frombuffer(rest[1:], np.uint8) if kind == b"P5" else np.array(rest.split(), np.int64)
+        (columns, rows, most), end = _header(content)
+        if rows * columns > most_pixels:
+            raise ValueError(f"{columns} x {rows} pixels, more than {most_pixels} cells")
+        rest = memoryview(content)[end:]
+        values = np.frombuffer(rest[1:], np.uint8) if kind == b"P5" else np.array(bytes(rest).split(), np.int64)
         if most != 255 or min(rows, columns) < 1 or rows * columns > len(values):
             raise ValueError(f"{len(values)} pixels with values up to {most} for {columns} x {rows} up to 255")
         if values.min() < 0 or values.max() > most:
@@ -135,15 +169,13 @@ def read_pgm(file: Path) -> NDArray[np.uint8]:
     return values[: rows * columns].astype(np.uint8).reshape(rows, columns)
 
 
-def _header(content: bytes) -> tuple[list[int], bytes]:
-    """Width, height and largest value, and what follows them; comments begin with # and end the line."""
-    numbers: list[int] = []
-    while len(numbers) < 3:
-        content = content.lstrip()
-        if content.startswith(b"#"):
-            content = content.partition(b"\n")[2]
-            continue
-        word = content[:20].split(maxsplit=1)[0] if content else b""
-        numbers.append(int(word))
-        content = content[len(word) :]
-    return numbers, content
+def _header(content: bytes) -> tuple[tuple[int, int, int], int]:
+    """Width, height and largest value, and where they end; comments begin with # and end the line."""
+    numbers, end = [], 2
+    for _ in range(3):
+        found = NUMBER.match(content, end)
+        if found is None:
+            raise ValueError("no width, height and largest value")
+        numbers.append(int(found[1]))
+        end = found.end()
+    return (numbers[0], numbers[1], numbers[2]), end

@@ -26,13 +26,15 @@ class Display:
     """How things are shown: shared by every browser, immutable. Views compare it with what they drew last.
 
     gap: between stacked levels, times the depth of the map. level: the one shown in layout "one", 0 the finest.
-    ellipse_scale: the ellipses show this many sigmas. hidden: keys of the layers switched off.
+    ellipse_scale: the ellipses show this many sigmas. ellipse_fit: whether that follows the map and covariances.
+    hidden: keys of the layers switched off.
     """
 
     layout: Layout = "stacked"
     gap: float = 0.5
     level: int = 0
     ellipse_scale: float = 200.0
+    ellipse_fit: bool = True
     points: Points = "residual"
     dark: bool = True
     hidden: frozenset[str] = frozenset()

@@ -1,7 +1,7 @@
 """Which columns of the series are drawn together, and in which units."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 DEGREES = 180.0 / math.pi
 LOG_FLOOR = 1e-4  # of a plotted value: zero has no logarithm
@@ -18,17 +18,21 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves that share an axis; values are multiplied by `factor`. log: by decades, from LOG_FLOOR up."""
+    """Curves that share an axis; values are multiplied by `factor`. log: by decades, from LOG_FLOOR up.
+
+    angles: radians that go on beyond half a turn instead of jumping.
+    """
 
     title: str
     factor: float
     curves: tuple[Curve, ...]
     log: bool = False
+    angles: bool = False
 
 
 def sigmas(title: str, axis: str, factor: float) -> Chart:
     """The three standard deviations of one coordinate, in the colours of their ellipses."""
-    names = (("match", "match"), ("filter", "prior"), ("fused", "fused"))
+    names = (("match", "match"), ("prior", "prior"), ("fused", "fused"))
     return Chart(
         title, factor, tuple(Curve(f"{name}_sigma_{axis}", name, colour) for name, colour in names), log=True
     )
@@ -40,6 +44,7 @@ def columns(title: str, factor: float, *names: str) -> Chart:
     return Chart(title, factor, tuple(Curve(c, short or c, i) for i, (c, _, short) in enumerate(pairs)))
 
 
+AGAINST_TRUTH = "Error against truth"
 PAGES: dict[str, tuple[Chart, ...]] = {
     "Covariance": (sigmas("σ x, mm", "x", 1e3), sigmas("σ y, mm", "y", 1e3), sigmas("σ ψ, °", "yaw", DEGREES)),
     "Match": (
@@ -49,9 +54,14 @@ PAGES: dict[str, tuple[Chart, ...]] = {
         columns("Unexpected beams, %", 100.0, "unexpected"),
         columns("Beams that fix the weakest direction, %", 100.0, "weakest_share:share"),
     ),
+    AGAINST_TRUTH: (
+        columns("Position in the plane, mm", 1e3, "error:distance"),
+        columns("Heading, °", DEGREES, "error_yaw:heading"),
+        columns("Height, mm", 1e3, "error_z:height"),
+    ),
     "Attitude": (
         columns("Roll and pitch, °", DEGREES, "roll", "pitch"),
-        columns("Yaw, °", DEGREES, "yaw"),
+        replace(columns("Yaw, °", DEGREES, "yaw"), angles=True),
         columns("Height, m", 1.0, "z"),
     ),
     "Biases": (

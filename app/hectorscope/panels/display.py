@@ -4,11 +4,12 @@ import math
 from collections.abc import Callable
 from typing import Any, cast
 
-from viser import GuiButtonGroupHandle, GuiEvent, Icon
+from viser import GuiButtonGroupHandle, GuiButtonHandle, GuiEvent, Icon
 
 from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Layer, Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._controls import Choice, Control, LinearSlider, LogSlider, Switch
+from hectorscope.panels._ellipse_scale import fitted
 from hectorscope.panels._slider import Scale
 from hectorscope.run.map_images import MapImage
 from hectorscope.session.snapshot import Snapshot
@@ -17,6 +18,7 @@ CAMERAS: dict[str, Camera] = {"Top": "top", "Follow": "follow", "Free": "free", 
 LAYOUTS = {"stacked": "levels stacked", "side": "levels side by side", "one": "one level"}
 POINTS = {"residual": "by residual", "height": "by height", "plain": "plain"}
 GAP = Scale(GAP_RANGE[0], GAP_RANGE[1], 0.05, log=False, integer=False)
+PICTURE = "window.hectorscope?.picture()"
 SIGMAS = Scale(
     math.log10(ELLIPSE_SCALE_RANGE[0]), math.log10(ELLIPSE_SCALE_RANGE[1]), 0.01, log=True, integer=False
 )
@@ -43,9 +45,13 @@ class DisplayPanel:
             self._level = gui.add_dropdown(
                 "Level", ("finest",), initial_value="finest", hint="The one level shown."
             )
+            picture = gui.add_button(
+                "Save a picture", icon=Icon.CAMERA, hint="The scene as this browser shows it, as a PNG file."
+            )
             with gui.add_folder("Layers"):
                 self._layers = {layer.key: self._add_layer(layer) for layer in scene.layers}
         camera.on_click(self._point_camera)
+        picture.on_click(self._save_picture)
         for key, name in enumerate(CAMERAS, start=1):
             self._add_hotkey(str(key), name)
         self._level.on_update(self._choose_level)
@@ -61,13 +67,20 @@ class DisplayPanel:
             "Ellipses (σ)",
             SIGMAS,
             now.ellipse_scale,
-            "Ellipses are drawn this many sigmas large.",
-            self._setter("ellipse_scale"),
+            "Ellipses are drawn this many sigmas large. Moving this holds it.",
+            lambda _: self._scene.show(ellipse_scale=self._controls["ellipse_scale"].read(), ellipse_fit=False),
+        )
+        fit = Switch(
+            gui,
+            "Fit the ellipses",
+            now.ellipse_fit,
+            "Chooses the number of sigmas so that the ellipses are well seen in the map.",
+            self._setter("ellipse_fit"),
         )
         points = Choice(
             gui, "Scan", POINTS, now.points, "What colours the scan's endpoints.", self._setter("points")
         )
-        return {"layout": layout, "gap": gap, "ellipse_scale": scale, "points": points}
+        return {"layout": layout, "gap": gap, "ellipse_scale": scale, "ellipse_fit": fit, "points": points}
 
     def _setter(self, name: str) -> Callable[[GuiEvent[Any]], None]:
         return lambda _: self._scene.show(**{name: self._controls[name].read()})
@@ -93,6 +106,7 @@ class DisplayPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the display settings, whoever changed them, and the number of levels."""
         self._draw_levels(snapshot.maps)
+        self._fit_ellipses(snapshot)
         display, before = self._scene.display, self._drawn
         if display == before:
             return
@@ -103,6 +117,11 @@ class DisplayPanel:
         for key, box in self._layers.items():
             if (key in display.hidden) != (key in before.hidden):
                 box.show(key not in display.hidden)
+
+    def _fit_ellipses(self, snapshot: Snapshot) -> None:
+        now = self._scene.display
+        if now.ellipse_fit and (scale := fitted(snapshot, now.ellipse_scale)) != now.ellipse_scale:
+            self._scene.show(ellipse_scale=scale)
 
     def _draw_levels(self, maps: tuple[MapImage, ...]) -> None:
         resolutions = tuple(image.resolution for image in maps)
@@ -121,6 +140,10 @@ class DisplayPanel:
     def _point_camera(self, event: GuiEvent[GuiButtonGroupHandle]) -> None:
         if event.target.value in CAMERAS:
             self._scene.camera(CAMERAS[event.target.value], event.client)
+
+    def _save_picture(self, event: GuiEvent[GuiButtonHandle]) -> None:
+        if event.client is not None:  # else every browser would save one
+            self._scene.run(PICTURE, event.client)
 
 
 def level_name(resolution: float) -> str:

@@ -12,7 +12,7 @@ from hectorscope.panels._handles import put
 from hectorscope.session.snapshot import Snapshot
 from slam_core.results import StepResult
 
-ROWS = (("match", "match", "R, eq. (15)"), ("filter", "prior", "P before"), ("fused", "fused", "P⁺, eq. (16)"))
+ROWS = (("match", "match", "R, eq. (15)"), ("prior", "prior", "P before"), ("fused", "fused", "P⁺, eq. (16)"))
 
 
 class MatchPanel:

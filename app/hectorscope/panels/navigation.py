@@ -29,7 +29,6 @@ SWITCHES = {
     "gravity": "standstill",
     "zero rate": "standstill",
 }
-NAMES = {"prior": "filter"}
 HORIZON = horizon_svg("hs-filter-horizon")
 NO_FILTER = '<p class="hs-empty">Without inertial data there is no navigation filter.</p>'
 
@@ -97,9 +96,7 @@ def fusion_html(result: StepResult, state: NavigationState) -> str:
         figure("m/s", f"{fixed(speed, 2)} ± {fixed(3 * float(sigma[6:8].max()), 2)}"),
         *_world(result.world),
     ]
-    names = "".join(
-        f'<span class="hs-of-{name}"><i class="hs-ring"></i>{NAMES.get(name, name)}</span>' for name in layers
-    )
+    names = "".join(f'<span class="hs-of-{name}"><i class="hs-ring"></i>{name}</span>' for name in layers)
     return (
         f'<div class="hs-fusion">{HORIZON}{ellipses_svg(layers, result.fused)}<div>{"".join(figures)}</div></div>'
         f'<div class="hs-legend">{names}<span>ellipses {SIGMAS:g} σ, ± 3 σ</span></div>'

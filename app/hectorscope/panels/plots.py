@@ -9,8 +9,9 @@ from viser import GuiUplotHandle, Icon, ViserServer
 
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import Theme, css
-from hectorscope.panels._curves import LOG_FLOOR, PAGES, WINDOWS, Chart
+from hectorscope.panels._curves import AGAINST_TRUTH, LOG_FLOOR, PAGES, WINDOWS, Chart
 from hectorscope.panels._decimate import decimate
+from hectorscope.panels._truth_error import truth_error
 from hectorscope.session.snapshot import Snapshot
 
 POINTS = 300  # of a curve: about one a pixel
@@ -51,9 +52,10 @@ class PlotsPanel:
                 chart.wear(theme)
             return
         self._drawn = state
-        first = recent(snapshot.series, WINDOWS[window])
+        rows = truth_error(snapshot) if page == AGAINST_TRUTH else snapshot.series
+        first = recent(rows, WINDOWS[window])
         shown = [
-            chart.draw(snapshot.series if name == page else None, first)
+            chart.draw(rows if name == page else None, first)
             for name, charts in self._charts.items()
             for chart in charts
         ]
@@ -107,7 +109,8 @@ def curves(chart: Chart, series: NDArray[np.void], first: int) -> tuple[NDArray[
     """Time and the curves, thinned, in the chart's unit; nothing when no curve has two finite values."""
     known = np.any([np.isfinite(series[curve.column][first:]) for curve in chart.curves], axis=0)
     first += int(np.argmax(known)) if len(known) else 0  # with a gap in front its axis would find no range
-    values = [series[curve.column][first:] for curve in chart.curves]
+    whole = [series[curve.column] for curve in chart.curves]
+    values = [(np.unwrap(column) if chart.angles else column)[first:] for column in whole]
     if not any(np.count_nonzero(np.isfinite(column)) > 1 for column in values):
         return ()
     x, columns = decimate(series["time_s"][first:], values, POINTS, first)

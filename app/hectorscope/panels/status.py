@@ -11,6 +11,7 @@ from hectorscope.panels._format import clock, figure, fixed, text
 from hectorscope.panels._handles import put
 from hectorscope.run.settings import Mode
 from hectorscope.session.snapshot import PlaybackStatus, Snapshot
+from slam_core.navigation.monitor import NO_ATTITUDE
 
 REASONS_SHOWN = 12
 MODES = {"localise": "the saved map is left as it is", "continue": "the saved map goes on"}
@@ -75,7 +76,8 @@ def losses_html(report: SourceReport, failures: Mapping[str, str], warnings: tup
     lines += reasons[:REASONS_SHOWN] + ([f"and {hidden} more reasons"] if hidden > 0 else []) + broken
     fold = f'<ul class="hs-tip">{"".join(f"<li>{line}</li>" for line in lines)}</ul>' if lines else ""
     dropped = figure("dropped", str(report.dropped), "bad" if report.dropped else "")
-    shown = figure("skipped", str(skipped), "bad" if skipped else "")
+    expected = report.skipped.get(NO_ATTITUDE, 0)  # the initial alignment takes some scans
+    shown = figure("skipped", str(skipped), "bad" if skipped > expected else "")
     failed = figure("failed", str(len(broken)), "bad") if broken else ""
     wrong = figure("warnings", str(len(warnings)), "bad") if warnings else ""
     return f'<div class="hs-losses" tabindex="0">{wrong}{dropped}{shown}{failed}{fold}</div>'

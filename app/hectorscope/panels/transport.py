@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from time import monotonic
 from typing import Any, cast
 
@@ -13,10 +12,11 @@ from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._format import clock
 from hectorscope.panels._handles import put, put_value
-from hectorscope.session.commands import PlayPause, Restart, Save, Seek, SetSpeed, StepScan
+from hectorscope.session.commands import ChangeSpeed, PlayPause, Restart, Save, Seek, SetSpeed, StepScan
+from hectorscope.session.playback import ON_OFFER, nearest_speed
 from hectorscope.session.snapshot import PlaybackStatus, Snapshot
 
-SPEEDS = {"0.1×": 0.1, "0.25×": 0.25, "0.5×": 0.5, "1×": 1.0, "2×": 2.0, "5×": 5.0, "10×": 10.0, "max": math.inf}
+SPEEDS = {f"{speed:g}×" if math.isfinite(speed) else "max": speed for speed in ON_OFFER}
 SETTLE = 0.25  # seconds that the timeline must rest before a jump: dragging is not a hundred jumps
 HOLD = 2.0  # seconds that the timeline waits for the run to arrive before it shows the run's own time again
 RUNNING = ("playing", "seeking", "waiting")
@@ -75,14 +75,6 @@ class TransportPanel:
             self._speed_drawn = name
             put_value(self._speed, name)
 
-    def nudge_speed(self, by: int) -> None:
-        """One notch slower (-1) or faster (+1)."""
-        speeds = list(SPEEDS.values())
-        at = speeds.index(SPEEDS[name_of_speed(self._playback.speed)])
-        speed = speeds[min(max(at + by, 0), len(speeds) - 1)]
-        self._playback = replace(self._playback, speed=speed)
-        self._scene.send(SetSpeed(speed))
-
     def _choose_speed(self, event: GuiEvent[Any]) -> None:
         if event.client is not None and event.target.value in SPEEDS:
             self._scene.send(SetSpeed(SPEEDS[event.target.value]))
@@ -92,8 +84,8 @@ class TransportPanel:
         self._hotkey("Play or pause", "space", Icon.PLAYER_PLAY, lambda: send(PlayPause()))
         self._hotkey("Step one scan", ".", Icon.PLAYER_TRACK_NEXT, lambda: send(StepScan()))
         self._hotkey("Restart", "R", Icon.PLAYER_SKIP_BACK, lambda: send(Restart()))
-        self._hotkey("Slower", "[", Icon.MINUS, lambda: self.nudge_speed(-1))
-        self._hotkey("Faster", "]", Icon.PLUS, lambda: self.nudge_speed(+1))
+        self._hotkey("Slower", "[", Icon.MINUS, lambda: send(ChangeSpeed(-1)))
+        self._hotkey("Faster", "]", Icon.PLUS, lambda: send(ChangeSpeed(+1)))
 
     def _hotkey(self, title: str, key: str, icon: IconName, act: Callable[[], None]) -> None:
         # The page takes any key that a keyboard event names; the declared type lists letters and a few more.
@@ -153,12 +145,7 @@ class Timeline:
 
 def name_of_speed(speed: float) -> str:
     """The nearest speed on offer."""
-    if math.isinf(speed):
-        return "max"
-    return min(
-        (n for n, s in SPEEDS.items() if math.isfinite(s)),
-        key=lambda n: abs(math.log(SPEEDS[n] / max(speed, 1e-3))),
-    )
+    return next(name for name, value in SPEEDS.items() if value == nearest_speed(speed))
 
 
 def clock_html(playback: PlaybackStatus) -> str:

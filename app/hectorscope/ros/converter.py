@@ -11,7 +11,7 @@ from hectorscope.ros import aid_messages, messages
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.mounts import Mounts
 from hectorscope.ros.repairs import Repairs
-from hectorscope.ros.roles import PRESSURE, Roles, is_static_tf, tf_spec
+from hectorscope.ros.roles import PRESSURE, ROLE_TYPES, TF_TYPES, Roles, is_static_tf, tf_spec
 from hectorscope.ros.stamps import AHEAD, Stamps
 from hectorscope.ros.tf import TfTree
 from hectorscope.ros.tf_poses import TfPoses
@@ -71,22 +71,24 @@ class Converter:
         """Take the topics of `roles` from now on (a live stream learns of its topics bit by bit)."""
         self.roles = roles
         self._tf_poses.assign(roles)
-        parts: list[tuple[str | None, _Duty]] = [
-            (roles.scan, self._scan),
-            (roles.imu, self._imu),
-            (roles.attitude, self._attitude),
-            (roles.odometry, self._odometry),
-            (roles.height, self._height),
-            (roles.ground, self._ground),
-            (roles.magnetic, self._magnetic),
-            (roles.gps, self._gps),
-            (roles.gps_velocity, self._gps_velocity),
-            (roles.truth, self._truth),
-        ]
-        self._duties: dict[str, list[_Duty]] = {}
-        for topic, duty in parts:
+        parts: dict[str, _Duty] = {
+            "scan": self._scan,
+            "imu": self._imu,
+            "attitude": self._attitude,
+            "odometry": self._odometry,
+            "height": self._height,
+            "ground": self._ground,
+            "magnetic": self._magnetic,
+            "gps": self._gps,
+            "gps_velocity": self._gps_velocity,
+            "truth": self._truth,
+        }
+        self._duties: dict[tuple[str, str], list[_Duty]] = {}  # one topic may come in several types
+        for role, duty in parts.items():
+            topic = getattr(roles, role)
             if topic is not None and tf_spec(topic) is None:
-                self._duties.setdefault(topic, []).append(duty)
+                for msgtype in ROLE_TYPES[role]:
+                    self._duties.setdefault((topic, msgtype), []).append(duty)
 
     @property
     def report(self) -> SourceReport:
@@ -94,12 +96,12 @@ class Converter:
         notes = (*self.roles.notes, *self.mounts.notes.values(), *self._tf_poses.notes(), *self._notes.values())
         return SourceReport(read=dict(self._read), skipped=dict(self._skipped), notes=notes)
 
-    def convert(self, topic: str, message: Any, receive_ns: int) -> list[Item]:
-        """What may go on now that `message` (a rosbags object) has come; a topic without a part gives nothing."""
-        if topic in self.roles.transforms:
+    def convert(self, topic: str, msgtype: str, message: Any, receive_ns: int) -> list[Item]:
+        """What may go on now that `message` (a rosbags object) has come; what has no part gives nothing."""
+        if topic in self.roles.transforms and msgtype in TF_TYPES:
             self._read[topic] += 1
             return [*self._transforms(topic, message, receive_ns), *self._release(receive_ns)]
-        if topic not in self._duties:
+        if (topic, msgtype) not in self._duties:
             return []
         self._read[topic] += 1
         stamp_ns = messages.stamp_ns(message, receive_ns)
@@ -107,7 +109,7 @@ class Converter:
         if fault:
             self.skip(topic, fault)
             return []
-        for duty in self._duties[topic]:
+        for duty in self._duties[topic, msgtype]:
             self._waiting.append(_Pending(duty, topic, message, stamp_ns, receive_ns))
         return self._release(receive_ns)
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from functools import cache, lru_cache
 from typing import Any, Literal
 
+from rosbags.interfaces import Nodetype
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
@@ -15,6 +16,15 @@ from hectorscope.ros.messages import BadMessage
 Generation = Literal["ros1", "ros2"]
 DefinitionFormat = Literal["msg", "idl"]
 Decode = Callable[[bytes | memoryview], Any]
+Types = dict[str, Any]
+
+LONGEST_DEFINITION = 200_000  # characters
+LONGEST_ARRAY = 10_000  # values of a fixed number; the standard types have 36 at most
+
+
+class BadDefinition(Exception):
+    """A definition that is not that of the type it names; the text is the reason."""
+
 
 # A definition in IDL lists its files under headings like this.
 _IDL_HEADING = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
@@ -33,15 +43,16 @@ def decoder(
     """A function from serialised bytes to a rosbags object; it raises BadMessage for bytes that do not fit.
 
     definition: the text that came with the data; without one, or where it cannot be parsed, the standard type of
-    that name is used. None: the type is unknown. Each decoder keeps its own types, so that two definitions of one
-    name do not get in each other's way.
+    that name is used. None: the type is unknown. BadDefinition: it contradicts the standard type of its name, on
+    whose fields everything relies, or cannot be used. Each decoder keeps its own types, so that two definitions of
+    one name do not get in each other's way.
     """
     standard = _standard(generation)
     store = (_defined(msgtype, definition, form) if definition else None) or standard
     if msgtype not in store.fielddefs:
         return None
-    if not _field_names(standard, msgtype) <= _field_names(store, msgtype):
-        return None
+    if store is not standard and msgtype in standard.fielddefs:
+        _check(store, standard, msgtype)
     deserialise = store.deserialize_ros1 if generation == "ros1" else store.deserialize_cdr
 
     def decode(raw: bytes | memoryview) -> Any:
@@ -50,6 +61,7 @@ def decoder(
         except (SerdeError, ValueError, IndexError) as error:
             raise BadMessage(f"bytes that are no {msgtype}") from error
 
+    _try(decode, msgtype)
     quick = quick_reader(msgtype, ros1=generation == "ros1")
     if quick is None or not _same(store, standard, msgtype):
         return decode
@@ -58,17 +70,92 @@ def decoder(
 
 def _defined(msgtype: str, definition: str, form: DefinitionFormat) -> Typestore | None:
     """The types of a definition; None where it is missing, cannot be parsed or leaves out a type it uses."""
+    if len(definition) > LONGEST_DEFINITION:
+        raise BadDefinition(f"its definition of {msgtype} is too long to be one")
     store = get_typestore(Stores.EMPTY)
     try:
-        if form == "msg":
-            store.register(get_types_from_msg(definition, msgtype))
-        else:
-            for part in filter(None, _IDL_HEADING.split(definition)):
-                store.register(get_types_from_idl(part))
+        types = _parsed(msgtype, definition, form)
+        _check_size(types, msgtype)
+        store.register(types)
         store.get_msgdef(msgtype)
+    except BadDefinition:
+        raise
     except (TypesysError, KeyError):
         return None
+    except Exception as error:  # text from a stranger has many ways to be no definition
+        raise BadDefinition(f"its definition of {msgtype} cannot be read") from error
     return store
+
+
+def _parsed(msgtype: str, definition: str, form: DefinitionFormat) -> Types:
+    """The types of a text, by name."""
+    if form == "msg":
+        return get_types_from_msg(definition, msgtype)
+    types: Types = {}
+    for part in filter(None, _IDL_HEADING.split(definition)):
+        types |= get_types_from_idl(part)
+    return types
+
+
+def _try(decode: Decode, msgtype: str) -> None:
+    """Decode nothing: the library writes code from the definition for that, which names in it may spoil."""
+    try:
+        decode(b"")
+    except BadMessage:
+        return
+    except Exception as error:
+        raise BadDefinition(f"its definition of {msgtype} cannot be used ({type(error).__name__})") from error
+
+
+def _check_size(types: Types, msgtype: str, above: tuple[str, ...] = ()) -> None:
+    """BadDefinition for types in a circle, and for lists whose length says nothing about the bytes they take."""
+    if msgtype in above:
+        raise BadDefinition(f"its definition of {above[0]} contains itself")
+    for name, (node, value) in types[msgtype][1]:
+        if node is Nodetype.ARRAY and int(value[1]) > LONGEST_ARRAY:
+            raise BadDefinition(f"its definition has {value[1]} values of {name}, more than {LONGEST_ARRAY}")
+        nested = _nested((node, value))
+        if nested not in types:
+            continue  # a number, or a type that is found to be missing elsewhere
+        if node is Nodetype.SEQUENCE and not types[nested][1]:
+            raise BadDefinition(f"its definition has a list {name} of nothing")
+        _check_size(types, nested, (*above, msgtype))
+
+
+def _check(store: Typestore, standard: Typestore, msgtype: str, own: str = "", path: str = "") -> None:
+    """BadDefinition where a field of a standard type is missing or of another kind; more fields are welcome.
+
+    own: the name that the type has in `store`, if it has another one. path: the fields that led to it.
+    """
+    fields = dict(store.fielddefs[own or msgtype][1])
+    for name, wanted in standard.fielddefs[msgtype][1]:
+        where, found = f"{path}{name}", fields.get(name)
+        if found is None:
+            raise BadDefinition(f"its definition of {msgtype} has no {where}")
+        types, found_types = _nested(wanted), _nested(found)
+        if _kind(wanted) != _kind(found) or bool(types) != bool(found_types):
+            raise BadDefinition(f"its definition of {msgtype} has {where} of another kind")
+        if types:
+            _check(store, standard, types, found_types, f"{where}.")
+
+
+def _nested(field: Any) -> str:
+    """The type that a field is made of, alone or many; empty for numbers and text."""
+    node, value = field
+    if node is Nodetype.NAME:
+        return str(value)
+    return _nested(value[0]) if node in (Nodetype.ARRAY, Nodetype.SEQUENCE) else ""
+
+
+def _kind(field: Any) -> tuple[str, ...]:
+    """What code can rely on: number, text or type, alone or many. A float of either size will do."""
+    node, value = field
+    if node is Nodetype.NAME:
+        return ("type",)
+    if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        return ("many", *_kind(value[0]))
+    word: str = value[0]
+    return ("float",) if word.startswith("float") else ("integer",) if "int" in word else (word,)
 
 
 def _same(one: Typestore, other: Typestore, msgtype: str) -> bool:
@@ -78,11 +165,6 @@ def _same(one: Typestore, other: Typestore, msgtype: str) -> bool:
     fields = one.fielddefs[msgtype][1]
     names = re.findall(r"[\w]+/msg/[\w]+", str(fields))
     return fields == other.fielddefs[msgtype][1] and all(_same(one, other, name) for name in names)
-
-
-def _field_names(store: Typestore, msgtype: str) -> set[str]:
-    """The fields of a type; none for a type that the store does not know."""
-    return {name for name, _ in store.fielddefs[msgtype][1]} if msgtype in store.fielddefs else set()
 
 
 @cache

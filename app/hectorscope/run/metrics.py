@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hectorscope.inputs import SourceReport
 from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.rows import Rows
 from hectorscope.run.series import SERIES_DTYPE
 from slam_core.evaluation.trajectory import Trajectory, evaluate
 from slam_core.results import StepResult
@@ -25,8 +26,13 @@ class Effort:
     wall_s: float
 
 
-def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = None) -> dict[str, Any]:
-    """Everything that is worth a number. report: the source's own counters. effort: unless a hand played it."""
+def metrics(
+    pipeline: Pipeline, report: SourceReport, effort: Effort | None = None, *, with_truth: bool = True
+) -> dict[str, Any]:
+    """Everything that is worth a number. report: the source's own counters. effort: unless a hand played it.
+
+    with_truth: compare with the truth, which takes long after hours.
+    """
     maps = map_images(pipeline.slam.map)
     return {
         "scans": {
@@ -35,6 +41,7 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = No
             "skipped": dict(pipeline.skipped),
         },
         "tracking": dict(pipeline.states),
+        "tracking_at_end": pipeline.result.tracking if pipeline.result else None,
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
         "filter_unused": dict(pipeline.slam.status.unused),
         "filter_sources": sources(pipeline.result),
@@ -44,7 +51,7 @@ def metrics(pipeline: Pipeline, report: SourceReport, effort: Effort | None = No
         "map_updates": pipeline.slam.map.updates,
         "occupied_cells": int(np.count_nonzero(maps[0].cells == 2)) if maps else 0,
         "map_in_world": map_in_world(pipeline.result),
-        "truth": truth_errors(pipeline),
+        "truth": truth_errors(pipeline.trajectory, pipeline.truth) if with_truth else None,
     }
 
 
@@ -85,9 +92,9 @@ def medians(series: NDArray[np.void]) -> dict[str, float]:
     return {part: round(1e3 * float(np.median(ms)), 1) if len(ms) else 0.0 for part, ms in columns.items()}
 
 
-def truth_errors(pipeline: Pipeline) -> dict[str, float] | None:
-    """Errors against the truth in metres and degrees; None without a truth that overlaps the run."""
-    error = evaluate(Trajectory.from_rows(pipeline.trajectory), Trajectory.from_rows(pipeline.truth))
+def truth_errors(trajectory: Rows, truth: Rows) -> dict[str, float] | None:
+    """Errors of a trajectory (n, 8) in metres and degrees; None without a truth (m, 8) that overlaps it."""
+    error = evaluate(Trajectory.from_rows(trajectory), Trajectory.from_rows(truth))
     if error is None:
         return None
     figures = {"poses": error.poses, "raw_rmse_m": error.raw, "aligned_rmse_m": error.aligned}

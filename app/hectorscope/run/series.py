@@ -12,7 +12,7 @@ from slam_core.results import NavigationState, StepResult
 SERIES_FIELDS = (
     "time_s", "x", "y", "z", "roll", "pitch", "yaw",
     "match_sigma_x", "match_sigma_y", "match_sigma_yaw",
-    "filter_sigma_x", "filter_sigma_y", "filter_sigma_yaw",
+    "prior_sigma_x", "prior_sigma_y", "prior_sigma_yaw",
     "fused_sigma_x", "fused_sigma_y", "fused_sigma_yaw",
     "residual", "iterations", "beams", "map_updates", "weakest_sigma", "unexpected", "weakest_share",
     "gyro_bias_x", "gyro_bias_y", "gyro_bias_z", "accel_bias_x", "accel_bias_y", "accel_bias_z",

@@ -32,6 +32,13 @@ class SetSpeed:
 
 
 @dataclass(frozen=True, slots=True)
+class ChangeSpeed:
+    """So many notches faster or slower: counted where the speed is known, not from a drawing that may be late."""
+
+    notches: int
+
+
+@dataclass(frozen=True, slots=True)
 class Restart:
     """Begin the recording again with an empty map (a live stream keeps flowing, the map starts anew)."""
 
@@ -67,8 +74,30 @@ class Save:
 
 
 @dataclass(frozen=True, slots=True)
+class Answer:
+    """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
+
+    text: str
+    failed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Quit:
     """End the engine."""
 
 
-Command = Play | Pause | PlayPause | StepScan | SetSpeed | Restart | Seek | Configure | ConfigureAll | Save | Quit
+Command = (
+    Play
+    | Pause
+    | PlayPause
+    | StepScan
+    | SetSpeed
+    | ChangeSpeed
+    | Restart
+    | Seek
+    | Configure
+    | ConfigureAll
+    | Save
+    | Answer
+    | Quit
+)

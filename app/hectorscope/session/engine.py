@@ -10,11 +10,13 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from hectorscope.exporters import save
+from hectorscope.exporters import saving
 from hectorscope.inputs import Source, SourceReport, merged
 from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.settings import Setting, Settings, value_of
 from hectorscope.session.commands import (
+    Answer,
+    ChangeSpeed,
     Command,
     Configure,
     ConfigureAll,
@@ -30,6 +32,7 @@ from hectorscope.session.commands import (
 )
 from hectorscope.session.feeder import Feeder
 from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.playback import changed_speed
 from hectorscope.session.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking
 from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import LogEntry, Snapshot
@@ -81,6 +84,7 @@ class Engine:
         self._sent = self._obeyed = 0
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
         self._publisher = Publisher(source)
+        self._saver: threading.Thread | None = None
         self._transport = Transport(source.live, autoplay, speed)
         self._feeder: Feeder | None = None
         self._epoch = -1
@@ -119,7 +123,9 @@ class Engine:
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return save(self._pipeline, self._source.report, self._out)
+        if self._saver is not None:
+            self._saver.join()
+        return saving(self._pipeline, self._source.report, self._out)()
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -129,6 +135,8 @@ class Engine:
         while not isinstance(command := self._next_command(), Quit):
             if command is None:
                 self._guard(self._advance)
+            elif isinstance(command, Answer):
+                self._log(command.text, "warning" if command.failed else "info", answer=True)
             else:
                 self._guard(partial(self._obey, command))
                 self._obeyed += 1
@@ -222,6 +230,7 @@ class Engine:
         if not self._pipeline.scans:
             raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam)
         self._transport.end()
+        self._publisher.touch()
         self._publisher.log_once(self._entry(f"The recording ended after {self._pipeline.scans} scans"))
 
     def _fail(self, reason: str) -> None:
@@ -244,6 +253,8 @@ class Engine:
                 self._transport.step()
             case SetSpeed(speed):
                 self._set_speed(speed)
+            case ChangeSpeed(notches):
+                self._set_speed(changed_speed(self._transport.speed, notches))
             case Restart():
                 self._restart()
             case Seek(time_ns):
@@ -269,10 +280,24 @@ class Engine:
             self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning", answer=True)
 
     def _save(self) -> None:
+        """Collect the results, and write them beside the run."""
+        if self._saver is not None and self._saver.is_alive():
+            self._log("The results are being saved already: wait for the end", "warning", answer=True)
+            return
         try:
-            self._log(self.save(), answer=True)
+            write = saving(self._pipeline, self._source.report, self._out)
         except SlamError as error:
             self._log(str(error), "warning", answer=True)
+            return
+        self._saver = threading.Thread(target=self._write, args=(write,), name="save")
+        self._saver.start()
+
+    def _write(self, write: Callable[[], str]) -> None:
+        """On a thread of its own; the engine tells how it ended."""
+        try:
+            self._commands.put(Answer(write()))
+        except SlamError as error:
+            self._commands.put(Answer(str(error), failed=True))
 
     def _restart(self) -> None:
         self._begin(self._settings)

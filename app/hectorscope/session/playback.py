@@ -10,6 +10,20 @@ Clock = Callable[[], float]
 # A machine that cannot keep up falls behind by no more than this: the lag is forgiven, not caught up in a rush.
 FORGIVEN_S = 0.25
 WINDOW_S = 2.0
+ON_OFFER = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, math.inf)  # times real time
+
+
+def nearest_speed(speed: float) -> float:
+    """Of those on offer."""
+    if math.isinf(speed):
+        return speed
+    return min(ON_OFFER[:-1], key=lambda offered: abs(math.log(offered / max(speed, 1e-3))))
+
+
+def changed_speed(speed: float, notches: int) -> float:
+    """So many notches faster among those on offer, or slower; the first and the last are the ends."""
+    at = ON_OFFER.index(nearest_speed(speed)) + notches
+    return ON_OFFER[min(max(at, 0), len(ON_OFFER) - 1)]
 
 
 class Pacer:

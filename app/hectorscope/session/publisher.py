@@ -133,7 +133,7 @@ def status(source: Source, pipeline: Pipeline, transport: Transport) -> Playback
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
     detail = transport.failure or transport.preparing or source.report.waiting
     if transport.processed_again:
-        detail = detail or "this scan was processed again with the changed settings"
+        detail = detail or "scan processed again"
     if transport.target_ns is not None:
         whole_ns = max(1, transport.target_ns - start_ns)
         detail = f"running up to {whole_ns / 1e9:.1f} s: {100 * (time_ns - start_ns) // whole_ns} %"

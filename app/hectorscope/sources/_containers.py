@@ -25,6 +25,7 @@ _KINDS = {
     ".mcap": ("MCAP file", b"\x89MCAP0\r\n"),
     ".db3": ("rosbag2 SQLite file", b"SQLite format 3\0"),
 }
+LATEST_NS = 2**63  # times are signed numbers of 64 bits
 
 
 def open_recording(path: Path) -> Recording:
@@ -93,6 +94,10 @@ def _indexed(path: Path, container: str) -> Recording:
         for connection in reader.connections:
             messages[_channel(connection, generation)] += connection.msgcount
         span_ns = (reader.start_time, reader.end_time - 1)
+        if messages.total() and any(
+            type(time_ns) is not int or not 0 <= time_ns < LATEST_NS for time_ns in span_ns
+        ):
+            raise ValueError("its first or last time is none")
         index = BagIndex(reader) if generation == "ros1" else None
 
     def read(channels: Collection[Channel]) -> Iterator[Raw]:

@@ -2,15 +2,15 @@
 
 import re
 from dataclasses import fields, replace
+from typing import Any
 
 from hectorscope.inputs import SourceError, SourceOptions
-from hectorscope.ros.decode import Decode, Generation, decoder
+from hectorscope.ros.decode import LONGEST_DEFINITION, BadDefinition, Decode, Generation, decoder
 from hectorscope.ros.roles import ROLE_TYPES, TF_TYPES, Roles, Topic, check_overrides, choose_roles
 from hectorscope.sources._foxglove_wire import Offer
 
 # Names and definitions end up in generated code, so nothing but names may pass.
 _TYPE_NAME = re.compile(r"([A-Za-z]\w*)/(?:msg/)?([A-Za-z]\w*)", re.ASCII)
-LONGEST_DEFINITION = 200_000
 _USABLE_TYPES = frozenset(name for names in (*ROLE_TYPES.values(), TF_TYPES) for name in names)
 
 
@@ -29,7 +29,7 @@ class Channels:
     def reset(self) -> None:
         """A new connection: its channels are numbered anew."""
         self._offers: dict[int, Offer] = {}
-        self._decoders: dict[int, tuple[str, Decode]] = {}
+        self._decoders: dict[int, tuple[str, str, Decode]] = {}
         self._seen: set[int] = set()
 
     def add(self, offer: Offer) -> None:
@@ -41,8 +41,19 @@ class Channels:
         self._offers.pop(channel, None)
         self._seen.discard(channel)
 
-    def decode(self, channel: int) -> tuple[str, Decode] | None:
-        """The topic of a channel and the function for its messages; None if it was not asked for."""
+    def refuse(self, offer: Offer) -> None:
+        """A channel cannot be decoded: another one may take its parts, also one that is offered later."""
+        del self._offers[offer.id]
+        others = {message_type(other) for other in self._offers.values() if other.topic == offer.topic}
+        freed: dict[str, Any] = {
+            role: None
+            for role, types in ROLE_TYPES.items()
+            if getattr(self.roles, role) == offer.topic and others.isdisjoint(types)
+        }
+        self.roles = replace(self.roles, **freed)
+
+    def decode(self, channel: int) -> tuple[str, str, Decode] | None:
+        """Topic and type of a channel and the function for its messages; None if it was not asked for."""
         return self._decoders.get(channel)
 
     def choose(self) -> list[Offer]:
@@ -61,11 +72,13 @@ class Channels:
         generation: Generation = "ros2" if offer.encoding == "cdr" else "ros1"
         try:
             decode = decoder(generation, message_type(offer), offer.schema)
+        except BadDefinition as reason:
+            raise ChannelError(str(reason)) from reason
         except Exception as error:  # text from a stranger has many ways to be no definition
             raise ChannelError(f"its definition of {offer.schema_name} cannot be read") from error
         if decode is None:
-            raise ChannelError(f"its {offer.schema_name} is not the one that everybody knows")
-        self._decoders[offer.id] = offer.topic, decode
+            raise ChannelError(f"its {offer.schema_name} is not known")
+        self._decoders[offer.id] = offer.topic, message_type(offer), decode
 
     def missing(self) -> str:
         """What has to be offered yet before there is anything to see, with the remedy; empty if all is there."""

@@ -50,18 +50,35 @@ class Recording:
 
 
 def by_scanning(path: Path, container: str, scan: Callable[[], Iterator[Raw]], damage: str) -> Recording:
-    """A recording without a usable index: read through once for its contents, and sorted at every reading."""
+    """A recording without a usable index: read through once for its contents, and sorted at every reading.
+
+    What is kept to be sorted is as long as messages come late in the file, and not the whole of it.
+    """
     messages: Counter[Channel] = Counter()
-    first_ns, last_ns = 2**63, 0
+    first_ns, last_ns, late_ns = 2**63, 0, 0
     for raw in scan():
         messages[raw.channel] += 1
         first_ns, last_ns = min(first_ns, raw.log_ns), max(last_ns, raw.log_ns)
+        late_ns = max(late_ns, last_ns - raw.log_ns)
 
     def read(channels: Collection[Channel]) -> Iterator[Raw]:
         wanted = frozenset(channels)
-        yield from sorted((raw for raw in scan() if raw.channel in wanted), key=_log_time)
+        yield from in_order((raw for raw in scan() if raw.channel in wanted), late_ns)
 
     return Recording(path, container, messages, (first_ns, last_ns), read, damage)
+
+
+def in_order(raws: Iterable[Raw], late_ns: int) -> Iterator[Raw]:
+    """Messages by time, those of one time as they come; none comes later than `late_ns` after a newer one."""
+    waiting: list[tuple[int, int, Raw]] = []
+    newest_ns = 0
+    for number, raw in enumerate(raws):
+        heapq.heappush(waiting, (raw.log_ns, number, raw))
+        newest_ns = max(newest_ns, raw.log_ns)
+        while waiting and waiting[0][0] <= newest_ns - late_ns:
+            yield heapq.heappop(waiting)[-1]
+    while waiting:
+        yield heapq.heappop(waiting)[-1]
 
 
 def joined(path: Path, parts: Iterable[Recording], damage: str) -> Recording:

@@ -7,8 +7,12 @@ from typing import BinaryIO
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Reader, ReaderError
-from rosbags.rosbag1.reader import Chunk
+from rosbags.rosbag1.reader import Chunk, decompressors
 
+from hectorscope.sources._rosbag_scan import unpacked
+
+# The library unpacks a chunk whatever becomes of it.
+_COMPRESSIONS = {decompressors["bz2"]: b"bz2", decompressors["lz4"]: b"lz4"}
 _SIZE = struct.Struct("<I")
 _IS_MESSAGE, _IS_CONNECTION = b"\x04\x00\x00\x00op=\x02", b"\x04\x00\x00\x00op=\x07"
 
@@ -38,7 +42,7 @@ class BagIndex:
 def _unpacked(file: BinaryIO, chunk: Chunk) -> bytes:
     """What a chunk holds."""
     file.seek(chunk.datapos)
-    return chunk.decompressor(file.read(chunk.datasize))
+    return unpacked(_COMPRESSIONS.get(chunk.decompressor, b"none"), file.read(chunk.datasize))
 
 
 def _content(chunk: bytes, position: int) -> bytes:

@@ -12,6 +12,7 @@ from hectorscope.ros.decode import ros2_name
 from hectorscope.sources._recording import Channel, Raw
 
 _MESSAGE, _CHUNK, _CONNECTION = b"\x02", b"\x05", b"\x07"
+LARGEST_CHUNK = 2**28  # bytes; recorders write chunks of 0.75 MB by default, and some MB at most
 _U32 = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 
@@ -105,11 +106,16 @@ def _channel(fields: _Fields, content: bytes) -> Channel:
 def _inflate(compression: bytes, data: bytes) -> bytes:
     """The content of a chunk, as much of it as is there."""
     try:
-        if compression == b"bz2":
-            return bz2.BZ2Decompressor().decompress(data)
-        if compression == b"lz4":
-            content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(data)
-            return content
+        return unpacked(compression, data)
     except (OSError, RuntimeError, EOFError):
         return b""
+
+
+def unpacked(compression: bytes, data: bytes) -> bytes:
+    """The content of a chunk, LARGEST_CHUNK bytes of it at most; the library's errors for what is none."""
+    if compression == b"bz2":
+        return bz2.BZ2Decompressor().decompress(data, LARGEST_CHUNK)
+    if compression == b"lz4":
+        content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(data, LARGEST_CHUNK)
+        return content
     return data

@@ -21,6 +21,8 @@ from slam_core.measurements import Float64s, LaserScan, Odometry, Transform, Tru
 LONGEST_STEP_NS = 2_000_000_000
 
 
+LONGEST_LINE = 2**20  # bytes; a scan of 1081 beams takes 8 KB
+LONGEST_LOG = 2**32  # bytes, unpacked: weeks of a laser with 181 beams
 SCANS, WHEELS = "scan", "wheels"
 
 
@@ -48,8 +50,9 @@ class TextLog:
         self.name, self.container = path.name, container
         self.truth: dict[int, Transform] = {}
         self._skipped: Counter[str] = Counter()
-        lines, self._notes = read_lines(path)
+        lines = Lines(path)
         self.instants = list(self._parsed(lines, parse))
+        self._notes = lines.notes
         if not self.instants:
             why = "; ".join(f"{count} x {reason}" for reason, count in self._skipped.items()) or "no line is one"
             raise SourceError(f"{path} holds no scan of a {container} ({why}): give a recording")
@@ -114,17 +117,31 @@ class TextLog:
                     yield instant
 
 
-def read_lines(path: Path) -> tuple[list[str], tuple[str, ...]]:
-    """The lines of a file, unpacked, up to where it is damaged; a note if it is. SourceError without a file."""
-    if why := absence(path):
-        raise SourceError(f"{path} {why}: check the path")
-    lines: list[str] = []
-    try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
-            lines.extend(line.decode("ascii", "replace") for line in file)
-    except (OSError, EOFError, zlib.error) as error:
-        return lines, (f"{path.name} is cut off or damaged ({error}): read as far as it goes",)
-    return lines, ()
+class Lines:
+    """The lines of a file, unpacked, up to where it is damaged or too long; `notes` says so after them.
+
+    SourceError without a file. A line that is too long to be one comes in pieces.
+    """
+
+    def __init__(self, path: Path) -> None:
+        if why := absence(path):
+            raise SourceError(f"{path} {why}: check the path")
+        self.notes: tuple[str, ...] = ()
+        self._path = path
+
+    def __iter__(self) -> Iterator[str]:
+        """From the beginning."""
+        size, path = 0, self._path
+        try:
+            with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+                while line := file.readline(LONGEST_LINE):
+                    size += len(line)
+                    if size > LONGEST_LOG:
+                        self.notes = (f"{path.name} holds more than {LONGEST_LOG} bytes: the rest is left out",)
+                        return
+                    yield line.decode("ascii", "replace")
+        except (OSError, EOFError, zlib.error) as error:
+            self.notes = (f"{path.name} is cut off or damaged ({error}): read as far as it goes",)
 
 
 def floats(words: Sequence[str], count: int) -> Float64s:

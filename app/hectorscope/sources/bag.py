@@ -1,6 +1,7 @@
 """Recordings of either ROS generation: .bag, rosbag2 folders, bare .mcap and .db3."""
 
-from collections.abc import Collection, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 from hectorscope.common.paths import absence
 from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport
 from hectorscope.ros.converter import Converter
-from hectorscope.ros.decode import Decode, decoder
+from hectorscope.ros.decode import BadDefinition, Decode, decoder
 from hectorscope.ros.messages import BadMessage, stamp_ns
 from hectorscope.ros.roles import (
     ROLE_TYPES,
@@ -38,9 +39,9 @@ class BagSource:
         self._options = options
         self._closed = False
         self._failure = ""
-        self._decoders = _decoders(recording)
+        self._decoders, self._refused = _decoders(recording)
         scans = self._first_scans()
-        self.topics = _topics(recording, {topic: len(m.ranges) for topic, (m, _) in scans.items()})
+        self.topics = _topics(self._usable(), {topic: len(m.ranges) for topic, (m, _) in scans.items()})
         check_overrides(self.topics, options)
         self.roles = choose_roles(self.topics, options)
         self.has_scans = self.roles.scan in scans
@@ -51,6 +52,8 @@ class BagSource:
     def report(self) -> SourceReport:
         """Counters of the latest reading; what is wrong with the file is among the notes."""
         report = self._converter.report
+        refused = tuple(f"{channel.topic} is not used: {reason}" for channel, reason in self._refused.items())
+        report = replace(report, warnings=(*report.warnings, *refused))
         damage = self._failure or self.recording.damage
         if not damage:
             return report
@@ -71,7 +74,7 @@ class BagSource:
         static = [channel for channel in wanted if is_static_tf(channel.topic)]
         for channels in (static, [channel for channel in wanted if channel not in static]):
             for raw, message in self._decoded(channels, converter):
-                yield from converter.convert(raw.channel.topic, message, raw.log_ns)
+                yield from converter.convert(raw.channel.topic, raw.channel.msgtype, message, raw.log_ns)
         yield from converter.flush()
 
     def close(self) -> None:
@@ -86,8 +89,12 @@ class BagSource:
             times.setdefault(raw.channel.topic, []).append(raw.log_ns)
         return times
 
+    def _usable(self) -> dict[Channel, int]:
+        """The channels that were not refused, with their messages."""
+        return {channel: n for channel, n in self.recording.messages.items() if channel not in self._refused}
+
     def _decoded(self, channels: Collection[Channel], converter: Converter | None) -> Iterator[tuple[Raw, Any]]:
-        for raw in self._raw(channels):
+        for raw in self._raw(channels, converter):
             if self._closed:
                 return
             try:
@@ -98,12 +105,23 @@ class BagSource:
                 continue
             yield raw, message
 
-    def _raw(self, channels: Collection[Channel]) -> Iterator[Raw]:
-        """Messages up to where the file can be read."""
+    def _raw(self, channels: Collection[Channel], converter: Converter | None = None) -> Iterator[Raw]:
+        """Messages up to where the file can be read; a database may hold anything in place of one."""
+        read: Counter[Channel] = Counter()
         try:
-            yield from self.recording.read(channels)
+            for raw in self.recording.read(channels):
+                read[raw.channel] += 1
+                if type(raw.log_ns) is int and isinstance(raw.data, bytes | memoryview):
+                    yield raw
+                elif converter is not None:
+                    converter.skip(raw.channel.topic, "entry whose time or data is none")
         except Exception as error:  # the parsers' ways to stumble over a damaged file are many
             self._failure = f"{type(error).__name__}: {error}".splitlines()[0]
+            return
+        for channel in channels:  # some parsers stop at damage without a word
+            promised = self.recording.messages[channel]
+            if read[channel] < promised:
+                self._failure = f"{read[channel]} of {promised} messages of {channel.topic} are there"
 
     def _first_scans(self) -> dict[str, tuple[Any, int]]:
         """The first scan of each scanner that can be decoded, and when it was recorded."""
@@ -146,21 +164,26 @@ def _accepts(uri: str) -> bool:
     return "://" not in uri and (path.suffix in ("", *SUFFIXES) or (not absence(path) and path.is_dir()))
 
 
-def _decoders(recording: Recording) -> dict[Channel, Decode]:
-    """For the channels that can be of use."""
+def _decoders(recording: Recording) -> tuple[dict[Channel, Decode], dict[Channel, str]]:
+    """For the channels that can be of use, and why others of their types cannot be decoded."""
     decoders: dict[Channel, Decode] = {}
+    refused: dict[Channel, str] = {}
     for channel, messages in recording.messages.items():
         if messages and channel.msgtype in USABLE_TYPES:
-            decode = decoder(channel.generation, channel.msgtype, channel.definition, channel.form)
+            try:
+                decode = decoder(channel.generation, channel.msgtype, channel.definition, channel.form)
+            except BadDefinition as reason:
+                refused[channel] = str(reason)
+                continue
             if decode is not None:
                 decoders[channel] = decode
-    return decoders
+    return decoders, refused
 
 
-def _topics(recording: Recording, beams: dict[str, int]) -> list[Topic]:
+def _topics(channels: Mapping[Channel, int], beams: dict[str, int]) -> list[Topic]:
     return [
         Topic(channel.topic, channel.msgtype, messages, beams.get(channel.topic, 0))
-        for channel, messages in recording.messages.items()
+        for channel, messages in channels.items()
         if messages
     ]
 

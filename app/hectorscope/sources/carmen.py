@@ -12,7 +12,7 @@ import numpy as np
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.ros.roles import NOTHING
 from hectorscope.sources import SourceKind
-from hectorscope.sources._text_log import BadLine, Instant, TextLog, floats, read_lines
+from hectorscope.sources._text_log import BadLine, Instant, Lines, TextLog, floats
 from slam_core import geometry
 from slam_core.measurements import FARTHEST_LASER, Float32s, LaserScan, Transform
 
@@ -72,7 +72,7 @@ class CarmenLog(TextLog):
         """Poses of the base at the times of this log's scans: the other log's times are seldom of use."""
         scans = {_fingerprint(instant.scan.ranges): instant.scan for instant in self.instants}
         truth: dict[int, Transform] = {}
-        for line in read_lines(path)[0]:
+        for line in Lines(path):
             try:
                 pose = _Line(line.split())
             except (BadLine, ValueError, IndexError):

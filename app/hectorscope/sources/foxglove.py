@@ -71,21 +71,23 @@ class FoxgloveSource:
         if known is None:
             self._converter.skip(self.name, "message of a channel that was not asked for")
             return []
-        topic, decode = known
+        topic, msgtype, decode = known
         try:
-            return self._converter.convert(topic, decode(payload.data), payload.received_ns)
+            return self._converter.convert(topic, msgtype, decode(payload.data), payload.received_ns)
         except BadMessage as reason:
             self._converter.skip(topic, str(reason))
             return []
 
     def _subscribe(self) -> None:
-        wanted = []
-        for offer in self._channels.choose():
-            try:
-                self._channels.prepare(offer)
-                wanted.append(offer.id)
-            except ChannelError as reason:
-                self._converter.skip(offer.topic, str(reason))
+        wanted: list[int] = []
+        while offers := self._channels.choose():  # a part that a refused channel held may go to another one
+            for offer in offers:
+                try:
+                    self._channels.prepare(offer)
+                    wanted.append(offer.id)
+                except ChannelError as reason:
+                    self._converter.skip(offer.topic, str(reason))
+                    self._channels.refuse(offer)
         if wanted:
             self._converter.assign(self._channels.roles)
             self._link.send(subscribe(wanted))

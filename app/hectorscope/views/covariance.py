@@ -1,4 +1,4 @@
-"""The covariance of each estimate: ellipses of match, filter and fused pose, ellipsoid of the position."""
+"""The covariance of each estimate: ellipses of match, prior and fused pose, ellipsoid of the position."""
 
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import Rgb, Theme, for_line
@@ -6,7 +6,7 @@ from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._shapes import disc, ellipse, ellipsoid, ring
 from slam_core.results import PlanarGaussian, StepResult
 
-TITLES = {"prior": "Filter", "match": "Match", "fused": "Fused"}  # drawn in this order, upwards
+TITLES = {"prior": "Prior", "match": "Match", "fused": "Fused"}  # drawn in this order, upwards
 LIFT = 0.04  # metres over the floor, and between one ellipse and the next
 SEE_THROUGH = 0.22
 

@@ -10,6 +10,7 @@ from hectorscope.cli.report import summary
 def test_names_are_shown_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
     """Brackets are no markup, and what a terminal would obey is replaced."""
     figures = {
+        "tracking": {"tracking": 1},
         "scans": {"used": 1, "read": 2, "skipped": {"/\x1b[31mscan: [/bold] empty": 1}},
         "messages": {"skipped": {}},
         "notes": ["[red]tf"],

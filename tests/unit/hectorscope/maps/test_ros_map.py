@@ -1,5 +1,6 @@
 """Maps that other tools wrote: an image and what a yaml file says of it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -124,3 +125,35 @@ def test_what_cannot_be_used_is_named(tmp_path: Path, said: str, image: bytes | 
     """The file, what is wrong with it, and what to do."""
     with pytest.raises(MapError, match=reason):
         read_ros_map(written(tmp_path, said, image), CONFIG)
+
+
+def test_a_header_may_have_any_number_of_comments(tmp_path: Path):
+    """Each is read once."""
+    head = b"P5\n" + b"#\n" * 1_000_000 + f"{GREYS.shape[1]} # wide\n{GREYS.shape[0]}\n255\n".encode()
+    (level,) = read_ros_map(written(tmp_path, image=head + GREYS.tobytes()), CONFIG)
+    assert known(level) == EXPECTED
+
+
+LAUGHS = "a0: &a0 [x, x]\n" + "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 12))
+
+
+@pytest.mark.parametrize(
+    ("said", "image", "reason"),
+    [
+        (LAUGHS + SAID.replace("some.pgm", "*a11"), None, "its image is no name of a file"),
+        (LAUGHS + SAID.replace("0.5", "*a11"), None, "describes no map"),
+        (SAID + "#" * 70_000, None, "more than 65536 bytes"),
+        (
+            SAID.replace("0.0]", "0.7]"),
+            b"P5 20000 1 255\n" + bytes(20_000),
+            r"turned by 0\.7 rad: raise --map\.limit",
+        ),
+        (SAID, b"P5 99999 99999 255\n", "99999 x 99999 pixels, more than 100000 cells"),
+        (SAID, b"P2 2 2 255\n" + b" " * 900_000, "too many for 100000 cells"),
+    ],
+    ids=["image", "resolution", "long", "turned", "large", "plain"],
+)
+def test_what_would_take_all_memory_is_refused(tmp_path: Path, said: str, image: bytes | None, reason: str):
+    """A small file may describe more than fits: the limit of the map holds for it too."""
+    with pytest.raises(MapError, match=reason):
+        read_ros_map(written(tmp_path, said, image), replace(CONFIG, limit=1.0))

@@ -13,6 +13,7 @@ from hectorscope.panels.match import legend_html, match_html, sigmas_html
 from hectorscope.panels.status import REASONS_SHOWN, losses_html, run_html
 from hectorscope.panels.transport import clock_html, name_of_speed
 from hectorscope.session.snapshot import LogEntry, PlaybackStatus
+from slam_core.navigation.monitor import NO_ATTITUDE
 from slam_core.results import Verdict
 from tests.page import room_snapshot, without_filter
 
@@ -58,6 +59,14 @@ def test_losses_are_counted_and_explained() -> None:
     many = {f"reason {i}": 1 for i in range(REASONS_SHOWN + 5)}
     assert "and 5 more reasons" in losses_html(SourceReport({}, many, 0), {})
     assert "<ul" not in losses_html(SourceReport(), {})
+
+
+def test_the_initial_alignment_is_no_alarm() -> None:
+    """Its scans are counted and explained, but only what is skipped besides stands out."""
+    html = losses_html(SourceReport({}, {NO_ATTITUDE: 19}, 0), {})
+    assert ">skipped</small>19<" in html
+    assert "hs-bad" not in html
+    assert "hs-bad" in losses_html(SourceReport({}, {NO_ATTITUDE: 19, "/scan: all NaN": 1}, 0), {})
 
 
 def test_warnings_come_first_among_the_losses() -> None:
@@ -140,7 +149,7 @@ def test_the_match_says_whether_it_converged_and_is_believed() -> None:
 def test_sigmas_are_millimetres_and_degrees() -> None:
     """A missing covariance is a dash."""
     row = room_snapshot().series[-1].copy()
-    row["match_sigma_x"], row["match_sigma_yaw"], row["filter_sigma_x"] = 0.0123, math.radians(0.5), math.nan
+    row["match_sigma_x"], row["match_sigma_yaw"], row["prior_sigma_x"] = 0.0123, math.radians(0.5), math.nan
     html = sigmas_html(row)
     assert "<td>12.3</td>" in html
     assert "<td>0.50</td>" in html

@@ -31,7 +31,10 @@ TF = ("/tf", "/tf_static")
 
 def feed(converter: Converter, entries: Sequence[tuple[str, Any, int]]) -> list[Item]:
     """Items of messages received at nanoseconds after START."""
-    return [item for topic, message, ns in entries for item in converter.convert(topic, message, START + ns)]
+    items = []
+    for topic, message, ns in entries:
+        items += converter.convert(topic, message.__msgtype__, message, START + ns)
+    return items
 
 
 def scans(items: Sequence[Item]) -> list[LaserScan]:
@@ -50,7 +53,7 @@ def test_without_tf_nothing_waits_and_the_assumption_is_told() -> None:
 def test_topics_without_a_part_give_nothing() -> None:
     """They are neither converted nor counted."""
     converter = Converter(Roles(scan="/scan"), SourceOptions())
-    assert not feed(converter, [("/camera", object(), 0)])
+    assert not feed(converter, [("/camera", ROS.scan(0), 0), ("/scan", ROS.imu(0), 0)])
     assert not converter.report.read
 
 

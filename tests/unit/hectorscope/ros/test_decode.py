@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from hectorscope.ros.decode import decoder, ros2_name
+from hectorscope.ros.decode import BadDefinition, decoder, ros2_name
 from hectorscope.ros.messages import BadMessage
 from tests.ros_messages import Messages
 
@@ -69,6 +69,46 @@ def test_a_standard_type_that_was_changed_is_read_by_its_definition() -> None:
     message = decode(doubles + bytes(16) + bytes(36 + 32 + 72 + 24 + 72))
     assert message.angular_velocity.z == 3.0
     assert message.header.frame_id == ""
+
+
+PARTS = {
+    "sensor_msgs/Imu": "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\n"
+    "float64[9] orientation_covariance\n"
+    "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
+    "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
+    "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id\n",
+    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
+    "geometry_msgs/Quaternion": "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n",
+}
+
+
+def imu_definition(**changes: str) -> str:
+    """The definition of an Imu, with other text for some of its types (by their last name)."""
+    texts = {name: changes.get(name.rpartition("/")[2], text) for name, text in PARTS.items()}
+    texts |= {f"my/{name}": text for name, text in changes.items() if name not in str(PARTS)}
+    first, *others = texts.items()
+    return first[1] + "".join(f"{'=' * 80}\nMSG: {name}\n{text}" for name, text in others)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"Vector3": "float64 x\nfloat64 z\n"}, r"no angular_velocity\.y"),
+        ({"Vector3": "float64 x\nstring y\nfloat64 z\n"}, r"angular_velocity\.y of another kind"),
+        ({"Vector3": "float64[] x\nfloat64 y\nfloat64 z\n"}, r"angular_velocity\.x of another kind"),
+        ({"Header": "uint32 seq\nfloat64 stamp\nstring frame_id\n"}, r"header\.stamp"),
+        ({"Imu": PARTS["sensor_msgs/Imu"] + "string[2000000000] more\n"}, "2000000000 values of more"),
+        ({"Imu": PARTS["sensor_msgs/Imu"] + "my/Void[] more\n", "Void": ""}, "a list more of nothing"),
+        ({"Imu": PARTS["sensor_msgs/Imu"] + "my/Loop more\n", "Loop": "my/Loop[] again\n"}, "contains itself"),
+        ({"Imu": PARTS["sensor_msgs/Imu"] + "# " + 300_000 * "x"}, "too long"),
+    ],
+    ids=["missing", "string", "list", "nested", "array", "nothing", "cycle", "long"],
+)
+def test_a_definition_that_contradicts_its_name_is_refused(changes: dict[str, str], reason: str) -> None:
+    """With the field, before any message is decoded by it."""
+    assert decoder("ros1", "sensor_msgs/msg/Imu", imu_definition()) is not None
+    with pytest.raises(BadDefinition, match=reason):
+        decoder("ros1", "sensor_msgs/msg/Imu", imu_definition(**changes))
 
 
 @pytest.mark.parametrize("raw", [b"", b"\x00\x01\x00\x00", b"\xff" * 200])

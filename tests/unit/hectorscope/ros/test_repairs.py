@@ -9,7 +9,7 @@ import pytest
 
 from hectorscope.inputs import Item, SourceError, SourceOptions
 from hectorscope.ros.converter import Converter
-from hectorscope.ros.roles import Roles, Topic, choose_roles
+from hectorscope.ros.roles import MAGNETIC, SCAN, Roles, Topic, choose_roles
 from slam_core import geometry
 from slam_core.measurements import Attitude, Imu, LaserScan, MagneticField
 from tests.ros_messages import SECOND, START, Messages
@@ -22,8 +22,8 @@ def convert(options: SourceOptions, rates: Sequence[float], forces: Sequence[flo
     """An IMU message and a scan, both stamped at one second."""
     converter = Converter(ROLES, options)
     imu = ROS.imu(SECOND, rates=rates, forces=forces)
-    items = converter.convert("/imu", imu, START + SECOND)
-    return [*items, *converter.convert("/scan", ROS.scan(SECOND), START + SECOND)]
+    items = converter.convert("/imu", imu.__msgtype__, imu, START + SECOND)
+    return [*items, *converter.convert("/scan", SCAN, ROS.scan(SECOND), START + SECOND)]
 
 
 def test_units_become_si() -> None:
@@ -77,7 +77,7 @@ def test_places_that_cannot_be_meant_are_refused(options: dict[str, tuple[float,
 def test_the_magnetometer_of_an_imu_upside_down_is_turned_with_it() -> None:
     """Its y and z point the other way."""
     converter = Converter(Roles(magnetic="/mag"), SourceOptions(imu_rotation=(math.pi, 0.0, 0.0)))
-    (item,) = converter.convert("/mag", ROS.magnetic(SECOND, (2e-5, 1e-5, 4e-5)), START + SECOND)
+    (item,) = converter.convert("/mag", MAGNETIC, ROS.magnetic(SECOND, (2e-5, 1e-5, 4e-5)), START + SECOND)
     assert isinstance(item, MagneticField)
     np.testing.assert_allclose(item.field, [2e-5, -1e-5, -4e-5], atol=1e-12)
 

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from hectorscope.session.playback import Pacer, RateMeter
+from hectorscope.session.playback import Pacer, RateMeter, changed_speed
 
 S = 1_000_000_000
 
@@ -95,3 +95,12 @@ def test_rates_fall_to_zero_when_nothing_happens(clock: Clock):
     clock.now += 10
     assert meter.realtime_factor == 0.0
     assert meter.scan_rate == 0.0
+
+
+@pytest.mark.parametrize(
+    ("speed", "notches", "changed"),
+    [(1.0, 1, 2.0), (1.0, -1, 0.5), (0.1, -1, 0.1), (10.0, 1, math.inf), (math.inf, 1, math.inf), (1.7, 1, 5.0)],
+)
+def test_a_speed_changes_by_notches(speed: float, notches: int, changed: float) -> None:
+    """Among those on offer, from the nearest one; there is nothing beyond the ends."""
+    assert changed_speed(speed, notches) == changed

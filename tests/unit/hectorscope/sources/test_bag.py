@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -145,6 +146,62 @@ def test_an_mcap_of_another_recorder_is_read(tmp_path: Path, encoding: str) -> N
     source = open_run(tmp_path / "run.mcap")
     assert [item.stamp_ns - START for item in source.items()] == [0, 1, 2]
     assert not any("cut off" in note for note in source.report.notes)
+
+
+def mcap_of(path: Path, channels: list[tuple[str, str, str, list[Any]]]) -> Path:
+    """An .mcap of channels (topic, type, definition, messages); a message every nanosecond, in turn."""
+    ros = Messages("ros2")
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start(profile="ros2")
+        for topic, msgtype, definition, sent in channels:
+            schema = writer.register_schema(msgtype, "ros2msg", definition.encode())
+            channel = writer.register_channel(topic, "cdr", schema)
+            for i, message in enumerate(sent):
+                raw = bytes(ros.store.serialize_cdr(message, message.__msgtype__))
+                writer.add_message(channel, log_time=START + i, data=raw, publish_time=START + i)
+        writer.finish()
+    return path
+
+
+def test_one_topic_in_two_types_is_routed_by_type(tmp_path: Path) -> None:
+    """Each channel plays the part of its type; what another recorder calls the same topic does not end the run."""
+    ros = Messages("ros2")
+    channels = [
+        (
+            "/data",
+            f"sensor_msgs/msg/{kind}",
+            ros.store.generate_msgdef(f"sensor_msgs/msg/{kind}", ros_version=2)[0],
+            m,
+        )
+        for kind, m in (
+            ("LaserScan", [ros.scan(i) for i in range(3)]),
+            ("Imu", [ros.imu(i, "base_link") for i in range(2)]),
+        )
+    ]
+    source = open_run(mcap_of(tmp_path / "run.mcap", channels))
+    assert kinds(source) == {LaserScan: 3, Imu: 2}
+    assert not source.report.skipped
+
+
+def test_a_topic_whose_definition_contradicts_its_type_is_named(tmp_path: Path) -> None:
+    """It plays no part, another topic of the type does, and a warning gives the field."""
+    ros, name = Messages("ros2"), "sensor_msgs/msg/Imu"
+    text = ros.store.generate_msgdef(name, ros_version=2)[0]
+    scans = ("/scan", "sensor_msgs/msg/LaserScan", "", [ros.scan(i) for i in range(3)])
+    wrong = text.replace("float64 y\n", "string y\n")
+    assert wrong != text
+    channels = [
+        scans,
+        ("/a_imu", name, wrong, [ros.imu(i, "base_link") for i in range(9)]),
+        ("/imu", name, text, [ros.imu(i, "base_link") for i in range(2)]),
+    ]
+    source = open_run(mcap_of(tmp_path / "run.mcap", channels))
+    assert kinds(source) == {LaserScan: 3, Imu: 2}
+    (warning,) = source.report.warnings
+    assert warning == (
+        "/a_imu is not used: its definition of geometry_msgs/msg/Quaternion has orientation.y of another kind"
+    )
 
 
 def test_the_span_is_in_the_time_of_the_scans(tmp_path: Path) -> None:

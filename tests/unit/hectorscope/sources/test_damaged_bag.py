@@ -1,6 +1,7 @@
 """Recordings that are cut, damaged or hopeless, and messages in them that are wrong."""
 
 import math
+import re
 import sqlite3
 from collections.abc import Callable
 from pathlib import Path
@@ -14,10 +15,13 @@ from rosbags import rosbag1
 
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.ros.recorder import Recorder
+from hectorscope.sources import _rosbag_index, _rosbag_scan
 from hectorscope.sources.bag import open_bag
 from slam_core.measurements import Imu, LaserScan
-from tests.bags import CONTAINERS, kinds, messages_for, open_run, small_run
+from tests.bags import CONTAINERS, TENTH, kinds, messages_for, open_run, small_run
 from tests.ros_messages import SECOND, START, Messages, write_bag
+
+MCAP_MESSAGE, MCAP_DATA_END = 0x05, 0x0F
 
 LZ4 = b"\x04\x22\x4d\x18"  # how a frame of it begins
 
@@ -74,6 +78,62 @@ def test_a_cut_mcap_gives_what_is_left(tmp_path: Path) -> None:
     assert [scan.stamp_ns - START for scan in scans] == list(range(len(scans)))
     assert "run.mcap is cut off or damaged" in source.report.notes[0]
     assert not source.report.skipped
+
+
+@pytest.mark.parametrize("packing", list(rosbag1.Writer.CompressionFormat))
+@pytest.mark.parametrize("keep", [0.9, 1.0], ids=["cut", "whole"])
+def test_a_chunk_unpacks_to_its_limit_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, packing: rosbag1.Writer.CompressionFormat, keep: float
+) -> None:
+    """A small file may hold zeros without end: they are left out, and the report warns."""
+    ros = Messages("ros1")
+    writer = rosbag1.Writer(tmp_path / "run.bag")
+    writer.set_compression(packing)
+    with writer:
+        connection = writer.add_connection("/scan", "sensor_msgs/msg/LaserScan", typestore=ros.store)
+        for i, beams in enumerate((100, 100, 1_000_000)):
+            message = ros.scan(i, ranges=np.ones(beams), angle_increment=1e-6)
+            writer.write(connection, START + i, ros.store.serialize_ros1(message, connection.msgtype))
+    path = tmp_path / "run.bag" if keep == 1.0 else cut(tmp_path / "run.bag", keep)
+    monkeypatch.setattr(_rosbag_scan, "LARGEST_CHUNK", 100_000)
+    sizes: list[int] = []
+    unpacked = _rosbag_scan.unpacked
+
+    def noted(*arguments: Any) -> bytes:
+        content = unpacked(*arguments)
+        sizes.append(len(content))
+        return content
+
+    monkeypatch.setattr(_rosbag_scan, "unpacked", noted)
+    monkeypatch.setattr(_rosbag_index, "unpacked", noted)
+    source = open_run(path)
+    assert kinds(source) == {LaserScan: 2}
+    assert 0 < max(sizes) <= 100_000
+    assert "run.bag is cut off or damaged" in source.report.notes[0]
+
+
+def test_messages_that_the_index_promises_are_missed(tmp_path: Path) -> None:
+    """A record in the middle that became another one: fewer messages than the index counts are told."""
+    ros, path = Messages(), tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file, use_chunking=False)
+        writer.start(profile="ros2")
+        schema = writer.register_schema("sensor_msgs/msg/LaserScan", "", b"")
+        channel = writer.register_channel("/scan", "cdr", schema)
+        for i in range(90):
+            scan = ros.scan(i, ranges=np.ones(100), angle_increment=0.01)
+            data = bytes(ros.store.serialize_cdr(scan, "sensor_msgs/msg/LaserScan"))
+            writer.add_message(channel, log_time=START + i, data=data, publish_time=START + i)
+        writer.finish()
+    damaged, at, messages = bytearray(path.read_bytes()), 8, 0
+    while messages < 27:  # a record has its kind and its length in front
+        messages += damaged[at] == MCAP_MESSAGE
+        last, at = at, at + 9 + int.from_bytes(damaged[at + 1 : at + 9], "little")
+    damaged[last] = MCAP_DATA_END
+    path.write_bytes(damaged)
+    source = open_run(path)
+    assert kinds(source) == {LaserScan: 89}
+    assert any("89 of 90 messages of /scan are there" in note for note in source.report.notes)
 
 
 def test_a_cut_database_names_the_remedy(tmp_path: Path) -> None:
@@ -234,3 +294,36 @@ def test_a_bag_with_a_stamp_in_the_future_or_a_clock_that_was_set(tmp_path: Path
     source = open_run(write_bag(tmp_path / f"paused_{name}", paused))
     assert kinds(source) == {LaserScan: 4}
     assert not source.report.skipped
+
+
+# A copy of a table has none of its constraints.
+UNBOUND = "CREATE TABLE copy AS SELECT * FROM messages; DROP TABLE messages; ALTER TABLE copy RENAME TO messages;"
+
+
+@pytest.mark.parametrize("value", ["NULL", "'text'", "1.5"])
+@pytest.mark.parametrize("column", ["data", "timestamp"])
+def test_database_entries_without_time_or_data_are_counted(tmp_path: Path, column: str, value: str) -> None:
+    """A column may hold anything; the messages around them are read."""
+    folder = write_bag(tmp_path / "run", small_run(messages_for("run")))
+    (database,) = folder.glob("*.db3")
+    with sqlite3.connect(database) as connection:
+        connection.executescript(UNBOUND)
+        connection.execute(f"UPDATE messages SET {column} = {value} WHERE id % 7 = 3")
+    source = open_run(folder)
+    read = sum(kinds(source).values())
+    counted = {reason for reason in source.report.skipped if reason.endswith("entry whose time or data is none")}
+    assert counted
+    assert read + sum(source.report.skipped[reason] for reason in counted) >= 149
+
+
+@pytest.mark.parametrize("start", ["1700000000000000000.5", "soon", "-99999999999999999999999", "1e40"])
+def test_a_folder_whose_metadata_has_no_usable_time(tmp_path: Path, start: str) -> None:
+    """Its files are read instead, and a note says why."""
+    folder = write_bag(tmp_path / "run", small_run(messages_for("run")))
+    metadata = folder / "metadata.yaml"
+    text = re.sub(r"(nanoseconds_since_epoch: )\d+", rf"\g<1>{start}", metadata.read_text())
+    metadata.write_text(text)
+    source = open_run(folder)
+    assert kinds(source)[LaserScan] == 50
+    assert source.span_ns == (START, START + 50 * TENTH)
+    assert any("damaged" in note for note in source.report.notes)

@@ -10,7 +10,7 @@ import pytest
 
 from hectorscope.checks.inspect import inspect_bag
 from hectorscope.inputs import Item, Source, SourceError, SourceOptions
-from hectorscope.sources import open_source
+from hectorscope.sources import _text_log, open_source
 from slam_core import geometry
 from slam_core.measurements import LaserScan, Odometry, TruthPose
 
@@ -137,6 +137,19 @@ def test_a_packed_log_that_is_cut_is_read_as_far_as_it_goes(tmp_path: Path) -> N
     source, items = read(str(path))
     assert 20 < sum(isinstance(item, LaserScan) for item in items) < 80
     assert "cut off or damaged" in source.report.notes[0]
+
+
+@pytest.mark.parametrize("name", ["run.log", "run.log.gz"])
+def test_a_log_without_end_is_read_to_its_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """A line that is none comes in pieces and is counted; a note says that the rest was left out."""
+    monkeypatch.setattr(_text_log, "LONGEST_LINE", 5_000)
+    monkeypatch.setattr(_text_log, "LONGEST_LOG", 100_000)
+    scans = [flaser(0.1 * i, RANGES) for i in range(1, 4)]
+    source, items = read(write(tmp_path / name, [*scans, "FLASER " + "x" * 300_000 + "\n", *scans]))
+    assert sum(isinstance(item, LaserScan) for item in items) == 3
+    assert source.report.notes == (f"{name} holds more than 100000 bytes: the rest is left out",)
 
 
 def test_the_truth_is_a_corrected_log_of_the_same_scans(tmp_path: Path) -> None:

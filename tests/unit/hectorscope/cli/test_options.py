@@ -1,0 +1,46 @@
+"""The secret that a browser must bring: where it comes from."""
+
+from pathlib import Path
+
+import pytest
+
+from hectorscope.cli.options import TOKEN, PageFlags, TokenError
+
+
+def secret_file(folder: Path, text: str = "of the file\n", mode: int = 0o600) -> Path:
+    """A file with a token."""
+    path = folder / "token"
+    path.write_text(text, encoding="utf-8")
+    path.chmod(mode)
+    return path
+
+
+def test_the_token_comes_from_flag_file_or_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In this order; the end of the line in a file does not belong to it."""
+    monkeypatch.delenv(TOKEN, raising=False)
+    assert PageFlags().secret() is None
+    monkeypatch.setenv(TOKEN, "of the environment")
+    assert PageFlags().secret() == "of the environment"
+    assert PageFlags(token_file=secret_file(tmp_path)).secret() == "of the file"
+    assert PageFlags(token="of the flag").secret() == "of the flag"
+
+
+def test_two_tokens_are_refused(tmp_path: Path) -> None:
+    """Nobody knows which one is meant."""
+    with pytest.raises(TokenError, match="both given"):
+        PageFlags(token="one", token_file=secret_file(tmp_path)).secret()
+
+
+@pytest.mark.parametrize(
+    ("text", "mode", "reason"), [("x", 0o640, "chmod 600"), ("x", 0o604, "chmod 600"), (" \n", 0o600, "is empty")]
+)
+def test_a_file_that_is_no_secret_is_refused(tmp_path: Path, text: str, mode: int, reason: str) -> None:
+    """Others can read it, or it holds nothing; the message has the remedy."""
+    with pytest.raises(TokenError, match=reason):
+        PageFlags(token_file=secret_file(tmp_path, text, mode)).secret()
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    """With the path."""
+    with pytest.raises(TokenError, match="nowhere"):
+        PageFlags(token_file=tmp_path / "nowhere").secret()
