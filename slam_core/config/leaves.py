@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from slam_core.errors import SlamError
+from slam_core.errors import SlamError, nearest
 
 
 class ConfigError(SlamError):
@@ -104,7 +104,10 @@ class Leaves(dict[str, Leaf]):
         super().__init__((leaf.name, leaf) for leaf in leaves(config))
 
     def __missing__(self, name: str) -> Leaf:
-        raise ConfigError(f"{name!r} is no setting: choose one of {', '.join(self)}")
+        near = nearest(name, self, separator=".")
+        groups = dict.fromkeys(known.partition(".")[0] for known in self)
+        remedy = f"did you mean {near}?" if near else f"choose one of the groups {', '.join(groups)}"
+        raise ConfigError(f"{name} is no setting: {remedy}")
 
 
 @cache

@@ -48,8 +48,10 @@ def test_out_of_range_is_refused_with_the_range(leaf):
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("map.nothing", 1, "is no setting: choose one of scan.range_min"),
-        ("map", 1, "is no setting"),
+        ("map.resolutoin", 1, "map.resolutoin is no setting: did you mean map.resolution?"),
+        ("fusion.sigma", 1, "did you mean matcher.sigma?"),
+        ("Sigma", 1, "did you mean matcher.sigma?"),
+        ("weather.rain", 1, "is no setting: choose one of the groups scan, map"),
         ("map.levels", 2.5, "give a whole number"),
         ("map.levels", True, "give a finite number"),
         ("fusion.omega", float("nan"), "give a finite number"),
