@@ -18,14 +18,16 @@ class ConfigError(SlamError):
     """A setting is unknown, has the wrong type, or lies outside its range."""
 
 
-Tier = Literal["basic", "expert"]
+Tier = Literal["first", "basic", "expert"]
+"""Who needs a setting: everybody at once; who tunes the method; who looks into one part of it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Param:
     """What a person needs to know about one setting.
 
-    log: asks for a logarithmic slider. tier: basic settings are shown first.
+    log: asks for a logarithmic slider. title: the name for people, where the last part of the dotted one does not
+    tell enough.
     """
 
     help: str
@@ -35,6 +37,7 @@ class Param:
     restart: bool = False
     log: bool = False
     tier: Tier = "expert"
+    title: str = ""
 
 
 @dataclass(frozen=True, slots=True)
