@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from difflib import SequenceMatcher
 
-CLOSE = 0.7  # ratio of difflib from which a name is worth a proposal
+CLOSE = 0.65  # ratio of difflib from which a name is worth a proposal
 
 
 class SlamError(Exception):

@@ -274,6 +274,12 @@ def test_the_page_opens_on_few_settings_and_finds_any(run: Run, open_page: Open)
     one.get_by_role("checkbox", name="expert").click()
     assert set(shown(one)) == {leaf.name for leaf in leaves(SlamConfig())}
     assert set(shown(two)) == basic
+    before, find = run.now, two.get_by_role("searchbox", name="Find a setting")
+    find.press_sequentially("range max [ ]")  # keys that restart, play and change the speed elsewhere
+    find.fill("range max")
+    expect(two.locator(".hs-find output")).to_have_text("1 found")
+    assert (run.now.epoch, run.now.playback) == (before.epoch, before.playback)
+    find.fill("")
     two.get_by_text("Fusion · V-B").click()  # folds it
     for words, found in {
         "gravity magn": {"navigation.gravity"},
@@ -281,7 +287,7 @@ def test_the_page_opens_on_few_settings_and_finds_any(run: Run, open_page: Open)
         "gate of the match": {"fusion.gate"},
         'no "such] setting': set(),
     }.items():
-        two.get_by_role("searchbox", name="Find a setting").fill(words)
+        find.fill(words)
         expect(two.locator(".hs-find output")).to_have_text(f"{len(found)} found")
         assert set(shown(two)) == found
 

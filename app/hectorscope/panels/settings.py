@@ -158,7 +158,7 @@ SEARCH = (
 UNCHANGED = '<i class="hs-mark"></i>'
 
 
-def banner(name: str, differing: list[tuple[Leaf, Any]], own: bool) -> str:
+def banner(name: Preset, differing: list[tuple[Leaf, Any]], own: bool) -> str:
     """What differs from a preset, as HTML: settings with their values and those of the preset.
 
     own: whether the settings at the start are those of no preset, and other ones now.
@@ -173,8 +173,8 @@ def banner(name: str, differing: list[tuple[Leaf, Any]], own: bool) -> str:
         buttons += reset_button(START, "As started", "Sets every setting as flags and file had it at the start")
     if not buttons:
         return UNCHANGED
-    many = f"Differs from <b>{text(name)}</b> in {len(differing)}" if differing else f"All as in <b>{text(name)}</b>"
-    head = f"<p><span>{many}</span>{buttons}</p>"
+    words = f"Differs from <b>{name}</b> in {len(differing)}" if differing else f"All as in <b>{name}</b>"
+    head = f"<p><span>{words}</span>{buttons}</p>"
     return f'<div class="hs-differs">{head}<ul>{entries}</ul></div>'
 
 
