@@ -322,11 +322,11 @@ def test_browsers_agree_and_changes_are_marked_and_reset(run: Run, open_page: Op
     for page in (one, two, three):
         expect(page.locator(".hs-differs li")).to_have_text(differing)
         expect(page.locator(".hs-changed button:visible")).to_have_count(1)  # the other one is for experts
-    button(two, "Sets every setting as flags and file had it").click()
+    button(two, "As started").click()
     run.until(lambda s: s.config == START.start)
     one.locator(".hs-changed").get_by_role("button", name="Reset fusion.omega to 0.02").click()
     expect(row(three, OMEGA).get_by_role("textbox")).to_have_value("0.02")
-    button(two, "Sets them as in the preset default").click()
+    button(two, "Reset all").click()
     run.until(lambda s: s.config == SlamConfig())
     for page in (one, two, three):
         expect(page.locator(".hs-differs li, .hs-changed")).to_have_count(0)

@@ -168,9 +168,9 @@ def banner(name: Preset, differing: list[tuple[Leaf, Any]], own: bool) -> str:
         f"<b>{text(title(leaf))}</b> {text(worded(leaf.value))} <small>({text(worded(was))})</small></li>"
         for leaf, was in differing
     )
-    buttons = reset_button(ALL, "Reset all", f"Sets them as in the preset {name}") if differing else ""
+    buttons = reset_button(ALL, "Reset all", f"Reset all to the preset {name}") if differing else ""
     if own:
-        buttons += reset_button(START, "As started", "Sets every setting as flags and file had it at the start")
+        buttons += reset_button(START, "As started", "As started: every setting as flags and file had it")
     if not buttons:
         return UNCHANGED
     words = f"Differs from <b>{name}</b> in {len(differing)}" if differing else f"All as in <b>{name}</b>"
