@@ -25,7 +25,10 @@ processed again with the new value; else it is the next scan. *Changes act: for 
 again up to the same instant. So does a setting marked *restart*, which rebuilds the map; a live stream begins a
 new map.
 
-Settings in **bold** are the basic ones. The page shows them first, and the others in folded groups.
+Settings in **bold** are the basic ones. The page opens on them, and `--help` lists them. *expert* on the page and
+`--help-all` show every one, and a search on the page finds any by its name or its help. The page names what
+differs from the preset; a click resets one setting, or all of them, or brings back those that flags and file had
+set.
 
 ## Presets
 
@@ -59,7 +62,7 @@ def _groups() -> Iterator[str]:
 
 def _row(leaf: Leaf) -> str:
     name = f"`{leaf.name.partition('.')[2]}`"
-    name = f"**{name}**" if leaf.param.tier == "basic" else name
+    name = f"**{name}**" if leaf.param.tier != "expert" else name
     remark = " *restart*" if leaf.param.restart else ""
     return f"| {name} | {_word(leaf.value)} | {_range(leaf)} | {leaf.param.unit} | {leaf.param.help}{remark} |"
 

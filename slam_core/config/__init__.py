@@ -8,7 +8,7 @@ from slam_core.config.groups.navigation import AidingConfig, MotionConfig, Navig
 from slam_core.config.groups.scan import ScanConfig
 from slam_core.config.groups.tracking import TrackingConfig
 from slam_core.config.leaves import ConfigError, Leaf, Leaves, Param, Tier, leaves
-from slam_core.config.presets import ADDITIONS, PRESETS, Addition, Preset, preset, preset_of
+from slam_core.config.presets import ADDITIONS, PRESETS, Addition, Preset, differences, nearest_preset, preset
 from slam_core.config.tree import SlamConfig
 
 __all__ = [
@@ -34,10 +34,11 @@ __all__ = [
     "StartEstimate",
     "Tier",
     "TrackingConfig",
+    "differences",
     "leaves",
+    "nearest_preset",
     "needs_restart",
     "preset",
-    "preset_of",
     "with_value",
     "with_values",
 ]

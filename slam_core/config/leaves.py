@@ -11,21 +11,23 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from slam_core.errors import SlamError
+from slam_core.errors import SlamError, nearest
 
 
 class ConfigError(SlamError):
     """A setting is unknown, has the wrong type, or lies outside its range."""
 
 
-Tier = Literal["basic", "expert"]
+Tier = Literal["first", "basic", "expert"]
+"""Who needs a setting: everybody at once; who tunes the method; who looks into one part of it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Param:
     """What a person needs to know about one setting.
 
-    log: asks for a logarithmic slider. tier: basic settings are shown first.
+    log: asks for a logarithmic slider. title: the name for people, where the last part of the dotted one does not
+    tell enough.
     """
 
     help: str
@@ -35,6 +37,7 @@ class Param:
     restart: bool = False
     log: bool = False
     tier: Tier = "expert"
+    title: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +107,10 @@ class Leaves(dict[str, Leaf]):
         super().__init__((leaf.name, leaf) for leaf in leaves(config))
 
     def __missing__(self, name: str) -> Leaf:
-        raise ConfigError(f"{name!r} is no setting: choose one of {', '.join(self)}")
+        near = nearest(name, self, separator=".")
+        groups = dict.fromkeys(known.partition(".")[0] for known in self)
+        remedy = f"did you mean {near}?" if near else f"choose one of the groups {', '.join(groups)}"
+        raise ConfigError(f"{name} is no setting: {remedy}")
 
 
 @cache

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from slam_core.config.changes import with_values
-from slam_core.config.leaves import Leaves
+from slam_core.config.leaves import Leaves, leaves
 from slam_core.config.tree import SlamConfig
 
 Value = float | bool | str
@@ -138,7 +138,13 @@ def preset(name: Preset) -> SlamConfig:
     return with_values(SlamConfig(), PRESETS[name])
 
 
-def preset_of(config: SlamConfig) -> Preset | None:
-    """The preset whose values a configuration has; None if it has those of none."""
-    values = {name: leaf.value for name, leaf in Leaves(config).items()}
-    return next((name for name, wanted in PRESETS.items() if wanted.items() <= values.items()), None)
+def nearest_preset(config: SlamConfig) -> tuple[Preset, dict[str, Value]]:
+    """The preset from which a configuration differs in the fewest settings, and its values of these, by name."""
+    differing = {name: differences(config, preset(name)) for name in PRESETS}
+    return min(differing.items(), key=lambda item: len(item[1]))
+
+
+def differences(config: SlamConfig, other: SlamConfig) -> dict[str, Value]:
+    """The values of `other`, by name, of the settings in which `config` differs from it."""
+    pairs = zip(leaves(config), leaves(other), strict=True)
+    return {theirs.name: theirs.value for ours, theirs in pairs if ours.value != theirs.value}

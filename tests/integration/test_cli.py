@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hectorscope.cli.options import _setting_flags
+from hectorscope.cli.options import setting_flags
 from hectorscope.exporters import reserved
 from hectorscope.run.settings_file import read_toml
 from hectorscope.simulation import SceneOptions, Simulation
@@ -68,7 +68,7 @@ def test_the_version_is_told():
 
 def test_help_explains_every_setting_with_its_range():
     """Every leaf of the settings is a flag with its help, default and range."""
-    shown = " ".join(hectorscope("run", "--help").stdout.replace("│", " ").split())
+    shown = " ".join(hectorscope("run", "--help-all").stdout.replace("│", " ").split())
     for leaf in leaves(SlamConfig()):
         assert f"--{leaf.name.replace('_', '-')} " in shown
         assert leaf.param.help in shown
@@ -79,7 +79,7 @@ def test_flags_and_file_make_the_settings(tmp_path: Path):
     """The file changes the defaults, a flag wins over the file."""
     path = tmp_path / "some.toml"
     path.write_text("[fusion]\nomega = 0.3\n[scan]\ndeskew = false\n")
-    flags = _setting_flags()(config=path)
+    flags = setting_flags()(config=path)
     flags.fusion.omega = 0.7  # type: ignore[attr-defined]
     flags.scan.stabilise = "false"  # type: ignore[attr-defined]
     config = flags.settings().start
@@ -94,7 +94,7 @@ def test_the_file_overrides_the_preset_and_flags_override_both(tmp_path: Path):
     """What neither names has the value of the preset."""
     path = tmp_path / "config.toml"
     path.write_text("[matcher]\nsurfel_weight = 1.0\nprior_weight = 0.5\n")
-    flags = _setting_flags()(preset="paper", config=path)
+    flags = setting_flags()(preset="paper", config=path)
     flags.matcher.prior_weight = 2.0  # type: ignore[attr-defined]
     wanted = {"matcher.surfel_weight": 1.0, "matcher.prior_weight": 2.0}
     assert flags.settings().start == with_values(SlamConfig.paper(), wanted)

@@ -10,7 +10,7 @@ from hectorscope.inputs import Item
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Change, Settings
 from hectorscope.session.commands import Command, Configure, ConfigureAll, Pause, Play, Seek, SetSpeed, StepScan
-from slam_core.config import PRESETS, preset_of, with_value, with_values
+from slam_core.config import PRESETS, nearest_preset, with_value, with_values
 from tests.engines import START, after, running, state, until
 from tests.sources import MemoryRecording
 
@@ -80,7 +80,7 @@ def test_a_preset_is_one_line_of_the_log_and_can_be_taken_back(drive: list[Item]
     ]
     assert again.log == paper.log
     assert default.config == START.start
-    assert preset_of(default.config) == "default"
+    assert nearest_preset(default.config)[0] == "default"
 
 
 def test_one_bad_value_refuses_all_of_them(drive: list[Item]):

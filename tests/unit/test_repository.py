@@ -7,13 +7,14 @@ import re
 import subprocess
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from packaging.requirements import Requirement
 
 from hectorscope.cli.main import main
 from hectorscope.common.registry import members
-from slam_core.config import SlamConfig, leaves
+from slam_core.config import SlamConfig, Tier, leaves
 from tests.conftest import ROOT
 
 REGISTRIES = {"sources": "SOURCE", "views": "VIEW", "panels": "PANEL", "exporters": "EXPORTER"}
@@ -26,10 +27,10 @@ def read(name: str) -> str:
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-def help_of(capsys: pytest.CaptureFixture[str], *command: str) -> str:
-    """What the program prints for --help."""
+def help_of(capsys: pytest.CaptureFixture[str], *command: str, flag: str = "--help") -> str:
+    """What the program prints for --help, or another flag."""
     with pytest.raises(SystemExit):
-        main([*command, "--help"])
+        main([*command, flag])
     return capsys.readouterr().out
 
 
@@ -60,11 +61,12 @@ def test_every_flag_is_documented(capsys: pytest.CaptureFixture[str]):
     assert documented == flags
 
 
-def test_every_setting_is_a_flag(capsys: pytest.CaptureFixture[str]):
-    """The command line offers each setting of the tree by its dotted name."""
-    shown = help_of(capsys, "run")
-    missing = [leaf.name for leaf in leaves(SlamConfig()) if f"--{leaf.name.replace('_', '-')} " not in shown]
-    assert not missing
+@pytest.mark.parametrize(("flag", "tiers"), [("--help", {"first", "basic"}), ("--help-all", set(get_args(Tier)))])
+def test_every_setting_is_a_flag(capsys: pytest.CaptureFixture[str], flag: str, tiers: set[str]):
+    """By its dotted name, whatever stands in front: --help has the basic ones alone, --help-all every one."""
+    shown = help_of(capsys, "run", "some.bag", "--motion.acceleration", "2", flag=flag)
+    listed = {leaf.name for leaf in leaves(SlamConfig()) if f"--{leaf.name.replace('_', '-')} " in shown}
+    assert listed == {leaf.name for leaf in leaves(SlamConfig()) if leaf.param.tier in tiers}
 
 
 def test_commands_of_the_readme_exist():

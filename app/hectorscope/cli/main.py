@@ -20,6 +20,7 @@ from hectorscope.cli.options import (
     SettingArgs,
     SettingFlags,
     SourceArgs,
+    help_asked,
     source_options,
 )
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
@@ -206,15 +207,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
     }
     try:
-        with ended_by_interruption(), delivered_later():
-            _refuse_empty(arguments)
+        with ended_by_interruption(), delivered_later(), help_asked(arguments) as given:
+            _refuse_empty(given)
             keep_compiled(*cache_places())
             code = tyro.extras.subcommand_cli_from_dict(
                 commands,
                 prog="hectorscope",
                 description="Hector SLAM on a recording or a live robot, with every step shown in the browser."
                 " --version alone prints the version.",
-                args=arguments,
+                args=given,
                 config=(tyro.conf.DisallowNone,),
             )
     except SlamError as error:

@@ -2,6 +2,9 @@
 
 import os
 import stat
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import asdict, dataclass, field, fields, make_dataclass
 from itertools import groupby
 from pathlib import Path
@@ -21,6 +24,9 @@ if TYPE_CHECKING:
     from slam_core.localization.prior_map import PriorMap  # takes long: loads the compiler
 
 TOKEN = "HECTORSCOPE_TOKEN"
+HELP_ALL = "--help-all"
+HELP = {"-h", "--help", HELP_ALL}
+_experts = ContextVar("_experts", default=True)  # whether there are flags for the expert settings
 
 
 class _Words(NamedTuple):
@@ -73,6 +79,8 @@ def _optional(help_text: str, default: str = "none") -> Any:
 
 
 def _flag(leaf: Leaf) -> Any:
+    if leaf.param.tier == "expert" and not _experts.get():
+        return Annotated[leaf.type | None, tyro.conf.Suppress]
     kind: Any = Literal["true", "false"] if leaf.type is bool else leaf.type
     default = str(leaf.value).lower() if leaf.type is bool else leaf.value
     param = leaf.param
@@ -96,6 +104,10 @@ class SettingFlags:
         Preset, tyro.conf.arg(help="The defaults, or the paper's method; file and flags override it.")
     ] = "default"
     config: Annotated[Path | None, _optional("Settings file (TOML); flags override it.")] = None
+    help_all: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool],
+        tyro.conf.arg(help="Show this help with the expert settings too, and exit.", help_behavior_hint=""),
+    ] = False
 
     def settings(self) -> Settings:
         """The preset, the file's settings over it, and the flags over these; SlamError for a bad file or value."""
@@ -111,7 +123,19 @@ class SettingFlags:
         return Settings(with_values(settings.start, given), settings.changes)
 
 
-def _setting_flags() -> type[SettingFlags]:
+@contextmanager
+def help_asked(arguments: Sequence[str]) -> Iterator[Sequence[str]]:
+    """The arguments for the parser: help alone where it is asked for, of expert settings only by --help-all."""
+    asked = HELP.intersection(arguments)
+    before = _experts.set(not asked or HELP_ALL in asked)
+    try:
+        yield [*(name for name in arguments[:1] if name not in HELP), "--help"] if asked else arguments
+    finally:
+        _experts.reset(before)
+
+
+def setting_flags() -> type[SettingFlags]:
+    """`SettingFlags` with a flag for each setting, in the groups of the tree."""
     groups: list[Any] = []
     for name, members in groupby(leaves(SlamConfig()), key=lambda leaf: leaf.name.split(".")[0]):
         flags = [(leaf.name.split(".")[1], _flag(leaf), None) for leaf in members]
@@ -226,7 +250,7 @@ class MapFlags:
         return start
 
 
-SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor=_setting_flags())]
+SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor_factory=setting_flags)]
 SourceArgs = Annotated[Any, tyro.conf.arg(name="", constructor=_source_flags())]
 MapArgs = Annotated[MapFlags, tyro.conf.arg(name="")]
 PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]

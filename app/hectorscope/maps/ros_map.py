@@ -1,14 +1,15 @@
-"""Maps as the map servers of ROS share them: map.yaml and a grey image, from any tool."""
+"""Maps as the map servers of ROS share them: map.yaml and a grey image (PGM, PNG or BMP), from any tool."""
 
 import math
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
 from ruamel.yaml import YAML
 
+from hectorscope.common.paths import absence
 from slam_core.config import MapConfig
 from slam_core.localization.prior_map import MapError, SavedLevel
 
@@ -17,9 +18,13 @@ LONGEST_DESCRIPTION = 2**16  # bytes of a yaml file
 CELL_BYTES = 10  # of a cell in the map, all levels together
 STRIP = 256  # rows that are turned at once
 PLAIN_BYTES = 8  # of a pixel in plain text, with room for a header
-NUMBER = re.compile(rb"(?:\s|#[^\n]*+\n)*+(\d{1,9})")
+FORMATS = ("PPM", "PNG", "BMP")  # the first with PGM
+MODES = {"1", "L", "LA", "P", "PA", "RGB", "RGBA"}
+OPAQUE = 128  # opacity below which a pixel is unknown
 HAIR = 1e-6  # of a cell: a corner rounded in the yaml file falls on the cell that was meant
 OCCUPIED = 2  # class of a cell
+Image.MAX_IMAGE_PIXELS = None  # the memory limit of the map holds in its place
+
 # Surer than one look, less sure than many: a map that goes on can still change its mind.
 LOG_ODDS = np.array([0.0, -3.0, 3.0], np.float32)  # of unknown, free, occupied
 
@@ -55,7 +60,7 @@ def read_ros_map(file: Path, config: MapConfig) -> tuple[SavedLevel, ...]:
             f"give --map.resolution {said.resolution:g}"
         )
     most = int(config.limit * 1e6 / CELL_BYTES)
-    classes = _classes(read_pgm(file.parent / said.image, most), said)
+    classes = _classes(read_image(file.parent / said.image, most), said)
     if not (classes == OCCUPIED).any():
         raise MapError(f"{file} has not one occupied cell: check its thresholds, negate and image")
     low, high = _extent(classes, said, 2 ** (config.levels - 1))
@@ -101,11 +106,13 @@ def _described(file: Path) -> Described:
         ) from error
 
 
-def _classes(grey: NDArray[np.uint8], said: Described) -> NDArray[np.uint8]:
-    """0 unknown, 1 free, 2 occupied; row 0 the lowest y."""
-    occupancy = (grey if said.negate else 255 - grey)[::-1] / 255.0
+def _classes(pixels: NDArray[np.uint8], said: Described) -> NDArray[np.uint8]:
+    """0 unknown, 1 free, 2 occupied; row 0 the lowest y. pixels: grey and opacity."""
+    grey, opacity = np.moveaxis(pixels[::-1], -1, 0)
+    occupancy = (grey if said.negate else 255 - grey) / 255.0
     free = (occupancy < said.free_thresh).astype(np.uint8)
-    return np.where(occupancy > said.occupied_thresh, OCCUPIED, free).astype(np.uint8)
+    known = np.where(occupancy > said.occupied_thresh, OCCUPIED, free)
+    return np.where(opacity < OPAQUE, 0, known).astype(np.uint8)
 
 
 def _extent(
@@ -141,41 +148,27 @@ def _on_lattice(
     return cells
 
 
-def read_pgm(file: Path, most_pixels: int = 2**31) -> NDArray[np.uint8]:
-    """A grey image in the format PGM, binary (P5) or plain (P2), rows from the top; MapError for anything else."""
+def read_image(file: Path, most_pixels: int) -> NDArray[np.uint8]:
+    """Grey and opacity (rows, columns, 2) of an image of 8 bits a channel, rows from the top; else MapError."""
     try:
         size = file.stat().st_size
-        content = file.read_bytes() if size <= PLAIN_BYTES * most_pixels else b""
-    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
-        reason = getattr(error, "strerror", error)
-        raise MapError(f"{file} cannot be read ({reason}): the yaml file names it as its image") from error
-    if size > PLAIN_BYTES * most_pixels:
-        raise MapError(f"{file} has {size} bytes, too many for {most_pixels} cells: raise --map.limit")
-    kind = content[:2]
-    if kind not in {b"P5", b"P2"}:
-        raise MapError(f"{file} is no PGM image: convert it and name it in the yaml file")
-    try:
-        (columns, rows, most), end = _header(content)
-        if rows * columns > most_pixels:
-            raise ValueError(f"{columns} x {rows} pixels, more than {most_pixels} cells")
-        rest = memoryview(content)[end:]
-        values = np.frombuffer(rest[1:], np.uint8) if kind == b"P5" else np.array(bytes(rest).split(), np.int64)
-        if most != 255 or min(rows, columns) < 1 or rows * columns > len(values):
-            raise ValueError(f"{len(values)} pixels with values up to {most} for {columns} x {rows} up to 255")
-        if values.min() < 0 or values.max() > most:
-            raise ValueError(f"pixels from {values.min()} to {values.max()} in place of 0 to {most}")
-    except (ValueError, OverflowError) as error:
-        raise MapError(f"{file} is cut off or damaged ({error}): save the map again") from error
-    return values[: rows * columns].astype(np.uint8).reshape(rows, columns)
-
-
-def _header(content: bytes) -> tuple[tuple[int, int, int], int]:
-    """Width, height and largest value, and where they end; comments begin with # and end the line."""
-    numbers, end = [], 2
-    for _ in range(3):
-        found = NUMBER.match(content, end)
-        if found is None:
-            raise ValueError("no width, height and largest value")
-        numbers.append(int(found[1]))
-        end = found.end()
-    return (numbers[0], numbers[1], numbers[2]), end
+        if size > PLAIN_BYTES * most_pixels:
+            raise MapError(f"{file} has {size} bytes, too many for {most_pixels} cells: raise --map.limit")
+        with Image.open(file, formats=FORMATS) as image:
+            columns, rows = image.size
+            if rows * columns > most_pixels:
+                reason = f"{file} has {columns} x {rows} pixels, more than {most_pixels} cells"
+                raise MapError(f"{reason}: raise --map.limit")
+            if image.mode not in MODES:
+                raise MapError(f"{file} has pixels of the kind {image.mode}: save it with 8 bits a channel")
+            return np.asarray(image.convert("LA"))
+    except MapError:
+        raise
+    except UnidentifiedImageError as error:
+        raise MapError(
+            f"{file} is no image in {', '.join(FORMATS)}: convert it, and name it in the yaml"
+        ) from error
+    except FileNotFoundError as error:
+        raise MapError(f"{file} {absence(file)}: the yaml file names it as its image") from error
+    except Exception as error:  # the ways of a damaged image to be none are many
+        raise MapError(f"{file} cannot be read ({error}): save the map again") from error

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hectorscope.common.paths import absence
+from hectorscope.common.paths import absence, exists
 from hectorscope.maps.ros_map import read_ros_map
 from slam_core.config import MapConfig
 from slam_core.localization.prior_map import MapError, PriorMap, SavedLevel
@@ -46,7 +46,7 @@ def _file(path: Path) -> Path:
         raise MapError(f"{path} {why}: give the folder that `hectorscope run --out` left")
     if not path.is_dir():
         return path
-    if not absence(path / NAME):
+    if exists(path / NAME):
         return path / NAME
     described = sorted(path.glob("*.yaml"))
     if len(described) != 1:

@@ -49,11 +49,17 @@ def float_is_zero(text: str) -> bool:
 
 def label(leaf: Leaf) -> str:
     """A setting's name for a person, with its unit: 'Update distance (m)'."""
+    return title(leaf) + (f" ({leaf.param.unit})" if leaf.param.unit else "")
+
+
+def title(leaf: Leaf) -> str:
+    """The same without the unit."""
+    if leaf.param.title:
+        return leaf.param.title
     words = leaf.name.split(".")[-1].split("_")
     words = [GREEK.get(word, word) for word in words]
     words[0] = words[0][:1].upper() + words[0][1:] if words[0] not in GREEK.values() else words[0]
-    unit = f" ({leaf.param.unit})" if leaf.param.unit else ""
-    return " ".join(words) + unit
+    return " ".join(words)
 
 
 def hint(leaf: Leaf) -> str:
@@ -62,16 +68,17 @@ def hint(leaf: Leaf) -> str:
     unit = f" {leaf.param.unit}" if leaf.param.unit else ""
     if leaf.param.low is not None and leaf.param.high is not None:
         parts.append(f"Range {number(leaf.param.low, 6)} to {number(leaf.param.high, 6)}{unit}.")
-    value = leaf.value
-    shown = number(value, 6) if isinstance(value, float | int) and not isinstance(value, bool) else _word(value)
-    parts.append(f"Default {shown}{unit}.")
+    parts.append(f"Default {worded(leaf.value)}{unit}.")
     if leaf.param.restart:
         parts.append("Changing it rebuilds the map from the start.")
     return " ".join(parts)
 
 
-def _word(value: object) -> str:
-    return {True: "on", False: "off"}[value] if isinstance(value, bool) else str(value).replace("_", " ")
+def worded(value: float | bool | str) -> str:
+    """The value of a setting for a person."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return value.replace("_", " ") if isinstance(value, str) else number(value, 6)
 
 
 def text(value: object) -> str:

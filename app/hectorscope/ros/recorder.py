@@ -22,7 +22,7 @@ from rosbags.interfaces import (
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from hectorscope.common.paths import absence
+from hectorscope.common.paths import exists
 from slam_core.errors import SlamError
 
 BagFormat = Literal["bag", "mcap", "sqlite3"]
@@ -67,7 +67,7 @@ class Recorder:
 
     def __init__(self, path: Path, *, compress: bool = True) -> None:
         self.path, self.format = path, format_of(path)
-        if not absence(path):
+        if exists(path):
             raise RecorderError(f"{path} exists: remove it or choose another name")
         self.typestore = _typestore(self.format)
         self._unfinished = path.parent / f".{path.name}.part"

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from hectorscope.inputs import SourceError, SourceOptions
+from slam_core.errors import nearest
 
 SCAN = "sensor_msgs/msg/LaserScan"
 IMU = "sensor_msgs/msg/Imu"
@@ -121,6 +122,8 @@ def check_overrides(topics: Iterable[Topic], options: SourceOptions) -> None:
             continue
         other = next((topic for topic in offer if _same_name(topic.name, wanted)), None)
         fact = f"topic {wanted!r} is a {other.msgtype}" if other else f"there is no topic {wanted!r}"
+        if not other and (near := nearest(wanted, [topic.name for topic in fitting])):
+            fact += f" (did you mean {near}?)"
         names = ", ".join(topic.name for topic in fitting) or "none here"
         flag = f"--{role.replace('_', '-')}-topic"
         raise SourceError(f"{fact}: {flag} takes one of {_short(types)} ({names})")

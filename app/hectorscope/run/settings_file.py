@@ -1,10 +1,8 @@
 """Settings as a TOML file: one table a group, and `[[changes]]` with their times."""
 
-import difflib
 import json
 import tomllib
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -83,10 +81,7 @@ def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")
     changes = [each for each in changes if not (isinstance(each, dict) and each.get("name") in REMOVED)]
-    values = dict(_entries(tree))
-    for name in values:
-        _check_name(name)
-    config = with_values(base, values)
+    config = with_values(base, dict(_entries(tree)))
     return Settings(config, tuple(sorted(map(_change, changes), key=lambda change: change.time_ns)))
 
 
@@ -100,25 +95,10 @@ def _entries(tree: dict[str, Any]) -> Iterator[tuple[str, Any]]:
                 yield RENAMED.get(name, name), value
 
 
-@cache
-def _names() -> tuple[str, ...]:
-    return tuple(leaf.name for leaf in leaves(SlamConfig()))
-
-
-def _check_name(name: str) -> None:
-    names = _names()
-    if name not in names:
-        near = difflib.get_close_matches(name, names, n=1, cutoff=0.75)
-        remedy = f"did you mean {near[0]}?" if near else "see `hectorscope run --help` for the names"
-        raise SettingsError(f"{name} is no setting: {remedy}")
-
-
 def _change(entry: Any) -> Change:
     if not isinstance(entry, dict) or entry.keys() != _CHANGE_KEYS.keys():
         raise SettingsError(f"the change {entry!r} is incomplete: give time_ns, name and value")
     for key, kinds in _CHANGE_KEYS.items():
         if type(entry[key]) not in kinds:
             raise SettingsError(f"the change {entry!r} has a bad {key}: give a whole number, a name and a value")
-    name = str(RENAMED.get(entry["name"], entry["name"]))
-    _check_name(name)
-    return Change(entry["time_ns"], name, entry["value"])
+    return Change(entry["time_ns"], str(RENAMED.get(entry["name"], entry["name"])), entry["value"])

@@ -3,7 +3,9 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
+from hectorscope.common.paths import absence
 from hectorscope.common.registry import members
 from hectorscope.inputs import Source, SourceError, SourceOptions
 
@@ -22,4 +24,6 @@ def open_source(uri: str, options: SourceOptions) -> Source:
     for kind in kinds:
         if kind.accepts(uri):
             return kind.open(uri, options)
+    if "://" not in uri and (why := absence(Path(uri))):
+        raise SourceError(f"{uri} {why}: give a bag, a CARMEN log or ws://HOST:PORT")
     raise SourceError(f"{uri} is neither a recording nor an address: give a bag, a CARMEN log or ws://HOST:PORT")

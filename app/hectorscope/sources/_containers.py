@@ -10,7 +10,7 @@ from typing import Any
 from rosbags import rosbag1, rosbag2
 from rosbags.interfaces import Connection, MessageDefinitionFormat
 
-from hectorscope.common.paths import absence
+from hectorscope.common.paths import absence, exists
 from hectorscope.inputs import SourceError
 from hectorscope.ros.decode import Generation
 from hectorscope.sources._mcap_scan import scan_mcap
@@ -42,7 +42,7 @@ def open_recording(path: Path) -> Recording:
 def _open_folder(path: Path) -> Recording:
     """A rosbag2 folder; without a usable metadata.yaml, the files in it."""
     damage = "its metadata.yaml is missing"
-    if not absence(path / "metadata.yaml"):
+    if exists(path / "metadata.yaml"):
         try:
             return _indexed(path, "rosbag2 folder")
         except Exception as error:  # as in _open_file

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from hectorscope.common.paths import absence
+from hectorscope.common.paths import exists
 from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport
 from hectorscope.ros.converter import Converter
 from hectorscope.ros.decode import BadDefinition, Decode, decoder
@@ -161,7 +161,7 @@ def _open(uri: str, options: SourceOptions) -> BagSource:
 def _accepts(uri: str) -> bool:
     """Paths that end like a recording or have no suffix, as folders; whether they exist is found on opening."""
     path = Path(uri)
-    return "://" not in uri and (path.suffix in ("", *SUFFIXES) or (not absence(path) and path.is_dir()))
+    return "://" not in uri and (path.suffix in ("", *SUFFIXES) or (exists(path) and path.is_dir()))
 
 
 def _decoders(recording: Recording) -> tuple[dict[Channel, Decode], dict[Channel, str]]:

@@ -18,6 +18,7 @@ class FusionConfig:
             "Covariance intersection with the fixed omega (the paper), with the omega of least trace or"
             " determinant, or a Kalman update, which assumes independent errors.",
             tier="basic",
+            title="Fusion method",
         ),
     ] = "fixed"
     omega: Annotated[
@@ -27,7 +28,8 @@ class FusionConfig:
             "",
             0.001,
             0.999,
-            tier="basic",
+            tier="first",
+            title="Weight of the match, ω",
         ),
     ] = 0.02
     widen_vertical: Annotated[
@@ -45,5 +47,6 @@ class FusionConfig:
             "σ",
             0.0,
             100.0,
+            title="Gate of the match",
         ),
     ] = 0.0

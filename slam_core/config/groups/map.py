@@ -81,7 +81,7 @@ class MapConfig:
             "m",
             0.0,
             5.0,
-            tier="basic",
+            tier="first",
         ),
     ] = 0.4
     update_angle: Annotated[
@@ -91,7 +91,7 @@ class MapConfig:
             "rad",
             0.0,
             3.14,
-            tier="basic",
+            tier="first",
         ),
     ] = 0.06
     keyframe_max_delay: Annotated[

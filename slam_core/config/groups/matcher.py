@@ -57,7 +57,8 @@ class MatcherConfig:
             0.001,
             10.0,
             log=True,
-            tier="basic",
+            tier="first",
+            title="Scale of the match covariance, σ",
         ),
     ] = 0.2
     covariance: Annotated[
@@ -111,6 +112,5 @@ class MatcherConfig:
         Param(
             "Start of the match (section V-B): the predicted pose (filter), the last match moved by the"
             " predicted motion (velocity), or the last match (last_pose).",
-            tier="basic",
         ),
     ] = "filter"

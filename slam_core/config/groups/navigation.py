@@ -131,6 +131,7 @@ class AidingConfig:
             "σ",
             0.0,
             100.0,
+            title="Gate of aiding sensors",
         ),
     ] = 5.0
     gps: Annotated[bool, Param("Use satellite fixes, once the pose of the map on the earth is known.")] = True

@@ -16,6 +16,7 @@ class TrackingConfig:
             "Check every match, search in a window after a bad one, and keep bad ones out of the map (off:"
             " the paper).",
             tier="basic",
+            title="Check each match",
         ),
     ] = True
     min_inlier_ratio: Annotated[
@@ -37,9 +38,7 @@ class TrackingConfig:
     lost_after: Annotated[
         int, Param("The pose counts as lost after so many scans in a row without an accepted match.", "", 1, 1000)
     ] = 10
-    relocalise: Annotated[
-        bool, Param("Global localisation: search the whole map while the pose is lost.", tier="basic")
-    ] = True
+    relocalise: Annotated[bool, Param("Global localisation: search the whole map while the pose is lost.")] = True
     relocalise_interval: Annotated[float, Param("Time between two searches of the whole map.", "s", 0.0, 60.0)] = (
         1.0
     )

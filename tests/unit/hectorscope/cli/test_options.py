@@ -1,9 +1,10 @@
-"""The secret that a browser must bring: where it comes from."""
+"""Flags: the secret that a browser must bring, and mistyped ones."""
 
 from pathlib import Path
 
 import pytest
 
+from hectorscope.cli.main import MISTAKE, main
 from hectorscope.cli.options import TOKEN, PageFlags, TokenError
 
 
@@ -44,3 +45,11 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
     """With the path."""
     with pytest.raises(TokenError, match="nowhere"):
         PageFlags(token_file=tmp_path / "nowhere").secret()
+
+
+def test_a_mistyped_setting_gets_the_nearest_one(capsys: pytest.CaptureFixture[str]) -> None:
+    """Also one that --help does not list."""
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "some.bag", "--out", "out", "--motion.acclerat", "1"])
+    assert ended.value.code == MISTAKE
+    assert "--motion.acceleration" in capsys.readouterr().err

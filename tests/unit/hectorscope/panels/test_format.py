@@ -43,7 +43,7 @@ def test_fixed_decimals_never_show_a_negative_zero() -> None:
 def test_a_setting_is_named_for_people() -> None:
     """Underscores become spaces, the unit stands in brackets, the paper's letters are its own."""
     assert label(LEAVES["map.update_distance"]) == "Update distance (m)"
-    assert label(LEAVES["fusion.omega"]) == "ω"
+    assert label(LEAVES["fusion.omega"]) == "Weight of the match, ω"
     assert label(LEAVES["navigation.height_sigma"]) == "Height σ (m)"
 
 

@@ -140,3 +140,10 @@ def test_a_chain_of_transforms_can_stand_for_truth_and_attitude() -> None:
         parse("tf:map")
     with pytest.raises(SourceError, match="there is no topic"):
         check_overrides(OFFER, SourceOptions(scan_topic="tf:a>b"))
+
+
+@pytest.mark.parametrize(("wanted", "near"), [("/front/scna", "/front/scan"), ("/robot/nav/scan", "/nav/scan")])
+def test_a_mistyped_topic_gets_the_nearest_one(wanted: str, near: str) -> None:
+    """Of those that would do for the part."""
+    with pytest.raises(SourceError, match=rf"there is no topic '{wanted}' \(did you mean .*{near}\?\)"):
+        check_overrides(OFFER, SourceOptions(scan_topic=wanted))

@@ -53,7 +53,7 @@ def test_what_the_file_does_not_name_keeps_its_default(tmp_path: Path):
     ("text", "words"),
     [
         ("[matcher]\nsgima = 0.2", "matcher.sgima is no setting: did you mean matcher.sigma?"),
-        ("[weather]\nrain = true", "weather.rain is no setting: see"),
+        ("[weather]\nrain = true", "weather.rain is no setting: choose one"),
         ("omega = 0.2", "omega stands outside of a group"),
         ("[fusion]\nomega = 7.0", "fusion.omega is 7: give 0.001 to 0.999"),
         ("[fusion]\nomega = " + "9" * 400, "fusion.omega is inf: give a finite number"),

@@ -191,6 +191,7 @@ def test_what_is_no_log_is_refused(tmp_path: Path, name: str) -> None:
         read(str(tmp_path / f"missing_{name}"))
     with pytest.raises(SourceError, match="File name too long"):
         read(str(tmp_path / ("x" * 300 + name)))
+    (tmp_path / "picture.png").touch()
     with pytest.raises(SourceError, match="neither a recording nor an address"):
         read(str(tmp_path / "picture.png"))
 

@@ -12,10 +12,11 @@ from slam_core.config import (
     MapConfig,
     SlamConfig,
     leaves,
+    nearest_preset,
     needs_restart,
     preset,
-    preset_of,
     with_value,
+    with_values,
 )
 
 LEAVES = list(leaves(SlamConfig()))
@@ -48,8 +49,10 @@ def test_out_of_range_is_refused_with_the_range(leaf):
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("map.nothing", 1, "is no setting: choose one of scan.range_min"),
-        ("map", 1, "is no setting"),
+        ("map.resolutoin", 1, "map.resolutoin is no setting: did you mean map.resolution?"),
+        ("fusion.sigma", 1, "did you mean matcher.sigma?"),
+        ("Sigma", 1, "did you mean matcher.sigma?"),
+        ("weather.rain", 1, "is no setting: choose one of the groups scan, map"),
         ("map.levels", 2.5, "give a whole number"),
         ("map.levels", True, "give a finite number"),
         ("fusion.omega", float("nan"), "give a finite number"),
@@ -103,11 +106,14 @@ def test_the_paper_differs_from_the_defaults_in_every_addition_and_in_nothing_el
     assert changed.keys() == {name for addition in ADDITIONS for name in addition.values}
 
 
-def test_a_configuration_knows_its_preset():
-    """Other settings do not matter; one changed setting of a preset makes it none of them."""
-    for name in PRESETS:
-        assert preset_of(with_value(preset(name), "map.levels", 2)) == name
-    assert preset_of(with_value(SlamConfig(), "matcher.surfel_weight", 1.0)) is None
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_configuration_knows_its_nearest_preset(name):
+    """And in which settings it differs from that, with the values that it would have to take."""
+    assert nearest_preset(preset(name)) == (name, {})
+    changed = with_values(preset(name), {"map.levels": 2, "matcher.surfel_weight": 1.0})
+    nearest, values = nearest_preset(changed)
+    assert (nearest, values.keys()) == (name, {"map.levels", "matcher.surfel_weight"})
+    assert with_values(changed, values) == preset(name)
 
 
 def test_a_preset_can_be_taken_on_by_a_running_map():
@@ -116,5 +122,7 @@ def test_a_preset_can_be_taken_on_by_a_running_map():
 
 
 def test_few_settings_are_basic():
-    """A person meets at most twenty at first, and the others on request."""
-    assert 15 <= sum(leaf.param.tier == "basic" for leaf in LEAVES) <= 20
+    """With the preset a person meets at most twenty, the thresholds, sigma and omega first; others on request."""
+    first = [leaf.name for leaf in LEAVES if leaf.param.tier == "first"]
+    assert first == ["map.update_distance", "map.update_angle", "matcher.sigma", "fusion.omega"]
+    assert 15 <= sum(leaf.param.tier != "expert" for leaf in LEAVES) < 20
