@@ -1,6 +1,7 @@
 """A running server: sockets without the token, and requests that are not HTTP."""
 
 import asyncio
+import itertools
 import socket
 from collections.abc import Iterator
 
@@ -70,3 +71,50 @@ def test_what_is_not_http_is_refused_without_a_traceback(
     assert not caplog.records
     assert "Traceback" not in capfd.readouterr().err
     assert knock(locked, "/") == 403
+
+
+ABSENT = ""
+REQUESTS = {
+    "path": ("/", "/healthz", "/index.html", "//", "/%2f", "/anything"),
+    "method": ("GET", "POST"),
+    "upgrade": (ABSENT, "websocket", "h2c"),
+    "cookie": (ABSENT, f"hectorscope={TOKEN}", "hectorscope=wrong"),
+    "origin": (ABSENT, "http://OWN", "http://evil.example", "null"),
+    "host": ("OWN", "evil.example", ABSENT),
+}
+
+
+def ask(port: int, path: str, method: str, *values: str) -> int:
+    """The status of a request with these headers; 0 if the connection is closed without one. OWN: the address."""
+    names = ("Upgrade", "Cookie", "Origin", "Host")
+    lines = [f"{method} {path} HTTP/1.1", "Connection: Upgrade", "Sec-WebSocket-Version: 13"]
+    lines += ["Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ=="]
+    lines += [f"{name}: {value}" for name, value in zip(names, values, strict=True) if value]
+    text = "\r\n".join([*lines, "", ""]).replace("OWN", f"127.0.0.1:{port}")
+    with socket.create_connection(("127.0.0.1", port), timeout=5) as link:
+        link.sendall(text.encode())
+        status = link.recv(12)
+    return int(status[9:12]) if status else 0
+
+
+def expected(path: str, method: str, upgrade: str, cookie: str, origin: str, host: str) -> int:
+    """The table of answers, from the top: the first line that fits."""
+    token = cookie == f"hectorscope={TOKEN}"
+    table = (
+        (method != "GET", 0),
+        (host != "OWN", 421),
+        (origin not in (ABSENT, "http://OWN"), 403),
+        (upgrade == "websocket" and path == "/" and token, 101),
+        (upgrade != ABSENT, 403),
+        (path == "/healthz", 200),
+        (not token, 401),
+        (True, 404),
+    )
+    return next(status for fits, status in table if fits)
+
+
+def test_the_table_of_answers(locked: viser.ViserServer) -> None:
+    """Every path, method, upgrade, cookie, Origin and Host: one kind of request opens a socket."""
+    requests = list(itertools.product(*REQUESTS.values()))
+    answers = {request: ask(locked.get_port(), *request) for request in requests}
+    assert answers == {request: expected(*request) for request in requests}
