@@ -17,8 +17,9 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.simulation.beams import first_returns, laser_rays
+from hectorscope.simulation.scanner import UTM30LX
 from hectorscope.simulation.scene import Scene
-from hectorscope.simulation.sensors import START_NS, UTM30LX
+from hectorscope.simulation.sensors import START_NS
 from slam_core.config import SlamConfig
 from slam_core.mapping.grid import GridLevel
 from slam_core.measurements import Float64s

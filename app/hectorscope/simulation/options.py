@@ -8,7 +8,7 @@ from typing import Literal
 from slam_core.errors import SlamError
 
 Extra = Literal["gps", "compass", "rangefinder"]
-ScenarioName = Literal["arena", "littoral", "handheld", "rooms", "corridor", "people", "glass"]
+ScenarioName = Literal["arena", "littoral", "handheld", "rooms", "corridor", "people", "glass", "offices"]
 
 
 class SimulationError(SlamError):
@@ -37,7 +37,7 @@ class SceneOptions:
     scan_rate: float = 40.0
     """Revolutions of the laser per second; a sweep of 270 degrees takes three quarters of one."""
     beams: int = 1081
-    """Beams of one sweep, spread over 270 degrees."""
+    """Beams of one sweep, spread over the field of the scanner."""
     beam_timing: bool = True
     """Each beam leaves at its own time; otherwise the whole sweep is taken at its stamp."""
     speed: float = 1.0

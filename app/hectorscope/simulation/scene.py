@@ -9,6 +9,7 @@ from hectorscope.simulation.course import STILL
 from hectorscope.simulation.motion import Channels, Motion
 from hectorscope.simulation.options import Extra, SceneOptions
 from hectorscope.simulation.people import Person
+from hectorscope.simulation.scanner import UTM30LX, Scanner
 from hectorscope.simulation.worlds import World
 from slam_core.measurements import Float64s, Transform
 
@@ -26,6 +27,7 @@ class Scene:
     extras: tuple[Extra, ...] = ()
     gps_outage: float = 0.0
     people: tuple[Person, ...] = ()
+    scanner: Scanner = UTM30LX
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ import numpy as np
 from hectorscope.simulation.beams import first_returns
 from hectorscope.simulation.motion import Motion
 from hectorscope.simulation.options import SceneOptions
+from hectorscope.simulation.scanner import Scanner
 from hectorscope.simulation.scene import Scene
 from slam_core.measurements import Aid, Float64s, Height, Imu, LaserScan, TruthPose
 
@@ -16,21 +17,6 @@ IMU_RATE, HEIGHT_RATE, TRUTH_RATE = 100.0, 10.0, 100.0  # Hz
 
 Arrival = tuple[int, LaserScan | Imu | Aid | TruthPose]
 """When a measurement reached the recorder [ns], and the measurement."""
-
-
-@dataclass(frozen=True, slots=True)
-class Utm30lx:
-    """The data sheet of the paper's scanner, metres and seconds."""
-
-    field: float = float(np.radians(270.0))
-    range_min: float = 0.1
-    range_max: float = 30.0
-    sigma_near: float = 0.01
-    sigma_near_to: float = 10.0  # from there the noise grows to
-    sigma_far: float = 0.03  # at range_max
-    resolution: float = 0.001
-    dropout: float = 0.003  # share of beams that give nothing
-    latency: float = 0.002
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +41,7 @@ class Barometer:
     latency: float = 0.004
 
 
-UTM30LX, MEMS, BAROMETER = Utm30lx(), Mems(), Barometer()
+MEMS, BAROMETER = Mems(), Barometer()
 
 
 def nanoseconds(t: float) -> int:
@@ -66,37 +52,39 @@ def nanoseconds(t: float) -> int:
 def laser_scans(scene: Scene, options: SceneOptions) -> Iterator[Arrival]:
     """Every complete sweep of the motion, when its last beam has been handed over."""
     rng, panes = np.random.default_rng([options.seed, 0]), np.random.default_rng([options.seed, 3])
-    period = 1.0 / options.scan_rate
-    increment = UTM30LX.field / (options.beams - 1)
+    scanner, period = scene.scanner, 1.0 / options.scan_rate
+    increment = scanner.field / (options.beams - 1)
     time_increment = period * increment / (2 * np.pi) if options.beam_timing else 0.0
     count = np.arange(options.beams, dtype=np.float64)
-    angles, lapse = increment * count - UTM30LX.field / 2, time_increment * count
+    angles, lapse = increment * count - scanner.field / 2, time_increment * count
     for k in range(int((scene.motion.duration - lapse[-1]) / period) + 1):
         t = k * period
-        true, depths = first_returns(scene, t + lapse, angles, UTM30LX.range_max, panes)
+        true, depths = first_returns(scene, t + lapse, angles, scanner.range_max, panes)
         scan = LaserScan(
             stamp_ns=nanoseconds(t),
-            ranges=_measured(true, depths, options.noise, rng).astype(np.float32),
+            ranges=_measured(scanner, true, depths, options.noise, rng).astype(np.float32),
             angle_min=float(angles[0]),
             angle_increment=float(increment),
             time_increment=float(time_increment),
-            range_min=UTM30LX.range_min,
-            range_max=UTM30LX.range_max,
+            range_min=scanner.range_min,
+            range_max=scanner.range_max,
             T_base_laser=scene.T_base_laser,
         )
-        yield scan.end_ns + round(UTM30LX.latency * 1e9 * rng.uniform(1.0, 1.5)), scan
+        yield scan.end_ns + round(scanner.latency * 1e9 * rng.uniform(1.0, 1.5)), scan
 
 
-def _measured(true: Float64s, depths: Float64s, noise: float, rng: np.random.Generator) -> Float64s:
+def _measured(
+    scanner: Scanner, true: Float64s, depths: Float64s, noise: float, rng: np.random.Generator
+) -> Float64s:
     """(n,) ranges as the scanner reports them, after REP-117: noise, foliage, drop-outs, millimetres."""
     white, inward, luck = rng.normal(size=len(true)), np.abs(rng.normal(size=len(true))), rng.random(len(true))
-    growth = (UTM30LX.sigma_far - UTM30LX.sigma_near) / (UTM30LX.range_max - UTM30LX.sigma_near_to)
-    sigma = UTM30LX.sigma_near + growth * np.clip(true - UTM30LX.sigma_near_to, 0.0, UTM30LX.range_max)
+    growth = (scanner.sigma_far - scanner.sigma_near) / (scanner.range_max - scanner.sigma_near_to)
+    sigma = scanner.sigma_near + growth * np.clip(true - scanner.sigma_near_to, 0.0, scanner.range_max)
     measured = true + noise * (sigma * white + depths * inward)
     if noise > 0.0:
-        measured = np.round(measured / UTM30LX.resolution) * UTM30LX.resolution
-    measured[(measured > UTM30LX.range_max) | (luck < noise * UTM30LX.dropout)] = np.inf
-    measured[measured < UTM30LX.range_min] = -np.inf
+        measured = np.round(measured / scanner.resolution) * scanner.resolution
+    measured[(measured > scanner.range_max) | (luck < noise * scanner.dropout)] = np.inf
+    measured[measured < scanner.range_min] = -np.inf
     return measured
 
 

@@ -10,6 +10,7 @@ from hectorscope.simulation import (
     scene_glass,
     scene_handheld,
     scene_littoral,
+    scene_offices,
     scene_people,
     scene_rooms,
     sensors,
@@ -27,6 +28,7 @@ SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {
     "corridor": scene_corridor.build,
     "people": scene_people.build,
     "glass": scene_glass.build,
+    "offices": scene_offices.build,
 }
 
 

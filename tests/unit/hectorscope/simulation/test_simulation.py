@@ -35,7 +35,7 @@ def fingerprint(simulation: Simulation) -> bytes:
     return "\n".join(parts).encode()
 
 
-@pytest.mark.parametrize("scenario", [*DEMOS, "people", "glass"])
+@pytest.mark.parametrize("scenario", [*DEMOS, "people", "glass", "offices"])
 def test_same_seed_same_numbers(scenario: ScenarioName) -> None:
     """A simulation gives the same again, a new one of the same seed too, another seed does not."""
     simulation = Simulation(scenario, SHORT)
@@ -91,6 +91,7 @@ def test_truth_at_any_time() -> None:
         ("corridor", 90.0, (0.0, 0.0), (0.95, 1.05), 0.0),
         ("people", 60.0, (0.0, 0.0), (0.75, 0.85), 0.0),
         ("glass", 60.0, (0.0, 0.0), (0.75, 0.85), 0.0),
+        ("offices", 1200.0, (0.0, 0.0), (0.55, 0.65), 0.0),
     ],
 )
 def test_scenes_move_as_they_should(
@@ -124,10 +125,10 @@ def test_demos_come_back_to_where_they_began(scenario: ScenarioName) -> None:
     assert away[-50:].min() < 3.0
 
 
-@pytest.mark.parametrize("scenario", [*DEMOS, "rooms", "corridor", "people", "glass"])
+@pytest.mark.parametrize("scenario", [*DEMOS, "rooms", "corridor", "people", "glass", "offices"])
 def test_nothing_is_driven_through(scenario: ScenarioName) -> None:
     """All along the way there is room around the laser, at its height."""
-    scene = Simulation(scenario).scene
+    scene = Simulation(scenario, SceneOptions(duration=500.0) if scenario == "offices" else None).scene
     angles = np.linspace(0.0, 2 * np.pi, 72)
     around = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(72)))
     up = scene.T_base_laser.translation * [0.0, 0.0, 1.0]
