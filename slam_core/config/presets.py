@@ -39,6 +39,10 @@ ADDITIONS = (
         {"map.factor_behind": 0.5},
     ),
     Addition(
+        "Writes the wall between endpoints of beams that graze it: cells of it alone look like landmarks.",
+        {"map.wall_gap": 0.0},
+    ),
+    Addition(
         "With scans alone, delays a keyframe that fits worse than the running mean.",
         {"map.keyframe_max_delay": 0.0},
     ),

@@ -46,6 +46,35 @@ def tangents(xs, ys, along_x, along_y):
 
 
 @njit(cache=True, error_model="numpy")
+def between(points, step, longest):
+    """(m, 2) points on the straight surface between neighbours of points (n, 2) that lie on it.
+
+    They divide gaps longer than `step` and no longer than `longest` evenly, in parts no longer than a step.
+    The gap and the gaps beside it must go on straight, as in `_join`: four neighbours on one line.
+    """
+    n, m = len(points), 0
+    parts = np.zeros(n, np.int64)
+    straight_before = False
+    for i in range(2, n):
+        dx, dy = points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1]
+        ux, uy = points[i - 1, 0] - points[i - 2, 0], points[i - 1, 1] - points[i - 2, 1]
+        gap, before = math.sqrt(dx * dx + dy * dy), math.sqrt(ux * ux + uy * uy)
+        straight = max(gap, before) <= GROWTH * min(gap, before) and dx * ux + dy * uy >= STRAIGHT * gap * before
+        if straight and straight_before and step < before <= longest:
+            parts[i - 1] = np.int64(math.ceil(before / step))
+            m += parts[i - 1] - 1
+        straight_before = straight
+    found, k = np.empty((m, 2), points.dtype), 0
+    for i in range(1, n):
+        for j in range(1, parts[i]):
+            share = j / parts[i]
+            found[k, 0] = points[i - 1, 0] + share * (points[i, 0] - points[i - 1, 0])
+            found[k, 1] = points[i - 1, 1] + share * (points[i, 1] - points[i - 1, 1])
+            k += 1
+    return found
+
+
+@njit(cache=True, error_model="numpy")
 def weakest_direction(xs, ys, along_x, along_y):
     """How the shape of a scan fixes its position: the share of beams that do in the worst direction, and that.
 

@@ -48,7 +48,7 @@ class Mapper:
         unaided: only matches observe the motion, so that scans which fit worse than usual may be distorted.
         """
         unexpected = self._pyramid.unexpected(scan.points, pose)
-        if not (self._writes and verdict.accepted):
+        if not (self._writes and verdict.accepted and verdict.confirmed):
             return MapUpdate(unexpected, False)
         if verdict.recovery == "continued":
             self._keyframes.restart()

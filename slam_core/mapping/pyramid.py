@@ -10,6 +10,7 @@ from slam_core.config import ConfigError, MapConfig
 from slam_core.kernels.dynamic_objects import by_bearing
 from slam_core.kernels.map_update import cell_box
 from slam_core.kernels.planar import transform_points
+from slam_core.kernels.surfaces import between
 from slam_core.mapping.grid import GridLevel
 from slam_core.measurements import Float32s, Float64s
 
@@ -60,16 +61,18 @@ class Pyramid:
         points, cleared: (n, 2), (m, 2) endpoints, points in the order of the sweep, and laser: (2,), in the
         stabilised frame, metres.
         """
-        placed = transform_points(pose, np.concatenate([laser[None], points, cleared]))
+        walls = between(points, self.levels[0].resolution, config.wall_gap)
+        n = len(points) + len(walls)
+        placed = transform_points(pose, np.concatenate([laser[None], points, walls, cleared]))
         if config.grow:
             self._make_room(placed, config.limit)
-        start, ends, free = placed[0], placed[1 : 1 + len(points)], placed[1 + len(points) :]
+        start, ends, free = placed[0], placed[1 : 1 + n], placed[1 + n :]
         steps = (log_odds(config.factor_free), log_odds(config.factor_occupied))
         caps = (config.log_odds_min, config.log_odds_max)
         for i, level in enumerate(self.levels):
             behind = 0.0 if i else log_odds(config.factor_behind)
             level.update(start, ends, free, steps, caps, behind)
-        self.levels[0].place_surfaces(points, start, ends, pose[2])
+        self.levels[0].place_surfaces(points, start, ends[: len(points)], pose[2])
         self.updates += 1
         self.revision += 1
 

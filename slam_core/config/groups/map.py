@@ -72,6 +72,16 @@ class MapConfig:
             0.5,
         ),
     ] = 0.15
+    wall_gap: Annotated[
+        float,
+        Param(
+            "Where a beam grazes a straight wall, the wall between its endpoint and the next is written, too, if"
+            " they lie no further apart than this (0: off, the paper).",
+            "m",
+            0.0,
+            10.0,
+        ),
+    ] = 3.0
     log_odds_min: Annotated[float, Param("Lower bound of a cell's log-odds.", "", -50.0, -0.5)] = -50.0
     log_odds_max: Annotated[float, Param("Upper bound of a cell's log-odds.", "", 0.5, 50.0)] = 50.0
     update_distance: Annotated[

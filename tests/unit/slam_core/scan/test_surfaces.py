@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.kernels.coarse_to_fine import survey
+from slam_core.kernels.surfaces import between
 from slam_core.scan.surfaces import Beams
 
 
@@ -108,3 +109,33 @@ def test_a_round_room_leaves_the_turn_open_and_no_place():
 def test_no_beams_fix_nothing():
     """A scan without endpoints is open, and breaks nothing."""
     assert survey(np.empty(0, np.float32), np.empty(0, np.float32), 0.0)[2] == 0.0
+
+
+def grazing(n=12, aside=1.0, step=0.0087, first=0.05):
+    """(n, 2) endpoints of beams that meet a straight wall ever more at a slant, far ones last."""
+    angles = first + step * np.arange(n)[::-1]
+    return np.column_stack([aside / np.tan(angles), np.full(n, aside)]).astype(np.float32)
+
+
+def test_the_wall_between_endpoints_of_beams_that_graze_it_is_filled():
+    """Points on the wall, no two neighbours of it further apart than a step; the gaps at its ends stay."""
+    points = grazing()
+    assert np.diff(points[:, 0]).max() < 3.0
+    filled = between(points, 0.05, 3.0)
+    np.testing.assert_allclose(filled[:, 1], 1.0, atol=1e-6)
+    along = np.sort(np.concatenate([points[1:-1, 0], filled[:, 0]]))
+    assert np.diff(along).max() < 0.0501
+    assert filled[:, 0].min() > points[1, 0]
+    assert filled[:, 0].max() < points[-2, 0]
+
+
+def test_no_wall_is_made_up():
+    """Gaps that are too long, at a corner, into a room behind a door, or beside too few endpoints stay open."""
+    points = grazing()
+    assert len(between(points, 0.05, 0.0)) == 0
+    assert between(points, 0.05, 0.5)[:, 0].max() < points[-2, 0] - 0.5
+    assert len(between(points[:3], 0.05, 3.0)) == 0
+    corner = np.array([[0, 0], [0.5, 0], [1, 0], [1, 0.5], [1, 1]], np.float32)
+    assert len(between(corner, 0.05, 3.0)) == 0
+    door = np.array([[0, 1], [0.5, 1], [1, 1], [3, 3], [2, 1], [2.5, 1], [3, 1]], np.float32)
+    assert not [x for x, _ in between(door, 0.05, 3.0) if 1.0 < x < 2.0]
