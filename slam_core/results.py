@@ -99,7 +99,8 @@ class Verdict(NamedTuple):
     """What became of a scan's match. If it is not accepted, the pose is the prediction.
 
     rejection: what spoke against the first match. outside_map: the robot got lost where there is no map yet.
-    recovery: "relocalised" by a search of the whole map, or "continued" from the prediction.
+    recovery: "relocalised" by a search of the whole map, or "continued" from the prediction. confirmed: the pose
+    explained several scans, or was never in doubt; else no scan is written there.
     """
 
     state: Tracking = "tracking"
@@ -107,6 +108,7 @@ class Verdict(NamedTuple):
     accepted: bool = True
     outside_map: bool = False
     recovery: Literal["", "relocalised", "continued"] = ""
+    confirmed: bool = True
 
 
 ACCEPTED = Verdict()
@@ -116,10 +118,11 @@ class SearchFailure(NamedTuple):
     """Why the pose of the robot in the map is unknown.
 
     pending: no search yet. no_place: at best the share `value` of the scan agrees with the map (0: no candidate),
-    `limit` is needed. ambiguous: it fits `value` places alike. crowded: more places than can be compared.
+    `limit` is needed. out_of_reach: the place is further off than a robot can have come.
+    ambiguous: it fits `value` places alike. crowded: more places than can be compared.
     """
 
-    code: Literal["pending", "no_place", "ambiguous", "crowded"]
+    code: Literal["pending", "no_place", "ambiguous", "crowded", "out_of_reach"]
     value: float = 0.0
     limit: float = 0.0
 

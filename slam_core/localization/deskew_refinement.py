@@ -42,12 +42,12 @@ def refine(
         if not len(placed.points):
             break
         again = coarse_to_fine(pyramid, placed.points, match.pose, config.matcher, prior=prior, trace=trace)
-        if _cost(again) >= _cost(match):
+        if cost(again) >= cost(match):
             break
         leveled, match = placed, again
     return leveled, match
 
 
-def _cost(match: MatchResult) -> float:
-    """Eq. (7) a beam: the sweeps may differ in how many they keep."""
+def cost(match: MatchResult) -> float:
+    """Eq. (7), the mean over the beams: sweeps may differ in how many they keep."""
     return float(np.mean(np.square(match.residuals)))

@@ -6,7 +6,9 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
+from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
+from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.tracking import Tracker, exceeds_basin, mahalanobis_distance, search_window
 from slam_core.mapping.pyramid import Pyramid
@@ -14,8 +16,19 @@ from slam_core.matching.correlative import find_pose
 from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import Float64s, LaserScan
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.results import ACCEPTED, NOWHERE, MatchResult, PlanarGaussian, Rejection, Verdict
+from slam_core.results import (
+    ACCEPTED,
+    NOWHERE,
+    MatchResult,
+    PlanarGaussian,
+    Rejection,
+    SearchFailure,
+    Verdict,
+)
 from slam_core.scan.stabilise import StabilisedScan
+
+# Metres, metres, radians: how far off a robot may be that stays where it was sure last, and more a bad match.
+HELD, HELD_GROWTH, HELD_MOST = np.array([0.3, 0.3, 0.5]), 0.1, 2.0
 
 
 class LocalisedScan(NamedTuple):
@@ -49,6 +62,7 @@ class Localiser:
         self._is_placed = not is_prior
         self._writes = writes
         self._tracker = Tracker()
+        self._confirmation = Confirmation()
 
     def initialise(self, scan: StabilisedScan, time_ns: int, config: SlamConfig) -> bool:
         """Whether the pose in the map is known; at the start in a prior map it is searched for."""
@@ -66,14 +80,24 @@ class Localiser:
         if self._pyramid.empty:
             return LocalisedScan(stabilised, self._pose, None, ACCEPTED)
         stabilised, match = self._align(scan, stabilised, self.start_estimate(prior, config), prior, config)
-        verdict = ACCEPTED
-        if config.tracking.check:
-            stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
+        if not config.tracking.check:
+            self._pose = match.pose
+            return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
+        usual = self._tracker.usual
+        stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
+        if not verdict.accepted:
+            prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)
         if verdict.state == "lost" and config.tracking.relocalise:
             match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, config)
-        if verdict.outside_map and self._writes and config.tracking.continue_from_prediction:
+        continues = verdict.outside_map and self._writes and not self._motion.unaided
+        if continues and config.tracking.continue_from_prediction:
             match, verdict = self._continue(match, verdict, prior)
-        if verdict.accepted:
+        elif verdict.accepted:
+            lost_after = config.tracking.lost_after
+            verdict = self._confirmation.accepted(
+                match.pose, match.fit, verdict, prior, usual, scan.mid_ns, lost_after
+            )
+        if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
         self._pose = match.pose if verdict.accepted else prior.mean
         return LocalisedScan(stabilised, self._pose, match, verdict)
@@ -121,8 +145,14 @@ class Localiser:
         distance = mahalanobis_distance(match, prior)
         rejection = tracker.check(match.fit, distance, tracking)
         limit = tracking.unaided_mahalanobis_limit
-        suspect = self._motion.unaided and exceeds_basin(prior) and distance > limit
-        if not (rejection or suspect):
+        doubtful = self._motion.unaided and exceeds_basin(prior)
+        if doubtful and (rejection or distance > limit or tracker.is_poor(match.fit)):
+            better = self._other_motion(scan, match, prior, config)
+            if better is not None:
+                stabilised, match = better
+                distance = mahalanobis_distance(match, prior)
+                rejection = tracker.check(match.fit, distance, tracking)
+        if not (rejection or (doubtful and distance > limit)):
             return stabilised, match, tracker.accept(match.fit, None)
         start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
         start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
@@ -132,12 +162,40 @@ class Localiser:
         rejection = rejection or Rejection("mahalanobis_distance", distance, limit)
         return stabilised, match, tracker.reject(match.fit, rejection, tracking)
 
+    def _other_motion(
+        self, scan: LaserScan, match: MatchResult, prior: PlanarGaussian, config: SlamConfig
+    ) -> tuple[StabilisedScan, MatchResult] | None:
+        """A clearly better match by another motion of the sweep than the predicted one; None without it."""
+        motion = self._motion.planar_fallback
+        return best_match(scan, match, prior, self._pyramid, motion, config) if motion else None
+
+    def _miss(
+        self, verdict: Verdict, prior: PlanarGaussian, time_ns: int, config: SlamConfig
+    ) -> tuple[PlanarGaussian, Verdict]:
+        """After a rejected match: the pose to go on from, and the verdict.
+
+        Where only matches observe the motion, a robot that is lost, or was found at a wrong place, stays where it
+        was sure last.
+        """
+        confirmation = self._confirmation
+        failed = confirmation.rejected()
+        if confirmation.missed >= config.tracking.lost_after:
+            verdict = verdict._replace(state="lost")
+        if self._motion.unaided and (failed or verdict.state == "lost"):
+            sigmas = np.minimum(HELD + HELD_GROWTH * confirmation.missed, HELD_MOST)
+            prior = PlanarGaussian(confirmation.pose.copy(), np.diag(sigmas**2))
+            self._motion.hold(time_ns, prior)
+        return prior, verdict
+
     def _relocalise(
         self, scan: StabilisedScan, match: MatchResult, verdict: Verdict, time_ns: int, config: SlamConfig
     ) -> tuple[MatchResult, Verdict]:
         """A lost robot, searched for in the whole map; what was given if it is not found."""
         found = self.relocaliser.search(self._pyramid, scan, time_ns, config)
         if found is None:
+            return match, verdict
+        if not self._confirmation.is_reachable(found.pose, time_ns):
+            self.relocaliser.failure = SearchFailure("out_of_reach")
             return match, verdict
         self._reset_pose(time_ns, found.gaussian)
         accepted = self._tracker.accept(found.fit, verdict.rejection)
@@ -151,6 +209,7 @@ class Localiser:
         With nothing to match against the pose would drift for good.
         """
         self._tracker.reset()
+        self._confirmation = Confirmation()
         unknown = np.full_like(match.residuals, 0.5)
         predicted = match._replace(
             pose=prior.mean, covariance=prior.covariance, residuals=unknown, unobservable=NOWHERE

@@ -11,6 +11,7 @@ MEMORY = 0.05  # weight of the newest match in the running mean
 # A scan of which less than MOSTLY lies on known cells is rejected more than NEAR sigmas from the prediction.
 MOSTLY, NEAR = 0.6, 5.0
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
+POOR = 0.9  # of the usual inlier ratio
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
 
@@ -38,6 +39,15 @@ class Tracker:
         self._usual = USUAL_INLIER_RATIO
         self._rejected = 0
         self._outside_map = True
+
+    @property
+    def usual(self) -> float:
+        """The running mean of the inlier ratio."""
+        return self._usual
+
+    def is_poor(self, fit: Fit) -> bool:
+        """Whether a match fits worse than most did."""
+        return fit.hit < POOR * self._usual
 
     def check(self, fit: Fit, distance: float, config: TrackingConfig) -> Rejection | None:
         """The reason to reject a match; None if there is none. distance: to the prediction, sigmas."""

@@ -170,6 +170,10 @@ class EgoMotion:
         else:
             self._planar.place(time_ns, start, self._config.motion)
 
+    def hold(self, time_ns: int, pose: PlanarGaussian) -> None:
+        """Stay at a pose at a time, where only matches observe the motion."""
+        self._planar.hold(time_ns, pose, self._config.motion)
+
     def correct(
         self, time_ns: int, match: MatchResult | None, *, accepted: bool
     ) -> tuple[PlanarGaussian, NavigationState | None]:

@@ -138,6 +138,24 @@ class PlanarMotion:
         self._set_covariance(covariance)
 
     @property
+    def planar(self) -> PlanarGaussian:
+        """The pose at the time of the last estimate."""
+        return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+
+    def given(self, direction: Float64s, offset: float) -> "PlanarMotion":
+        """A copy whose mean is that given that the pose lies `offset` further along a `direction` (3,)."""
+        part = self._covariance[:, :3] @ direction
+        other = self.copy()
+        other._mean = self._mean + part * (offset / float(direction @ part[:3]))
+        other._mean[2] = geometry.wrap(other._mean[2])
+        return other
+
+    def hold(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
+        """Stay at a pose at a time, without a velocity: that of a lost robot would carry it off."""
+        self.place(time_ns, pose, config)
+        self._mean[3:] = 0.0
+
+    @property
     def twist(self) -> Float64s:
         """(3,) velocity forward and left, m/s, and yaw rate, rad/s."""
         return self._mean[3:].copy()

@@ -14,6 +14,7 @@ from hectorscope.simulation.options import SceneOptions
 from hectorscope.simulation.simulation import Simulation
 from slam_core.config import SlamConfig, with_value
 from slam_core.evaluation.trajectory import Trajectory, evaluate
+from slam_core.localization.confirmation import SEVERAL
 from slam_core.measurements import LaserScan
 
 START_S, DEAD_S = 15.0, 1.5
@@ -89,7 +90,7 @@ def test_a_fault_without_inertial_data_loses_the_plain_match_and_not_the_checked
 
 @pytest.mark.parametrize("imu", [True, False])
 def test_broken_scans_do_not_touch_the_map(imu: bool):
-    """Not one cell changes while the scans are noise; they are the only ones that are not believed."""
+    """Not one cell changes while the scans are noise, nor before several good ones confirm the pose again."""
     pipeline = Pipeline(Settings(SlamConfig()))
     levels = pipeline.slam.map.levels
     for item in ranges_broken(drive(imu)):
@@ -99,8 +100,8 @@ def test_broken_scans_do_not_touch_the_map(imu: bool):
             if result is not None and before and result.tracking in {"degraded", "lost"}:
                 assert not result.map_updated
                 assert all(np.array_equal(a, level.log_odds) for a, level in zip(before, levels, strict=True))
-    assert pipeline.states["degraded"] + pipeline.states["lost"] == BROKEN_SCANS
-    assert pipeline.states["lost"] == 1
+    assert pipeline.states["degraded"] == BROKEN_SCANS - 1
+    assert pipeline.states["lost"] == SEVERAL
     assert pipeline.states["recovered"] == 1
 
 
@@ -110,7 +111,7 @@ def _is_near(item: Item, items: tuple[Item, ...]) -> bool:
 
 @pytest.mark.parametrize("imu", [True, False])
 def test_a_robot_that_was_carried_away_is_found_in_the_whole_map(imu: bool):
-    """Put down metres away in a known room, it is back at the right place within 3 seconds; else it stays away."""
+    """Put down metres away in a known room, it is back and sure of its place within 4 s; else it stays away."""
     ends = {}
     for relocalise in (False, True):
         pipeline = Pipeline(Settings(with_value(SlamConfig(), "tracking.relocalise", relocalise)))
@@ -119,7 +120,7 @@ def test_a_robot_that_was_carried_away_is_found_in_the_whole_map(imu: bool):
                 pipeline.step(measurement)
         there = pipeline.truth[-1, 1:3] - pipeline.truth[0, 1:3]
         ends[relocalise] = float(np.hypot(*(pipeline.trajectory[-1, 1:3] - there)))
-    assert pipeline.states["degraded"] + pipeline.states["lost"] < 3 * 20
+    assert pipeline.states["degraded"] + pipeline.states["lost"] < 4 * 20
     assert ends[False] > 1.0
     assert ends[True] < 0.1
 

@@ -46,5 +46,9 @@ class TrackingConfig:
         float, Param("Minimum inlier ratio of a pose that such a search finds.", "", 0.3, 1.0)
     ] = 0.85
     continue_from_prediction: Annotated[
-        bool, Param("If the pose was lost outside the known map, continue the map from the prediction.")
+        bool,
+        Param(
+            "If the pose was lost outside the known map, continue the map from the prediction of inertial data or"
+            " wheels."
+        ),
     ] = True

@@ -1,0 +1,98 @@
+"""When a pose that was found after bad matches counts."""
+
+import numpy as np
+import pytest
+
+from slam_core.localization.confirmation import FEW, REACH, SEVERAL, SPEED, Confirmation
+from slam_core.results import ACCEPTED, Fit, PlanarGaussian, Verdict
+
+USUAL, LOST_AFTER, DT = 0.9, 10, 100_000_000
+GOOD, POOR, NEW = Fit(0.9, 0.95), Fit(0.9, 0.7), Fit(0.3, 0.95)
+SEARCHED = Verdict("recovered", recovery="relocalised")
+
+
+class Drive:
+    """Matches at 10 Hz, each where it is predicted unless it is said otherwise."""
+
+    def __init__(self) -> None:
+        self.confirmation, self.time_ns = Confirmation(), 0
+
+    def match(self, x: float = 0.0, fit: Fit = GOOD, verdict: Verdict = ACCEPTED, predicted: float | None = None):
+        """The verdict on an accepted match at x."""
+        self.time_ns += DT
+        prior = PlanarGaussian(np.array([x if predicted is None else predicted, 0.0, 0.0]), np.eye(3))
+        pose = np.array([x, 0.0, 0.0])
+        return self.confirmation.accepted(pose, fit, verdict, prior, USUAL, self.time_ns, LOST_AFTER)
+
+    def miss(self, times: int = 1) -> bool:
+        """Bad matches. Whether the last one ended a pose that waited."""
+        self.time_ns += times * DT
+        return [self.confirmation.rejected() for _ in range(times)][-1]
+
+
+def test_a_tracked_pose_is_sure():
+    """No bad match, no jump: the verdict stays, also for a scan that fits worse."""
+    drive = Drive()
+    assert drive.match() == ACCEPTED
+    assert drive.match(fit=POOR) == ACCEPTED
+    assert not drive.confirmation.pending
+
+
+def test_after_a_bad_match_few_good_scans_confirm():
+    """Until then the state is degraded and nothing is written; a poor one does not count."""
+    drive = Drive()
+    drive.match()
+    drive.miss()
+    waiting = [drive.match() for _ in range(FEW - 1)] + [drive.match(fit=POOR)]
+    assert {(verdict.state, verdict.accepted, verdict.confirmed) for verdict in waiting} == {
+        ("degraded", True, False)
+    }
+    sure = drive.match()
+    assert (sure.state, sure.confirmed) == ("recovered", True)
+    assert drive.match() == ACCEPTED
+
+
+@pytest.mark.parametrize("missed", [0, LOST_AFTER])
+def test_a_pose_far_off_or_after_long_needs_several_scans_on_known_map(missed):
+    """It is lost meanwhile; scans that mostly lie on unknown cells prove nothing."""
+    drive = Drive()
+    drive.match()
+    if missed:
+        drive.miss(missed)
+    waiting = [drive.match(5.0, predicted=0.0)]
+    waiting += [drive.match(5.0, fit=NEW) for _ in range(20)]
+    waiting += [drive.match(5.0) for _ in range(SEVERAL - 2)]
+    assert {(verdict.state, verdict.confirmed) for verdict in waiting} == {("lost", False)}
+    assert drive.match(5.0).confirmed
+
+
+def test_a_pose_of_a_search_has_to_hold_at_another_place():
+    """A robot at rest may stand where two places look alike."""
+    drive = Drive()
+    drive.match()
+    drive.miss(LOST_AFTER)
+    drive.match(1.0, verdict=SEARCHED)
+    assert not any(drive.match(1.0).confirmed for _ in range(50))
+    assert drive.match(1.5).confirmed
+
+
+def test_a_bad_match_ends_what_waits():
+    """The pose that was sure before stays the last one."""
+    drive = Drive()
+    drive.match(2.0)
+    assert not drive.miss()
+    drive.match(3.0)
+    assert drive.miss()
+    assert not drive.confirmation.pending
+    assert drive.confirmation.missed == 2
+    np.testing.assert_array_equal(drive.confirmation.pose, [2.0, 0.0, 0.0])
+
+
+def test_a_robot_comes_no_further_than_it_drives():
+    """Two metres at once, and two more a second; before the first sure pose it may be anywhere."""
+    drive = Drive()
+    far = np.array([REACH + SPEED * 3.0, 0.0, 0.0])
+    assert drive.confirmation.is_reachable(far, 0)
+    drive.match(0.0)
+    assert not drive.confirmation.is_reachable(far, drive.time_ns + 2_900_000_000)
+    assert drive.confirmation.is_reachable(far, drive.time_ns + 3_000_000_000)
