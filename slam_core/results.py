@@ -117,12 +117,12 @@ ACCEPTED = Verdict()
 class SearchFailure(NamedTuple):
     """Why the pose of the robot in the map is unknown.
 
-    pending: no search yet. no_place: at best the share `value` of the scan agrees with the map (0: no candidate),
-    `limit` is needed. out_of_reach: the place is further off than a robot can have come.
-    ambiguous: it fits `value` places alike. crowded: more places than can be compared.
+    pending: no search has ended yet. no_place: at best the share `value` of the scan agrees with the map (0: no
+    candidate),
+    `limit` is needed. ambiguous: it fits `value` places alike. crowded: more places than can be compared.
     """
 
-    code: Literal["pending", "no_place", "ambiguous", "crowded", "out_of_reach"]
+    code: Literal["pending", "no_place", "ambiguous", "crowded"]
     value: float = 0.0
     limit: float = 0.0
 

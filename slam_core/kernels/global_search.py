@@ -5,12 +5,37 @@ pictures of the map. Eight-bit sums over contiguous rows become a few instructio
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+from slam_core.measurements import Float64s, Int64s
 
 WALL = np.uint8(2)  # score of an endpoint on a wall; beside one it scores 1
 MANY = 8192  # candidates that are kept at most
+SUM = 16  # additions of a picture that take as long as one look at a cell
+
+
+class Pictures(NamedTuple):
+    """Scores of an endpoint, by cell (rows, columns), and the largest in a block of them.
+
+    blocks: (block, block, rows + 1, columns + 1), [pv, pu, r + 1, c + 1] is that of the block whose first cell is
+    [block r + pv, block c + pu]. inverse: cells a metre.
+    """
+
+    cells: NDArray[np.uint8]
+    blocks: NDArray[np.uint8]
+    inverse: float
+
+
+class Headings(NamedTuple):
+    """psi: (h,) radians. limits: (h,) the largest score that is possible. order: (h,) by falling limit."""
+
+    psi: Float64s
+    limits: Int64s
+    order: Int64s
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -23,40 +48,21 @@ def offsets(points, inverse, psi, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def pooled(cells, block):
-    """(block, block, rows + 1, columns + 1): largest cell of the block that begins at each place, by its phase.
-
-    [pv, pu, r + 1, c + 1] is the largest cell of the block whose first is [block r + pv, block c + pu].
-    """
-    high, wide = cells.shape
-    rows, columns = -(-high // block), -(-wide // block)
-    out = np.zeros((block, block, rows + 1, columns + 1), np.uint8)
-    for v in range(high):
-        for u in range(wide):
-            value = cells[v, u]
-            if value:
-                for dv in range(block):
-                    for du in range(block):
-                        r, pv = divmod(v - dv, block)
-                        c, pu = divmod(u - du, block)
-                        out[pv, pu, r + 1, c + 1] = max(out[pv, pu, r + 1, c + 1], value)
-    return out
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def block_bounds(pool, shifts, out):
-    """For one heading: no place in block [r, c] of places can score more than out[r, c]."""
+def block_bounds(pool, shifts, first_row, first_column, out):
+    """For one heading: no place in block [first_row + i, first_column + j] scores more than out[i, j]."""
     block, _, rows, columns = pool.shape
     rows, columns = rows - 1, columns - 1
+    high, wide = out.shape
     out[:] = 0
     flat, sums = pool.reshape(-1), out.reshape(-1)
     for k in range(len(shifts)):
         c, pu = divmod(shifts[k, 0], block)
         r, pv = divmod(shifts[k, 1], block)
-        first, last = max(0, -1 - c), min(columns, columns - c)
+        c, r = c + first_column, r + first_row
+        first, last = max(0, -1 - c), min(wide, columns - c)
         picture = ((pv * block + pu) * (rows + 1) + r + 1) * (columns + 1) + c + 1
-        for row in range(max(0, -1 - r), min(rows, rows - r)):
-            _add(sums, row * columns + first, flat, picture + row * (columns + 1) + first, last - first)
+        for row in range(max(0, -1 - r), min(high, rows - r)):
+            _add(sums, row * wide + first, flat, picture + row * (columns + 1) + first, last - first)
 
 
 @njit(inline="always")
@@ -81,48 +87,67 @@ def place_score(cells, shifts, column, row, least):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def heading_bounds(pool, points, inverse, headings, out):
-    """The largest score that is possible anywhere, for each heading, into `out` (h,)."""
-    _, _, rows, columns = pool.shape
+def heading_bounds(pool, points, inverse, headings, box, out):
+    """The largest possible score in a box of blocks (first row, first column, rows, columns), into `out` (h,)."""
     shifts = np.empty((len(points), 2), np.int64)
-    bounds = np.empty((rows - 1, columns - 1), np.uint8)
+    bounds = np.empty((box[2], box[3]), np.uint8)
     for h in range(len(headings)):
         offsets(points, inverse, headings[h], shifts)
-        block_bounds(pool, shifts, bounds)
+        block_bounds(pool, shifts, box[0], box[1], bounds)
         out[h] = bounds.max()
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def best_places(cells, pool, points, inverse, headings, order, limits, least, share, found):
+def best_places(pictures, points, headings, box, share, state, found, work):
     """The best place of every block and heading that scores `least` and `share` of the best of all, or more.
 
-    order: headings by falling limit, limits: (h,) by `heading_bounds`. found: (m, 4) score, heading, row, column.
-    Returns how many were found, -1 when there are more than m.
+    box: of blocks, first row, first column, rows, columns. state: (5,) where to go on: place in the order of
+    headings, row in the box, least, best, count; -1 when there are too many. found: (count, 4) score, heading,
+    row, column. Stops when the cells looked at exceed `work`; returns how many these were.
     """
-    block, _, rows, columns = pool.shape
+    cells, pool, inverse = pictures
+    block = pool.shape[0]
     shifts = np.empty((len(points), 2), np.int64)
-    bounds = np.empty((rows - 1, columns - 1), np.uint8)
-    best, count = 0, 0
-    for h in order:
+    bounds = np.empty((box[2], box[3]), np.uint8)
+    first, least, best, count = state[1], state[2], state[3], state[4]
+    done = 0
+    for k in range(state[0], len(headings.order)):
+        h = headings.order[k]
         least = max(least, math.ceil(share * best))
-        if limits[h] < least:
+        if headings.limits[h] < least:
             break
-        offsets(points, inverse, headings[h], shifts)
-        block_bounds(pool, shifts, bounds)
-        for r in range(rows - 1):
-            for c in range(columns - 1):
-                if bounds[r, c] >= least:
+        offsets(points, inverse, headings.psi[h], shifts)
+        block_bounds(pool, shifts, box[0], box[1], bounds)
+        done += bounds.size * len(points) // SUM + len(points)
+        for row in range(first, box[2]):
+            for column in range(box[3]):
+                if bounds[row, column] < least:
+                    continue
+                if count == len(found):
+                    count = _keep(found, count, least)
                     if count == len(found):
-                        count = _keep(found, count, least)
-                        if count == len(found):
-                            return -1
-                    score = _best_of_block(cells, shifts, block * r, block * c, block, least, found[count])
-                    if score >= least:
-                        found[count, 1] = h
-                        count += 1
-                        best = max(best, score)
-                        least = max(least, math.ceil(share * best))
-    return _keep(found, count, least)
+                        state[4] = -1
+                        return done
+                r, c = block * (box[0] + row), block * (box[1] + column)
+                score = _best_of_block(cells, shifts, r, c, block, least, found[count])
+                done += block * block * len(points) // 4
+                if score >= least:
+                    found[count, 1] = h
+                    count += 1
+                    best = max(best, score)
+                    least = max(least, math.ceil(share * best))
+            if done > work:
+                state[0], state[1], state[2], state[3], state[4] = k, row + 1, least, best, count
+                return done
+        first = 0
+    state[0], state[1], state[2], state[3], state[4] = (
+        len(headings.order),
+        0,
+        least,
+        best,
+        _keep(found, count, least),
+    )
+    return done
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from slam_core import geometry
+from slam_core.localization.global_search import Region
 from slam_core.measurements import Float64s
 from slam_core.results import Fit, PlanarGaussian, Verdict
 
@@ -35,12 +36,11 @@ class Confirmation:
         """Whether a pose waits."""
         return self._found is not None
 
-    def is_reachable(self, pose: Float64s, time_ns: int) -> bool:
-        """Whether the robot can have come to a pose (3,) since it was sure of its own."""
+    def region(self, time_ns: int) -> Region | None:
+        """Where the robot can have come since it was sure of its pose; None if it never was."""
         if self._sure_ns is None:
-            return True
-        reach = REACH + SPEED * max(0.0, (time_ns - self._sure_ns) * 1e-9)
-        return math.hypot(*(pose - self.pose)[:2]) <= reach
+            return None
+        return Region(self.pose, REACH + SPEED * max(0.0, (time_ns - self._sure_ns) * 1e-9))
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,

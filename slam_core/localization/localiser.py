@@ -22,7 +22,6 @@ from slam_core.results import (
     MatchResult,
     PlanarGaussian,
     Rejection,
-    SearchFailure,
     Verdict,
 )
 from slam_core.scan.stabilise import StabilisedScan
@@ -88,7 +87,7 @@ class Localiser:
         if not verdict.accepted:
             prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)
         if verdict.state == "lost" and config.tracking.relocalise:
-            match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, config)
+            match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, prior, config)
         continues = verdict.outside_map and self._writes and not self._motion.unaided
         if continues and config.tracking.continue_from_prediction:
             match, verdict = self._continue(match, verdict, prior)
@@ -188,14 +187,13 @@ class Localiser:
         return prior, verdict
 
     def _relocalise(
-        self, scan: StabilisedScan, match: MatchResult, verdict: Verdict, time_ns: int, config: SlamConfig
-    ) -> tuple[MatchResult, Verdict]:
-        """A lost robot, searched for in the whole map; what was given if it is not found."""
-        found = self.relocaliser.search(self._pyramid, scan, time_ns, config)
+        self, scan: StabilisedScan, match: MatchResult, verdict: Verdict, time_ns: int, prior: PlanarGaussian,
+        config: SlamConfig,
+    ) -> tuple[MatchResult, Verdict]:  # fmt: skip
+        """Look for a lost robot where it can have come."""
+        region = self._confirmation.region(time_ns)
+        found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config)
         if found is None:
-            return match, verdict
-        if not self._confirmation.is_reachable(found.pose, time_ns):
-            self.relocaliser.failure = SearchFailure("out_of_reach")
             return match, verdict
         self._reset_pose(time_ns, found.gaussian)
         accepted = self._tracker.accept(found.fit, verdict.rejection)

@@ -1,9 +1,20 @@
 """Localisation without a prediction: at the start in a prior map, and after the pose was lost for long."""
 
+from typing import NamedTuple
+
 import numpy as np
 
+from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.global_search import LOOSE, agreement, apart, locate
+from slam_core.localization.global_search import (
+    LOOSE,
+    PlaceSearch,
+    Region,
+    agreement,
+    apart,
+    judged,
+    search_of,
+)
 from slam_core.localization.tracking import search_window
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
@@ -14,10 +25,24 @@ from slam_core.scan.stabilise import StabilisedScan
 
 # Covariance of a start pose that a person gives: metres, metres, radians.
 GIVEN_START = np.diag([0.5, 0.5, 0.3]) ** 2.0
+# The same of a place found in an earlier scan, moved by what is known of the motion since.
+MOVED = np.diag([0.5, 0.5, 0.3]) ** 2.0
+BUDGET = 4e7  # looks at a cell a second of the recording: some 40 ms
+
+
+class _Running(NamedTuple):
+    """A search that has not ended: the scan that is sought, when, and the pose (3,) that was predicted for it."""
+
+    search: PlaceSearch
+    scan: StabilisedScan
+    time_ns: int
+    pose: Float64s
 
 
 class Relocaliser:
-    """Searches no more often than `relocalise_interval`, since a search of the whole map takes long.
+    """Searches no more often than `relocalise_interval`, and no longer than BUDGET a second of the recording.
+
+    A search that takes longer goes on with the next scans, and what it finds is moved by the motion since.
 
     start: (3,) the given start pose; None if it may be anywhere in the map.
     failure: why the pose is unknown; None while it is known. found: where the run began in the prior map.
@@ -28,6 +53,8 @@ class Relocaliser:
         self.found: StartFound | None = None
         self._given = start
         self._searched_ns: int | None = None
+        self._running: _Running | None = None
+        self._budget, self._budget_ns = BUDGET, 0
 
     def start(
         self, pyramid: Pyramid, scan: StabilisedScan, time_ns: int, config: SlamConfig
@@ -36,12 +63,12 @@ class Relocaliser:
         given = None if self._given is None else PlanarGaussian(self._given, GIVEN_START)
         if given is not None and not config.tracking.check:
             return given
-        if not self._is_due(time_ns, config):
+        if not (self._running or self._is_due(time_ns, config)):
             return None
         near = self._near(given, pyramid, scan, config) if given else None
         share = agreement(pyramid, scan, near.pose) if near else 0.0
         needed = config.tracking.relocalise_min_inlier_ratio
-        found = near if share >= needed else self._anywhere(pyramid, scan, config)
+        found = near if share >= needed else self._anywhere(pyramid, scan, time_ns, np.zeros(3), None, config)
         if found is None and share >= LOOSE * needed:
             found = near  # a given pose needs less proof
         if found is None:
@@ -52,14 +79,25 @@ class Relocaliser:
         return found.gaussian
 
     def search(
-        self, pyramid: Pyramid, scan: StabilisedScan, time_ns: int, config: SlamConfig
+        self,
+        pyramid: Pyramid,
+        scan: StabilisedScan,
+        time_ns: int,
+        pose: Float64s,
+        region: Region | None,
+        config: SlamConfig,
     ) -> MatchResult | None:
-        """A lost robot anywhere in the map; None if it is not found, or the next search is not due."""
-        return self._anywhere(pyramid, scan, config) if self._is_due(time_ns, config) else None
+        """A lost robot in a region of the map; None if it is not found yet, or the next search is not due.
+
+        pose: (3,) the prediction, of which only the change between scans matters.
+        """
+        if not (self._running or self._is_due(time_ns, config)):
+            return None
+        return self._anywhere(pyramid, scan, time_ns, pose, region, config)
 
     def reset(self) -> None:
         """The pose in the map is known."""
-        self.failure = None
+        self.failure = self._running = None
 
     def _is_due(self, time_ns: int, config: SlamConfig) -> bool:
         last, interval_ns = self._searched_ns, config.tracking.relocalise_interval * 1e9
@@ -68,10 +106,36 @@ class Relocaliser:
         self._searched_ns = time_ns
         return True
 
-    def _anywhere(self, pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> MatchResult | None:
-        result = locate(pyramid, scan, config)
+    def _anywhere(
+        self,
+        pyramid: Pyramid,
+        scan: StabilisedScan,
+        time_ns: int,
+        pose: Float64s,
+        region: Region | None,
+        config: SlamConfig,
+    ) -> MatchResult | None:
+        running = self._running or _Running(search_of(pyramid, scan, config, region), scan, time_ns, pose)
+        passed_s, self._budget_ns = max(0.0, (time_ns - self._budget_ns) * 1e-9), time_ns
+        self._budget = min(BUDGET, self._budget + BUDGET * passed_s)
+        if self._budget > 0.0:
+            self._budget -= running.search.advance(self._budget)
+        if not running.search.finished:
+            self._running, self.failure = running, SearchFailure("pending")
+            return None
+        self._running = None
+        result = judged(pyramid, running.scan, running.search.places(), config)
         self.failure = result.failure
-        return result.match
+        if result.match is None or running.time_ns == time_ns:
+            return result.match
+        motion = geometry.compose(geometry.inverse(running.pose), pose)
+        there = PlanarGaussian(geometry.compose(result.match.pose, motion), MOVED)
+        match = self._near(there, pyramid, scan, config)
+        share, wanted = agreement(pyramid, scan, match.pose), config.tracking.relocalise_min_inlier_ratio
+        if share >= wanted:
+            return match
+        self.failure = SearchFailure("no_place", share, wanted)
+        return None
 
     @staticmethod
     def _near(given: PlanarGaussian, pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> MatchResult:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from slam_core.config import MapConfig, MatcherConfig
 from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
-from slam_core.localization.global_search import agreement, find_places
+from slam_core.localization.global_search import PlaceSearch, agreement
 from slam_core.mapping.interpolate import interpolate
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
@@ -137,5 +137,5 @@ def test_searches_stay_within_the_map(kind, points, pose):
         find_pose(pyramid.levels[-1], points, pose, (1.0, 0.3))
     scan = StabilisedScan(ends, np.zeros(len(ends), np.float32), NO_POINTS, CLOSE)
     if not pyramid.empty:
-        find_places(pyramid.levels[1], ends, 0.7)
+        PlaceSearch(pyramid.levels[1], ends, 0.7).advance()
         assert 0.0 <= agreement(pyramid, scan, pose) <= 1.0

@@ -82,8 +82,6 @@ def search_text(failure: SearchFailure | None) -> str:
             return f"the scan fits nowhere in the map: {best}, {failure.limit:.0%} are needed"
         case "ambiguous":
             return f"the scan fits in {failure.value:.0f} places of the map alike"
-        case "out_of_reach":
-            return "the scan fits at a place that is too far off to have come there"
         case "crowded":
             return "the scan fits in very many places of the map"
 

@@ -89,10 +89,11 @@ def test_a_bad_match_ends_what_waits():
 
 
 def test_a_robot_comes_no_further_than_it_drives():
-    """Two metres at once, and two more a second; before the first sure pose it may be anywhere."""
+    """Two metres at once, and two more a second, from where it was sure; before that it may be anywhere."""
     drive = Drive()
-    far = np.array([REACH + SPEED * 3.0, 0.0, 0.0])
-    assert drive.confirmation.is_reachable(far, 0)
-    drive.match(0.0)
-    assert not drive.confirmation.is_reachable(far, drive.time_ns + 2_900_000_000)
-    assert drive.confirmation.is_reachable(far, drive.time_ns + 3_000_000_000)
+    assert drive.confirmation.region(0) is None
+    drive.match(1.0)
+    region = drive.confirmation.region(drive.time_ns + 3_000_000_000)
+    assert region is not None
+    np.testing.assert_array_equal(region.centre, [1.0, 0.0, 0.0])
+    assert region.radius == REACH + SPEED * 3.0

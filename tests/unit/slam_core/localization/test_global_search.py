@@ -12,13 +12,33 @@ from hypothesis import strategies as st
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig, TrackingConfig
 from slam_core.kernels import global_search as kernels
-from slam_core.localization.global_search import BLOCK, RIVAL, agreement, apart, find_places, locate, walls
+from slam_core.localization.global_search import (
+    BLOCK,
+    RIVAL,
+    Places,
+    PlaceSearch,
+    Region,
+    agreement,
+    apart,
+    locate,
+    walls,
+)
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.scan.stabilise import StabilisedScan, stabilise
 from tests.worlds import room_scan, standing
 
 CONFIG = SlamConfig(map=MapConfig(size=400))
+
+
+def find_places(
+    level: GridLevel, points: np.ndarray, least: float, region: Region | None = None, work: float = math.inf
+) -> Places:
+    """A search from its begin to its end, in parts of so much work."""
+    search = PlaceSearch(level, points, least, region)
+    while not search.finished:
+        search.advance(work)
+    return search.places()
 
 
 def level_scan(pose: np.ndarray) -> StabilisedScan:
@@ -97,13 +117,45 @@ def test_the_rivals_are_there_and_apart():
         assert not all(apart(pose, other) for other in places.poses)
 
 
+@settings(max_examples=25)
+@given(st.integers(0, 10**6), st.floats(1.0, 1e5))
+def test_a_search_in_parts_finds_the_same(seed: int, work: float):
+    """To the last bit, however often it stops."""
+    level = made_level(seed)
+    points = np.random.default_rng(seed + 1).uniform(-3, 3, (12, 2)).astype(np.float32)
+    whole, parts = find_places(level, points, 0.3), find_places(level, points, 0.3, work=work)
+    assert (whole.poses.tobytes(), whole.scores.tobytes()) == (parts.poses.tobytes(), parts.scores.tobytes())
+    assert whole.crowded == parts.crowded
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 10**6), st.floats(-3, 5), st.floats(-2, 4), st.floats(0, 4))
+def test_in_a_region_only_its_places_count(seed: int, x: float, y: float, radius: float):
+    """The best place is the best of the region's box; places up to a block beside the box may count as well."""
+    level = made_level(seed)
+    points = np.random.default_rng(seed + 1).uniform(-2, 2, (15, 2)).astype(np.float32)
+    places = find_places(level, points, 0.01, Region(np.array([x, y, 0.0]), radius))
+    rows, columns = (np.arange(n) + 0.5 for n in level.shape)
+    off = [
+        np.abs(axis * 0.2 + start - middle)
+        for axis, start, middle in zip((columns, rows), level.origin, (x, y), strict=True)
+    ]
+    scores = every_score(level, points.astype(float))
+    inside = scores[:, off[1] <= radius][:, :, off[0] <= radius]
+    assert np.all(np.abs(places.poses[:, :2] - [x, y]) <= radius + 2 * BLOCK * 0.2) or not len(places.poses)
+    if inside.size and inside.max() > 0 and not places.crowded:
+        assert places.scores[0] >= inside.max() / 30
+
+
 def test_a_bound_is_what_the_block_could_score_at_best():
     """Each endpoint counts as the largest cell that it meets from any place of the block."""
     level = made_level(7)
     cells = walls(level)
     shifts = np.random.default_rng(1).integers(-12, 12, (30, 2))
     bounds = np.empty((-(-23 // BLOCK), -(-30 // BLOCK)), np.uint8)
-    kernels.block_bounds(kernels.pooled(cells, BLOCK), shifts, bounds)
+    search = PlaceSearch(level, np.ones((1, 2), np.float32), 0.1)
+    search.advance()
+    kernels.block_bounds(search.pictures.blocks, shifts, 0, 0, bounds)
     picture = np.pad(cells, 50)
     for (r, c), bound in np.ndenumerate(bounds):
         corners = 50 + BLOCK * np.array([c, r]) + shifts
