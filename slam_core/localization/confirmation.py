@@ -70,7 +70,8 @@ class Confirmation:
             relocalised = verdict.recovery == "relocalised"
             self._found, self._good, self._steady = pose.copy(), 0, 0
             self._is_best = relocalised or not config.relocalise
-            self._is_far |= relocalised or self.missed >= config.lost_after or off > REACH
+            is_lost = self.missed >= config.lost_after and _is_vague(prior)
+            self._is_far |= relocalised or is_lost or off > REACH
         if self._found is None:
             self.pose, self._sure_ns = pose.copy(), time_ns
             return verdict
@@ -99,3 +100,8 @@ class Confirmation:
         assert self._found is not None
         moved = pose - self._found
         return math.hypot(*moved[:2]) >= MOVED or abs(geometry.wrap(moved[2])) >= MOVED
+
+
+def _is_vague(prior: PlanarGaussian) -> bool:
+    """Whether three sigmas of a prediction are more than NEAR."""
+    return 9.0 * float(prior.covariance.diagonal().max()) > NEAR**2

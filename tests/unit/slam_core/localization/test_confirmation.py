@@ -19,10 +19,18 @@ class Drive:
     def __init__(self) -> None:
         self.confirmation, self.time_ns = Confirmation(), 0
 
-    def match(self, x: float = 0.0, fit: Fit = GOOD, verdict: Verdict = ACCEPTED, predicted: float | None = None):
-        """The verdict on an accepted match at x."""
+    def match(
+        self,
+        x: float = 0.0,
+        fit: Fit = GOOD,
+        verdict: Verdict = ACCEPTED,
+        predicted: float | None = None,
+        sigma: float = 1.0,
+    ):
+        """The verdict on an accepted match at x, with a standard deviation of the prediction."""
         self.time_ns += DT
-        prior = PlanarGaussian(np.array([x if predicted is None else predicted, 0.0, 0.0]), np.eye(3))
+        mean = np.array([x if predicted is None else predicted, 0.0, 0.0])
+        prior = PlanarGaussian(mean, sigma**2 * np.eye(3))
         pose = np.array([x, 0.0, 0.0])
         return self.confirmation.accepted(pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG)
 
@@ -78,6 +86,14 @@ def test_a_pose_far_off_or_after_long_needs_several_scans_on_known_map(missed):
     waiting += [drive.match(6.0) for _ in range(SEVERAL - 2)]
     assert {(verdict.state, verdict.confirmed) for verdict in waiting} == {("lost", False)}
     assert drive.match(6.0).confirmed
+
+
+def test_a_sure_prediction_confirms_after_many_bad_matches():
+    """Inertial data carries a robot through scans of noise: where they predict, few good scans suffice."""
+    drive = Drive()
+    drive.match()
+    drive.miss(2 * CONFIG.lost_after)
+    assert [drive.match(sigma=0.1).confirmed for _ in range(FEW)] == [False] * (FEW - 1) + [True]
 
 
 def test_a_pose_far_off_waits_until_a_search_agrees():
