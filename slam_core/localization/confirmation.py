@@ -12,6 +12,7 @@ from slam_core.results import Fit, PlanarGaussian, Verdict
 
 NEAR = 0.6  # metres, radians from the prediction: a match further off was found, not tracked
 REACH, SPEED = 2.0, 2.0  # metres, m/s: how far a lost robot can have come
+TURNED = 1.0  # radians from the prediction: no robot turns so far between a few scans
 FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and one anywhere
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
 MOSTLY = 0.6  # of such a scan has to lie on known cells
@@ -71,12 +72,12 @@ class Confirmation:
             self._found, self._good, self._steady = pose.copy(), 0, 0
             self._is_best = relocalised or not config.relocalise
             is_lost = self.missed >= config.lost_after and _is_vague(prior)
-            self._is_far |= relocalised or is_lost or off > REACH
+            self._is_far |= relocalised or is_lost or off > REACH or turned > TURNED
         if self._found is None:
             self.pose, self._sure_ns = pose.copy(), time_ns
             return verdict
         self._steady = self._steady + 1 if max(off, turned) < STEADY else 0
-        if fit.hit >= GOOD * usual and (not self._is_far or fit.known >= MOSTLY):
+        if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
             self._good += 1
         if not self._is_confirmed(pose):
             return verdict._replace(state="lost" if self._is_far else "degraded", confirmed=False)
