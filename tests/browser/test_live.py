@@ -85,6 +85,7 @@ def test_r_on_a_stream_asks_and_the_safe_answer_is_the_default(robot: Robot, ope
         (page if key == "Enter" else other).keyboard.press(key)
         for each in (page, other):
             expect(each.locator(".mantine-Modal-content")).to_have_count(0)
+    expect(open_page(robot.server.url).locator(".mantine-Modal-content")).to_have_count(0)
     assert (robot.now.epoch, robot.now.scans) == (before.epoch, before.scans)
 
 
@@ -135,7 +136,7 @@ def test_a_recording_has_all_of_them(show: Show, open_page: Open) -> None:
 
 def test_the_key_sentence_stands_over_the_scene(show: Show, open_page: Open) -> None:
     """In large type and whole, also with the panels folded away; the links are told apart beside each other."""
-    sentence = "nothing listens at ws://robot.example:8765: start the bridge there (foxglove_bridge)"
+    sentence = "Nothing listens at ws://robot.example:8765: start the bridge there (foxglove_bridge)"
     report = SourceReport(connected=False, waiting=sentence)
     playback = PlaybackStatus("waiting", live=True, detail=sentence)
     show.engine.show(Snapshot(sequence=2, source="ws://robot.example:8765", playback=playback, report=report))

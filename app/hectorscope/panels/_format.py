@@ -103,5 +103,10 @@ def figure(name: str, value: str, kind: str = "", *, caption: str | None = None,
 
 def tip(name: str, more: str = "") -> str:
     """The attribute that puts a text of HINTS under the pointer, after what there is to say now."""
-    words = f"{more[:1].upper()}{more[1:]}. {HINTS[name]}" if more else HINTS[name]
+    words = f"{sentence(more)}. {HINTS[name]}" if more else HINTS[name]
     return f'title="{text(words)}"'
+
+
+def sentence(words: str) -> str:
+    """With a capital at the beginning, unless an address or a topic stands there."""
+    return words[:1].upper() + words[1:] if words.split(" ", 1)[0].isalpha() else words

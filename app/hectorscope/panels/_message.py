@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
+from hectorscope.panels._format import sentence
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.snapshot import Snapshot
 
@@ -20,7 +21,8 @@ class Message(NamedTuple):
 
 def message(snapshot: Snapshot) -> Message | None:
     """The most urgent one; None while all is well."""
-    return next(_messages(snapshot), None)
+    told = next(_messages(snapshot), None)
+    return told and told._replace(detail=sentence(told.detail))
 
 
 def _messages(snapshot: Snapshot) -> Iterator[Message]:

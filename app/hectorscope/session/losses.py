@@ -59,9 +59,10 @@ def _loss_by_settings(command: Configure | ConfigureAll, pipeline: Pipeline, cha
         return None
     rest = len(planned.by_hand) - NAMED
     names = ", ".join(planned.by_hand[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
+    title = command.title if isinstance(command, ConfigureAll) else command.name
     return Loss(
-        f"{planned.text}, and with them values that were set by hand: {names}."
-        " For one minute they can be brought back.",
+        f"{title[:1].upper()}{title[1:]} changes {len(planned.old)} settings, among them values that were set by"
+        f" hand: {names}. For one minute they can be brought back.",
         "Replace them",
         "Keep my values",
     )

@@ -25,23 +25,23 @@ def stream(state: PlaybackState, report: SourceReport = UP, *, scans: int = 0, d
 @pytest.mark.parametrize(
     ("snapshot", "kind", "title", "detail"),
     [
-        (stream("waiting", DOWN), "error", "No connection to the robot", "nothing listens"),
-        (stream("waiting", DOWN, scans=9), "error", "Connection to the robot lost", "nothing listens"),
+        (stream("waiting", DOWN), "error", "No connection to the robot", "Nothing listens"),
+        (stream("waiting", DOWN, scans=9), "error", "Connection to the robot lost", "Nothing listens"),
         (
             stream("loading", replace(UP, waiting="none is a LaserScan")),
             "error",
             "No laser",
-            "none is a LaserScan",
+            "None is a LaserScan",
         ),
         (stream("waiting"), "warning", "Waiting for the first scan", "nothing comes from /scan"),
         (stream("waiting", scans=9), "error", "No scans from the robot", "nothing comes from /scan"),
-        (stream("loading", replace(UP, skipped={"all NaN": 3})), "warning", "that can be used", "all NaN"),
+        (stream("loading", replace(UP, skipped={"all NaN": 3})), "warning", "that can be used", "All NaN"),
         (stream("paused", scans=9), "warning", "Paused", "go by unused"),
         (stream("failed", DOWN, detail="IMU in degrees"), "error", "The run has stopped", "IMU in degrees"),
-        (stream("playing", scans=9, detail="catching up: 40"), "busy", "Please wait", "catching up: 40"),
+        (stream("playing", scans=9, detail="Catching up: 40"), "busy", "Please wait", "Catching up: 40"),
         (Snapshot(playback=PlaybackStatus("loading", detail="3 of 5")), "busy", "Getting ready", "3 of 5"),
-        (Snapshot(playback=PlaybackStatus("seeking", detail="up to 9 s")), "busy", "Please wait", "up to 9 s"),
-        (replace(room_snapshot(), searching="two places"), "warning", "not found in the map", "two places"),
+        (Snapshot(playback=PlaybackStatus("seeking", detail="Up to 9 s")), "busy", "Please wait", "Up to 9 s"),
+        (replace(room_snapshot(), searching="Two places"), "warning", "not found in the map", "Two places"),
     ],
 )
 def test_the_scene_says_what_is_the_matter(snapshot: Snapshot, kind: Kind, title: str, detail: str) -> None:
