@@ -4,6 +4,7 @@ Named tuples, as a step makes a dozen of them: a frozen dataclass takes three ti
 """
 
 import math
+from array import array
 from collections import Counter
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
@@ -283,3 +284,21 @@ class Poses(NamedTuple):
     stamps_ns: Int64s
     positions: Float64s
     rotations: Float64s
+
+
+class PoseRecord:
+    """The poses of a run, as compact as arrays."""
+
+    def __init__(self) -> None:
+        self._stamps, self._values = array("q"), array("d")
+
+    def append(self, result: StepResult) -> None:
+        """Add the pose of a scan."""
+        self._stamps.append(result.stamp_ns)
+        self._values.extend((*result.T_map_base.translation.tolist(), *result.T_map_base.rotation.tolist()))
+
+    @property
+    def poses(self) -> Poses:
+        """All so far; a copy."""
+        values = np.array(self._values).reshape(-1, 7)
+        return Poses(np.array(self._stamps, np.int64), values[:, :3], values[:, 3:])

@@ -1,6 +1,5 @@
 """Figure 1 of the paper: laser scans and inertial data in, map and 6DOF pose out."""
 
-from array import array
 from collections import Counter
 from collections.abc import Callable, Sequence
 
@@ -15,7 +14,7 @@ from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.navigation.monitor import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED
-from slam_core.results import Poses, Status, StepResult
+from slam_core.results import PoseRecord, Poses, Status, StepResult
 from slam_core.scan.stabilise import stabilise
 from slam_core.sequencer import Sequencer
 from slam_core.timing import Stopwatch
@@ -43,14 +42,12 @@ class HectorSlam:
         self._localiser = Localiser(self.map, self._motion, start, is_prior=prior_map is not None, writes=writes)
         self._mapper = Mapper(self.map, writes=writes)
         self._scans, self._scan_ns = 0, 0
-        self._stamps, self._poses = array("q"), array("d")
-        self._stopwatch = stopwatch = Stopwatch(clock)
-        self._take = stopwatch.timed("filter", self._motion.take)
-        self._stabilise = stopwatch.timed("stabilise", stabilise)
-        self._predict = stopwatch.timed("filter", self._motion.prior)
-        self._locate = stopwatch.timed("match", self._localiser.locate)
-        self._update = stopwatch.timed("update", self._mapper.update)
-        self._fuse = stopwatch.timed("filter", self._motion.correct)
+        self._record = PoseRecord()
+        self._stopwatch = Stopwatch(clock)
+        timed = self._stopwatch.timed
+        self._take, self._stabilise = timed("filter", self._motion.take), timed("stabilise", stabilise)
+        self._predict, self._fuse = timed("filter", self._motion.prior), timed("filter", self._motion.correct)
+        self._locate, self._update = timed("match", self._localiser.locate), timed("update", self._mapper.update)
 
     def add(self, measurement: Measurement) -> list[StepResult]:
         """Take in one measurement. The results of the scans that it completes: a scan waits for inertial data."""
@@ -113,8 +110,7 @@ class HectorSlam:
     def _run(self, measurements: Sequence[Measurement]) -> list[StepResult]:
         results = [result for measurement in measurements if (result := self.step(measurement))]
         for result in results:
-            self._stamps.append(result.stamp_ns)
-            self._poses.extend((*result.T_map_base.translation.tolist(), *result.T_map_base.rotation.tolist()))
+            self._record.append(result)
         return results
 
     def configure(self, config: SlamConfig) -> None:
@@ -127,8 +123,7 @@ class HectorSlam:
     @property
     def trajectory(self) -> Poses:
         """The pose of every scan given to `add` so far, at the middle of its sweep."""
-        poses = np.array(self._poses).reshape(-1, 7)
-        return Poses(np.array(self._stamps, np.int64), poses[:, :3], poses[:, 3:])
+        return self._record.poses
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:

@@ -1,6 +1,7 @@
 """Looking at the scene of an open page: where a point is in the window, which colour it has, where nodes are."""
 
 import io
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,12 @@ RESTS = """(({goal, moved, still}) => !goal && still > 3 && performance.now() - 
   window.hectorscope.cameraState())"""
 
 
+LOOKS, LOOK_MS = 40, 125
+
+
 def look(page: Page, mode: str) -> None:
     """Point the camera and wait until it rests."""
     page.evaluate(f"window.hectorscope.camera('{mode}')")
-    page.wait_for_timeout(100)
     page.wait_for_function(RESTS)
 
 
@@ -33,6 +36,20 @@ def pixel(page: Page, x: float, y: float, z: float = 0.0) -> tuple[int, ...]:
     column, row = page.evaluate(PROJECT, [x, y, z])
     shot = page.screenshot(clip={"x": round(column) - 1, "y": round(row) - 1, "width": 3, "height": 3})
     return tuple(np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"))[1, 1].tolist())
+
+
+def wait_for_pixel(
+    page: Page, place: tuple[float, ...], wanted: Callable[[tuple[int, ...]], bool]
+) -> tuple[int, ...]:
+    """The colour at a point of the scene, once it is the wanted one or has not become so: pictures are decoded
+    and drawn after they arrive.
+    """
+    for _ in range(LOOKS):
+        seen = pixel(page, *place)
+        if wanted(seen):
+            break
+        page.wait_for_timeout(LOOK_MS)
+    return seen
 
 
 def is_near(seen: tuple[int, ...], colour: tuple[int, ...], tolerance: int = 12) -> bool:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from slam_core import geometry
+from slam_core.config import TrackingConfig
 from slam_core.localization.global_search import Region
 from slam_core.measurements import Float64s
 from slam_core.results import Fit, PlanarGaussian, Verdict
@@ -12,9 +13,10 @@ from slam_core.results import Fit, PlanarGaussian, Verdict
 NEAR = 0.6  # metres, radians from the prediction: a match further off was found, not tracked
 REACH, SPEED = 2.0, 2.0  # metres, m/s: how far a lost robot can have come
 FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and one anywhere
-MOVED = 0.4  # metres, radians between them: a pose that a search of the whole map found has to hold elsewhere, too
+MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
 MOSTLY = 0.6  # of such a scan has to lie on known cells
 GOOD = 0.9  # of the usual inlier ratio
+STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
 
 class Confirmation:
@@ -28,13 +30,27 @@ class Confirmation:
         self.missed = 0
         self._sure_ns: int | None = None
         self._found: Float64s | None = None  # where the waiting pose was found
-        self._good = 0
-        self._is_far = self._is_searched = False
+        self._good = self._steady = 0
+        self._is_far = self._is_best = False
 
     @property
     def pending(self) -> bool:
         """Whether a pose waits."""
         return self._found is not None
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the pose was, or was found, too far from the prediction to be tracked."""
+        return self._is_far
+
+    @property
+    def awaits_search(self) -> bool:
+        """Whether a pose waits for a search of the map, which shows whether another place explains the scans."""
+        return self.pending and self._is_far and not self._is_best
+
+    def agrees(self) -> None:
+        """A search of the map found the pose that waits."""
+        self._is_best = True
 
     def region(self, time_ns: int) -> Region | None:
         """Where the robot can have come since it was sure of its pose; None if it never was."""
@@ -44,23 +60,27 @@ class Confirmation:
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
-        lost_after: int,
+        config: TrackingConfig,
     ) -> Verdict:  # fmt: skip
         """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it."""
         step = pose - prior.mean
-        jumped = math.hypot(*step[:2]) > NEAR or abs(geometry.wrap(step[2])) > NEAR
-        if self._found is None and (self.missed or jumped):
-            self._found, self._good = pose.copy(), 0
-            self._is_searched = verdict.recovery == "relocalised"
-            self._is_far = self._is_searched or self.missed >= lost_after or math.hypot(*step[:2]) > REACH
+        off = math.hypot(*step[:2])
+        turned = abs(geometry.wrap(step[2]))
+        if self._found is None and (self.missed or max(off, turned) > NEAR):
+            relocalised = verdict.recovery == "relocalised"
+            self._found, self._good, self._steady = pose.copy(), 0, 0
+            self._is_best = relocalised or not config.relocalise
+            is_lost = self.missed >= config.lost_after and _is_vague(prior)
+            self._is_far |= relocalised or is_lost or off > REACH
         if self._found is None:
             self.pose, self._sure_ns = pose.copy(), time_ns
             return verdict
+        self._steady = self._steady + 1 if max(off, turned) < STEADY else 0
         if fit.hit >= GOOD * usual and (not self._is_far or fit.known >= MOSTLY):
             self._good += 1
-        if self._good < (SEVERAL if self._is_far else FEW) or (self._is_searched and not self._has_moved(pose)):
+        if not self._is_confirmed(pose):
             return verdict._replace(state="lost" if self._is_far else "degraded", confirmed=False)
-        self._found, self.missed = None, 0
+        self._found, self._is_far, self.missed = None, False, 0
         self.pose, self._sure_ns = pose.copy(), time_ns
         return verdict._replace(state="recovered")
 
@@ -70,7 +90,18 @@ class Confirmation:
         failed, self._found = self.pending, None
         return failed
 
+    def _is_confirmed(self, pose: Float64s) -> bool:
+        """Far from the prediction several scans, from different places, must fit better there than elsewhere."""
+        if self._is_far:
+            return self._good >= SEVERAL and self._is_best and self._has_moved(pose)
+        return self._good >= FEW or self._steady >= SEVERAL
+
     def _has_moved(self, pose: Float64s) -> bool:
         assert self._found is not None
         moved = pose - self._found
         return math.hypot(*moved[:2]) >= MOVED or abs(geometry.wrap(moved[2])) >= MOVED
+
+
+def _is_vague(prior: PlanarGaussian) -> bool:
+    """Whether three sigmas of a prediction are more than NEAR."""
+    return 9.0 * float(prior.covariance.diagonal().max()) > NEAR**2

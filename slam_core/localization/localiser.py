@@ -8,6 +8,7 @@ from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
+from slam_core.localization.global_search import apart
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.tracking import Tracker, exceeds_basin, mahalanobis_distance, search_window
@@ -82,20 +83,20 @@ class Localiser:
         if not config.tracking.check:
             self._pose = match.pose
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
-        usual = self._tracker.usual
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
             prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)
-        if verdict.state == "lost" and config.tracking.relocalise:
+        if config.tracking.relocalise and (verdict.state == "lost" or self._confirmation.awaits_search):
             match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, prior, config)
         continues = verdict.outside_map and self._writes and not self._motion.unaided
         if continues and config.tracking.continue_from_prediction:
             match, verdict = self._continue(match, verdict, prior)
         elif verdict.accepted:
-            lost_after = config.tracking.lost_after
             verdict = self._confirmation.accepted(
-                match.pose, match.fit, verdict, prior, usual, scan.mid_ns, lost_after
+                match.pose, match.fit, verdict, prior, self._tracker.usual, scan.mid_ns, config.tracking
             )
+            if verdict.confirmed:
+                self._tracker.learn(match.fit)
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
         self._pose = match.pose if verdict.accepted else prior.mean
@@ -152,12 +153,12 @@ class Localiser:
                 distance = mahalanobis_distance(match, prior)
                 rejection = tracker.check(match.fit, distance, tracking)
         if not (rejection or (doubtful and distance > limit)):
-            return stabilised, match, tracker.accept(match.fit, None)
+            return stabilised, match, tracker.accept(None)
         start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
         start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
         for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
             if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
-                return placed, candidate, tracker.accept(candidate.fit, rejection)
+                return placed, candidate, tracker.accept(rejection)
         rejection = rejection or Rejection("mahalanobis_distance", distance, limit)
         return stabilised, match, tracker.reject(match.fit, rejection, tracking)
 
@@ -178,7 +179,7 @@ class Localiser:
         """
         confirmation = self._confirmation
         failed = confirmation.rejected()
-        if confirmation.missed >= config.tracking.lost_after:
+        if confirmation.is_lost or confirmation.missed >= config.tracking.lost_after:
             verdict = verdict._replace(state="lost")
         if self._motion.unaided and (failed or verdict.state == "lost"):
             sigmas = np.minimum(HELD + HELD_GROWTH * confirmation.missed, HELD_MOST)
@@ -190,13 +191,18 @@ class Localiser:
         self, scan: StabilisedScan, match: MatchResult, verdict: Verdict, time_ns: int, prior: PlanarGaussian,
         config: SlamConfig,
     ) -> tuple[MatchResult, Verdict]:  # fmt: skip
-        """Look for a lost robot where it can have come."""
+        """Look for a lost robot where it can have come, or for a better place than the one it was found at."""
         region = self._confirmation.region(time_ns)
         found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config)
         if found is None:
             return match, verdict
+        if verdict.accepted:
+            if not apart(found.pose, match.pose):
+                self._confirmation.agrees()
+                return match, verdict
+            self._confirmation.rejected()
         self._reset_pose(time_ns, found.gaussian)
-        accepted = self._tracker.accept(found.fit, verdict.rejection)
+        accepted = self._tracker.accept(verdict.rejection)
         return found, accepted._replace(recovery="relocalised")
 
     def _continue(

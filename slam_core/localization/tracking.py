@@ -65,9 +65,12 @@ class Tracker:
             return False
         return fit.hit >= 0.5 * (1.0 + config.min_inlier_ratio) * self._usual
 
-    def accept(self, fit: Fit, rejection: Rejection | None) -> Verdict:
-        """Continue from a match. rejection: why it had to be searched for, if it had."""
+    def learn(self, fit: Fit) -> None:
+        """Take the fit of a match whose pose is sure into the running mean."""
         self._usual += MEMORY * (fit.hit - self._usual)
+
+    def accept(self, rejection: Rejection | None) -> Verdict:
+        """Continue from a match. rejection: why it had to be searched for, if it had."""
         recovered = rejection is not None or self._rejected > 0
         self.reset()
         return Verdict("recovered", rejection) if recovered else ACCEPTED

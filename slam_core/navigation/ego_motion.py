@@ -22,6 +22,7 @@ from slam_core.measurements import (
 )
 from slam_core.navigation.aiding.aids import AidingMeasurement, Aids
 from slam_core.navigation.aiding.planar import PlanarEstimator
+from slam_core.navigation.aiding.plausibility import SOURCES, is_plausible
 from slam_core.navigation.filter import NavigationFilter, projected
 from slam_core.navigation.monitor import SILENT_NS, Monitor
 from slam_core.navigation.planar_motion import PlanarMotion, odometry_sigmas
@@ -97,11 +98,16 @@ class EgoMotion:
         """Anything but a scan, to the model that is used."""
         if isinstance(measurement, Imu):
             self._add_imu(measurement)
+        elif isinstance(measurement, LaserScan):
+            return
+        elif not is_plausible(measurement):
+            estimator = self._filter if self._filter.ready else self._plane
+            estimator.drop(SOURCES[type(measurement)], UNUSABLE)
         elif isinstance(measurement, Height):
             self._filter.update_height(measurement.stamp_ns, measurement.height)
         elif isinstance(measurement, Odometry):
             self._add_odometry(measurement)
-        elif not isinstance(measurement, LaserScan):
+        else:
             self._aid(measurement)
 
     def _add_imu(self, imu: Imu) -> None:
@@ -117,10 +123,8 @@ class EgoMotion:
         if self._filter.ready:
             sigma = float(odometry_sigmas(odometry, motion)[0])
             self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma, motion.odometry_gate)
-        elif np.isfinite([*odometry.velocity, odometry.yaw_rate]).all():
-            self._planar.add_odometry(odometry, motion)
         else:
-            self._plane.drop("wheels", UNUSABLE)
+            self._planar.add_odometry(odometry, motion)
 
     def _aid(self, aid: AidingMeasurement) -> None:
         """The other sensors; the planar model has no distance to the ground."""

@@ -10,8 +10,6 @@ from tests.browser.conftest import READY, Open, Show
 
 pytestmark = pytest.mark.browser
 
-BROKEN_MS = 12_000  # longer than the page waits before it is opened anew
-
 
 def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
     """Nothing looks live while the server is silent, and once it is back the page is, with nobody's help."""
@@ -23,7 +21,8 @@ def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
     expect(silence).to_be_visible()
     expect(silence).to_contain_text("The picture is")
     expect(page.locator(".hs-deaf")).to_be_visible()
-    page.wait_for_timeout(BROKEN_MS)
+    with page.expect_event("requestfailed", lambda request: request.url.endswith("healthz")):
+        pass  # the page has asked whether it may open itself again
     port = urlsplit(show.url).port
     assert port is not None
     again = PageServer(show.engine, port=port)

@@ -10,28 +10,25 @@ from hectorscope.page.scene import Layout
 from hectorscope.page.theme import DARK, LIGHT, Rgb, for_lines
 from tests.browser.conftest import Open, Show
 from tests.page import LEVELS, room_snapshot
-from tests.scene import PROJECT, is_near, look, names, node, pixel
+from tests.scene import PROJECT, is_near, look, names, node, wait_for_pixel
 
 pytestmark = pytest.mark.browser
 
-FILTERS = """() => Object.entries(window.__viserMutable.nodeRefFromName)
+TEXTURES = """Object.entries(window.__viserMutable.nodeRefFromName)
   .filter(([name]) => name.startsWith('/floor/map/')).flatMap(([, node]) => {
     const found = [];
-    node.traverse((child) => child.material?.map && found.push(child.material.map.magFilter));
+    node.traverse((child) => child.material?.map && found.push(child.material.map));
     return found;
   })"""
+CRISP = f"((textures) => textures.length === {LEVELS} && textures.every((t) => t.magFilter === {{filter}}))"
 NEAREST = 1003
 FREE, WALL, UNKNOWN = (4.0, -4.0), (0.0, -5.5), (5.5, 4.5)  # x, y in the room
 
 
 def expect(page: Page, place: tuple[float, ...], colour: Rgb) -> None:
     """Wait for a colour: pictures are decoded and drawn after they arrive."""
-    for _ in range(20):
-        seen = pixel(page, *place)
-        if is_near(seen, colour):
-            return
-        page.wait_for_timeout(250)
-    pytest.fail(f"{seen} instead of {colour} at {place}")
+    seen = wait_for_pixel(page, place, lambda seen: is_near(seen, colour))
+    assert is_near(seen, colour), f"at {place}"
 
 
 @pytest.mark.parametrize("level", range(LEVELS))
@@ -50,12 +47,14 @@ def test_each_level_shows_its_cells(show: Show, open_page: Open, level: int) -> 
 def test_cells_are_crisp(show: Show, open_page: Open) -> None:
     """Every map texture is drawn without smoothing, also after new pictures arrived."""
     page = open_page(show.url)
-    page.wait_for_function(f"({FILTERS})().length === {LEVELS} && ({FILTERS})().every((f) => f === {NEAREST})")
+    crisp = f"{CRISP.format(filter=NEAREST)}({TEXTURES})"
+    page.wait_for_function(crisp)
+    page.evaluate(f"window.before = {TEXTURES}.map((texture) => texture.image)")
     snapshot = room_snapshot(sequence=2)
     changed = tuple(replace(image, cells=3 - image.cells, revision=9) for image in snapshot.maps)
     show.engine.show(replace(snapshot, maps=tuple(replace(m, cells=m.cells % 3) for m in changed)))
-    page.wait_for_timeout(1000)
-    page.wait_for_function(f"({FILTERS})().every((f) => f === {NEAREST})")
+    page.wait_for_function(f"{TEXTURES}.every((texture) => !window.before.includes(texture.image))")
+    page.wait_for_function(crisp)
 
 
 def test_levels_stack_without_hiding_the_finest_from_above(show: Show, open_page: Open) -> None:
@@ -108,11 +107,8 @@ def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
     look(page, "top")
     show.server.scene.show_layer("map", False)
     page.wait_for_function("!window.__viserMutable.nodeRefFromName['/floor/map'].visible")
-    for _ in range(20):
-        if not is_near(pixel(page, *WALL), DARK.occupied):
-            break
-        page.wait_for_timeout(250)
-    assert not is_near(pixel(page, *WALL), DARK.occupied)
+    seen = wait_for_pixel(page, WALL, lambda seen: not is_near(seen, DARK.occupied))
+    assert not is_near(seen, DARK.occupied)
     assert node(page, "/floor/scan") == {"position": [0.0, 0.0, pytest.approx(0.03)], "visible": True}
 
 

@@ -30,7 +30,10 @@ SWITCHES = {
     "zero rate": "standstill",
 }
 HORIZON = horizon_svg("hs-filter-horizon")
-NO_FILTER = '<p class="hs-empty">Without inertial data there is no navigation filter: the matches alone predict the motion.</p>'
+NO_FILTER = (
+    '<p class="hs-empty">Without inertial data there is no navigation filter: the matches alone predict the'
+    " motion.</p>"
+)
 
 
 class NavigationPanel:

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from slam_core.config import TrackingConfig
 from slam_core.localization.confirmation import FEW, REACH, SEVERAL, SPEED, Confirmation
 from slam_core.results import ACCEPTED, Fit, PlanarGaussian, Verdict
 
-USUAL, LOST_AFTER, DT = 0.9, 10, 100_000_000
+USUAL, DT = 0.9, 100_000_000
+CONFIG = TrackingConfig()
 GOOD, POOR, NEW = Fit(0.9, 0.95), Fit(0.9, 0.7), Fit(0.3, 0.95)
 SEARCHED = Verdict("recovered", recovery="relocalised")
 
@@ -17,12 +19,20 @@ class Drive:
     def __init__(self) -> None:
         self.confirmation, self.time_ns = Confirmation(), 0
 
-    def match(self, x: float = 0.0, fit: Fit = GOOD, verdict: Verdict = ACCEPTED, predicted: float | None = None):
-        """The verdict on an accepted match at x."""
+    def match(
+        self,
+        x: float = 0.0,
+        fit: Fit = GOOD,
+        verdict: Verdict = ACCEPTED,
+        predicted: float | None = None,
+        sigma: float = 1.0,
+    ):
+        """The verdict on an accepted match at x, with a standard deviation of the prediction."""
         self.time_ns += DT
-        prior = PlanarGaussian(np.array([x if predicted is None else predicted, 0.0, 0.0]), np.eye(3))
+        mean = np.array([x if predicted is None else predicted, 0.0, 0.0])
+        prior = PlanarGaussian(mean, sigma**2 * np.eye(3))
         pose = np.array([x, 0.0, 0.0])
-        return self.confirmation.accepted(pose, fit, verdict, prior, USUAL, self.time_ns, LOST_AFTER)
+        return self.confirmation.accepted(pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG)
 
     def miss(self, times: int = 1) -> bool:
         """Bad matches. Whether the last one ended a pose that waited."""
@@ -44,6 +54,7 @@ def test_after_a_bad_match_few_good_scans_confirm():
     drive.match()
     drive.miss()
     waiting = [drive.match() for _ in range(FEW - 1)] + [drive.match(fit=POOR)]
+    assert len(waiting) < SEVERAL
     assert {(verdict.state, verdict.accepted, verdict.confirmed) for verdict in waiting} == {
         ("degraded", True, False)
     }
@@ -52,25 +63,66 @@ def test_after_a_bad_match_few_good_scans_confirm():
     assert drive.match() == ACCEPTED
 
 
-@pytest.mark.parametrize("missed", [0, LOST_AFTER])
+def test_where_predictions_are_near_the_fit_may_be_worse_than_usual():
+    """A robot that enters a cluttered room is not lost: several matches in a row are where they were predicted."""
+    drive = Drive()
+    drive.match()
+    drive.miss()
+    drive.match(0.3, fit=POOR, predicted=0.0)
+    assert not any(drive.match(0.3, fit=POOR).confirmed for _ in range(SEVERAL - 1))
+    assert drive.match(0.3, fit=POOR).confirmed
+
+
+@pytest.mark.parametrize("missed", [0, CONFIG.lost_after])
 def test_a_pose_far_off_or_after_long_needs_several_scans_on_known_map(missed):
-    """It is lost meanwhile; scans that mostly lie on unknown cells prove nothing."""
+    """It is lost meanwhile; scans that mostly lie on unknown cells prove nothing, nor do near predictions."""
     drive = Drive()
     drive.match()
     if missed:
         drive.miss(missed)
     waiting = [drive.match(5.0, predicted=0.0)]
-    waiting += [drive.match(5.0, fit=NEW) for _ in range(20)]
-    waiting += [drive.match(5.0) for _ in range(SEVERAL - 2)]
+    drive.confirmation.agrees()
+    waiting += [drive.match(6.0, fit=NEW) for _ in range(20)]
+    waiting += [drive.match(6.0) for _ in range(SEVERAL - 2)]
     assert {(verdict.state, verdict.confirmed) for verdict in waiting} == {("lost", False)}
-    assert drive.match(5.0).confirmed
+    assert drive.match(6.0).confirmed
+
+
+def test_a_sure_prediction_confirms_after_many_bad_matches():
+    """Inertial data carries a robot through scans of noise: where they predict, few good scans suffice."""
+    drive = Drive()
+    drive.match()
+    drive.miss(2 * CONFIG.lost_after)
+    assert [drive.match(sigma=0.1).confirmed for _ in range(FEW)] == [False] * (FEW - 1) + [True]
+
+
+def test_a_pose_far_off_waits_until_a_search_agrees():
+    """Until a search of the map has found it too, another place may explain the scans better."""
+    drive = Drive()
+    drive.match()
+    drive.match(5.0, predicted=0.0)
+    assert not any(drive.match(5.0 + 0.1 * k).confirmed for k in range(50))
+    assert drive.confirmation.awaits_search
+    drive.confirmation.agrees()
+    assert not drive.confirmation.awaits_search
+    assert drive.match(10.0).confirmed
+
+
+def test_a_robot_that_was_lost_stays_so_until_it_is_found():
+    """A pose near where it was held is as doubtful as one far off."""
+    drive = Drive()
+    drive.match()
+    drive.match(5.0, predicted=0.0)
+    drive.miss()
+    assert drive.confirmation.is_lost
+    assert {drive.match(0.1 * k).state for k in range(50)} == {"lost"}
 
 
 def test_a_pose_of_a_search_has_to_hold_at_another_place():
     """A robot at rest may stand where two places look alike."""
     drive = Drive()
     drive.match()
-    drive.miss(LOST_AFTER)
+    drive.miss(CONFIG.lost_after)
     drive.match(1.0, verdict=SEARCHED)
     assert not any(drive.match(1.0).confirmed for _ in range(50))
     assert drive.match(1.5).confirmed

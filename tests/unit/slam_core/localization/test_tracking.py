@@ -42,7 +42,7 @@ def test_the_usual_inlier_ratio_follows_the_place():
     reeds = Fit(0.9, 0.55)
     assert tracker.check(reeds, 0.0, CONFIG)
     for hit in np.linspace(0.9, 0.6, 200):
-        tracker.accept(Fit(0.9, float(hit)), None)
+        tracker.learn(Fit(0.9, float(hit)))
     assert not tracker.check(reeds, 0.0, CONFIG)
 
 
@@ -52,9 +52,9 @@ def test_the_states_follow_each_other():
     rejected = [tracker.reject(BAD, WHY, CONFIG) for _ in range(4)]
     assert [verdict.state for verdict in rejected] == ["degraded", "degraded", "lost", "lost"]
     assert not any(verdict.accepted or verdict.outside_map for verdict in rejected)
-    found = [tracker.accept(GOOD, None) for _ in range(2)]
+    found = [tracker.accept(None) for _ in range(2)]
     assert [verdict.state for verdict in found] == ["recovered", "tracking"]
-    assert tracker.accept(GOOD, WHY).state == "recovered"
+    assert tracker.accept(WHY).state == "recovered"
 
 
 @pytest.mark.parametrize(("fits", "outside"), [([NEW] * 4, True), ([BAD, NEW, NEW, NEW], False)])
@@ -64,7 +64,7 @@ def test_a_robot_is_lost_outside_the_map_if_no_scan_met_known_cells(fits, outsid
     for _ in range(2):  # the second time after it was found
         rejected = [tracker.reject(fit, WHY, CONFIG) for fit in fits]
         assert [verdict.outside_map for verdict in rejected] == [False, False, outside, outside]
-        tracker.accept(GOOD, None)
+        tracker.accept(None)
 
 
 def test_a_pose_from_a_search_needs_a_better_fit():
