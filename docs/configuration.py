@@ -23,7 +23,7 @@ Flags override the file, and the file overrides the preset. A value out of range
 change on the page acts from its time on and is logged with it. At rest that is the scan that is shown, which is
 processed again with the new value; else it is the next scan. *Changes act: for the whole run* runs a recording
 again up to the same instant. So does a setting marked *restart*, which rebuilds the map; a live stream begins a
-new map.
+new map, after a question. [What can be taken back](commands.md#what-can-be-lost-and-taken-back) is listed.
 
 Settings in **bold** are the basic ones. The page opens on them, and `--help` lists them. *expert* on the page and
 `--help-all` show every one, and a search on the page finds any by its name or its help. The page names what

@@ -10,10 +10,6 @@
 
   let heard = null; // nothing yet: the page has just been opened
   let asking = false;
-  const banner = document.createElement("div");
-  banner.className = "hs-silence";
-  banner.setAttribute("role", "alert");
-
   function beat() {
     heard = performance.now();
     document.documentElement.classList.remove("hs-silent");
@@ -23,8 +19,8 @@
     if (heard === null || document.hidden) return;
     const silent = (performance.now() - heard) / 1000;
     if (silent < SILENT) return;
-    banner.textContent = `No message from the server: the picture is ${Math.round(silent)} s old`;
-    document.body.append(banner);
+    const detail = `The picture is ${Math.round(silent)} s old. Check that the program runs and the network holds.`;
+    window.hectorscope.tell?.({ kind: "error", symbol: "✕", title: "No message from the server", detail });
     document.documentElement.classList.add("hs-silent");
     if (silent < ANEW || asking) return;
     asking = true;

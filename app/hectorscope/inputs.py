@@ -48,7 +48,8 @@ class SourceReport:
     """Counters of a source: nothing is lost in silence.
 
     skipped: reason (with the topic's name and the remedy) -> how often. dropped: scans given up to keep up with a
-    live stream. waiting: why nothing flows at this moment, and the remedy; empty while all is well.
+    live stream. waiting: why nothing flows at this moment, and the remedy; empty while all is well. connected:
+    whether there is a link to the robot; None for a recording. scan_topic: where its scans are expected from.
     notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file). warnings: sentences
     on what is wrong, with the remedies.
     """
@@ -59,6 +60,8 @@ class SourceReport:
     waiting: str = ""
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    connected: bool | None = None
+    scan_topic: str = ""
 
 
 class Source(Protocol):

@@ -17,9 +17,10 @@ def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
     page.wait_for_function("document.hidden === false")
     page.evaluate("window.before = true")
     show.server.stop()
-    silence = page.locator(".hs-silence")
+    silence = page.locator(".hs-message", has_text="No message from the server")
     expect(silence).to_be_visible()
-    expect(silence).to_contain_text("No message from the server: the picture is")
+    expect(silence).to_contain_text("The picture is")
+    expect(page.locator(".hs-deaf")).to_be_visible()
     with page.expect_event("requestfailed", lambda request: request.url.endswith("healthz")):
         pass  # the page has asked whether it may open itself again
     port = urlsplit(show.url).port

@@ -70,7 +70,7 @@ def test_each_change_of_the_tracking_is_logged_once(drive: list[Item]):
         ended = until(engine, state("ended"))
     lines = [(entry.level, entry.text) for entry in ended.log if entry.text.startswith("The pose is")]
     assert [level for level, _ in lines] == ["warning", "info"]
-    assert "degraded: 0% of the known endpoints on occupied cells" in lines[0][1]
+    assert "degraded: the scan fits the map badly: 0% of its points lie on walls" in lines[0][1]
     assert "recovered" in lines[1][1]
     pipeline, _ = run_headless(MemoryRecording(blind), START)
     assert pipeline.states["degraded"] == 3 + FEW - 1  # until the pose is confirmed

@@ -7,7 +7,7 @@ import numpy as np
 
 from hectorscope.checks.sensor_check import checked_source
 from hectorscope.inputs import Item, SourceOptions
-from hectorscope.session.commands import Configure, Pause, Play, Seek
+from hectorscope.session.commands import Agree, ChangeSpeed, Configure, Pause, Play, Seek, SetSpeed, StepScan
 from hectorscope.session.feeder import Feeder
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.measurements import Imu, LaserScan
@@ -72,7 +72,7 @@ def test_a_slow_pipeline_loses_the_oldest_scans_and_no_inertial_data(drive: list
 
 
 def test_a_paused_stream_flows_on(drive: list[Item]):
-    """Scans that pass by during a pause are counted; play goes on with the newest."""
+    """Scans that pass by during a pause are counted, but are no rate; play goes on with the newest."""
     stream = MemoryStream()
     half = len(drive) // 2
     with running(stream, autoplay=False) as engine:
@@ -80,6 +80,7 @@ def test_a_paused_stream_flows_on(drive: list[Item]):
         stream.send(drive[:half])
         paused = until(engine, lambda now: now.report.skipped.get("scan while the stream was paused", 0) > 3)
         assert paused.scans == 0
+        assert paused.playback.scan_rate == paused.playback.realtime_factor == 0.0
         engine.send(Play())
         stream.send(drive[half:])
         assert until(engine, lambda now: now.scans > 1).playback.state != "paused"
@@ -95,12 +96,29 @@ def test_a_stream_restarts_with_an_empty_map_and_cannot_seek(drive: list[Item]):
         engine.send(Seek(0))
         until(engine, lambda now: any("nothing was sought" in entry.text for entry in now.log))
         engine.send(Configure("map.levels", 2))
+        asked = until(engine, lambda now: now.question).question
+        assert asked is not None
+        engine.send(Agree(asked.number))
         until(engine, lambda now: now.epoch == 1)
         stream.send(drive[half:])
         fresh = until(engine, lambda now: now.scans > 1 and now.maps != ())
         assert fresh.epoch == 1
         assert len(fresh.maps) == 2
         assert any("new map" in entry.text for entry in fresh.log)
+
+
+def test_a_stream_has_no_steps_and_no_speed(drive: list[Item]):
+    """A full stop or a bracket, typed by mistake, neither stops it nor changes anything; who typed it is told."""
+    stream = MemoryStream()
+    with running(stream) as engine:
+        stream.send(drive[: len(drive) // 2])
+        until(engine, lambda now: now.scans > 1)
+        for command in (StepScan(), SetSpeed(0.1), ChangeSpeed(-1)):
+            engine.send(command)
+        now = until(engine, lambda now: now.obeyed == engine.sent)
+    assert now.playback.state != "paused"
+    assert now.playback.speed == 1.0
+    assert [entry.answer for entry in now.log if "its own pace" in entry.text] == [True] * 3
 
 
 def test_a_silent_stream_is_waited_for(drive: list[Item]):

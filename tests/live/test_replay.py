@@ -154,6 +154,8 @@ def test_the_map_survives_a_killed_server(drive: Path, replay: Callable[..., Rep
         replay(drive, *TOPICS, "--port", str(first.port), "--begin", "4")
         resumed = until(engine, lambda now: now.scans >= alone.scans + 5, GIVE_UP_S)
     assert first.uri in alone.playback.detail
+    assert (alone.report.connected, resumed.report.connected) == (False, True)
+    assert alone.report.scan_topic == "/scan"
     assert resumed.epoch == alone.epoch
     assert resumed.map_updates >= alone.map_updates > 0
     assert resumed.trajectory[: alone.scans].tobytes() == alone.trajectory.tobytes()

@@ -1,10 +1,10 @@
 """Refuses a source whose sensors contradict what their messages promise, before a run is spoilt in silence."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from hectorscope.checks.findings import findings, remedy
-from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
+from hectorscope.checks.findings import Finding, findings, remedy
+from hectorscope.checks.sensor_statistics import LONGEST_S, SensorStatistics
 from hectorscope.inputs import Item, Source, SourceError, SourceOptions, SourceReport
 
 REST_S = 1.5  # of a stream: then gravity is looked at, which needs no turn
@@ -26,7 +26,7 @@ class SensorCheck:
     def __init__(self, name: str, options: SourceOptions, *, live: bool = False) -> None:
         self.settled = False
         self.warnings: tuple[str, ...] = ()
-        self._glance = live
+        self._live = self._glance = live
         self._name, self._options = name, options
         self._evidence = SensorStatistics()
         self._asked_s = STEP_S
@@ -37,20 +37,28 @@ class SensorCheck:
         if self._glance and time_s >= REST_S:
             measures = self._evidence.at_rest()
             self._glance = measures.gravity is None
-            self._tell(measures)
+            self._tell(findings(measures, self._options))
         if time_s >= self._asked_s:
             self._asked_s += STEP_S
-            self.judge(last=time_s >= PREFIX_S or not self._evidence.comparable)
+            self.judge(last=time_s >= PREFIX_S or not self._evidence.comparable, whole=time_s >= LONGEST_S)
 
-    def judge(self, *, last: bool) -> None:
-        """By the data so far. The verdict waits for a turn, so that all faults are reported at once."""
+    def judge(self, *, last: bool, whole: bool) -> None:
+        """By the data so far. The verdict waits for a turn, so that all faults are reported at once.
+
+        whole: there is no more to look at. A recording to be refused is looked at as far as `inspect` does,
+        so that both give the same figures.
+        """
         measures = self._evidence.measures()
-        self.settled = last or measures.turn is not None or measures.wheels is not None
-        if self.settled:
-            self._tell(measures)
+        enough = last or measures.turn is not None or measures.wheels is not None
+        found = findings(measures, self._options) if enough else []
+        if not self._live and not whole and any(finding.grave for finding in found):
+            self._asked_s = LONGEST_S
+            return
+        self.settled = enough
+        if enough:
+            self._tell(found)
 
-    def _tell(self, measures: Measures) -> None:
-        found = findings(measures, self._options)
+    def _tell(self, found: Sequence[Finding]) -> None:
         facts = "; ".join(finding.fact for finding in found)
         text = f"{self._name}: {facts}: run again with {remedy(found)}, or without the IMU by --imu-topic none"
         if any(finding.grave for finding in found):
@@ -95,5 +103,5 @@ def checked_source(source: Source, options: SourceOptions) -> Source:
         check.take(item)
         if check.settled:
             return source
-    check.judge(last=True)
+    check.judge(last=True, whole=True)
     return source

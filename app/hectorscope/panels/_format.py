@@ -3,6 +3,7 @@
 import math
 from html import escape
 
+from hectorscope.panels._hints import HINTS
 from slam_core.config import Leaf
 
 GREEK = {"sigma": "σ", "omega": "ω"}
@@ -18,10 +19,12 @@ def clock(seconds: float) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """`digits` significant digits without an exponent where that stays short; a dash for what is not finite."""
+    """`digits` significant digits, a power of ten for the tiny and the huge; a dash for what is not finite."""
     if not math.isfinite(value):
         return "–"
     text = f"{value:.{digits}g}"
+    if "e+" in text and abs(value) < LARGE:
+        text = f"{float(text):.0f}"
     if "e" not in text:
         return minus(text)
     mantissa, exponent = text.split("e")
@@ -29,6 +32,7 @@ def number(value: float, digits: int = 3) -> str:
     return f"{times}10{str(int(exponent)).translate(SUPERSCRIPT)}"
 
 
+LARGE = 1e7
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -86,8 +90,23 @@ def text(value: object) -> str:
     return escape(str(value), quote=True)
 
 
-def figure(name: str, value: str, kind: str = "", hint: str = "") -> str:
-    """A small caption and a value as HTML; `kind` styles it: "good", "bad", ...; `hint`: under the pointer."""
+def figure(name: str, value: str, kind: str = "", *, caption: str | None = None, more: str = "") -> str:
+    """A small caption and a value as HTML, with the text of HINTS under the pointer.
+
+    name: in HINTS. kind: styles it, "good", "bad", ... caption: another one than the name. more: what there is to
+    say of this very value, before the hint.
+    """
     style = f"hs-figure hs-{kind}" if kind else "hs-figure"
-    title = f' title="{hint}"' if hint else ""
-    return f'<span class="{style}"{title}><small>{name}</small>{value}</span>'
+    shown = name if caption is None else caption
+    return f'<span class="{style}" {tip(name, more)}><small>{shown}</small>{value}</span>'
+
+
+def tip(name: str, more: str = "") -> str:
+    """The attribute that puts a text of HINTS under the pointer, after what there is to say now."""
+    words = f"{sentence(more)}. {HINTS[name]}" if more else HINTS[name]
+    return f'title="{text(words)}"'
+
+
+def sentence(words: str) -> str:
+    """With a capital at the beginning, unless an address or a topic stands there."""
+    return words[:1].upper() + words[1:] if words.split(" ", 1)[0].isalpha() else words

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from viser import GuiHtmlHandle, GuiInputHandle
+from viser import GuiButtonHandle, GuiHtmlHandle, GuiInputHandle
 
 
 def put(handle: GuiHtmlHandle, content: str) -> None:
@@ -14,3 +14,9 @@ def put(handle: GuiHtmlHandle, content: str) -> None:
 def put_value(handle: GuiInputHandle[Any], value: Any) -> None:
     """Show a value in every browser; viser itself keeps quiet when it is the old one."""
     handle.value = value  # type: ignore[misc]  # viser defines the setter apart from its property
+
+
+def show(control: GuiButtonHandle | GuiInputHandle[Any], visible: bool) -> None:
+    """Show or hide a control, if it is not so already."""
+    if control.visible != visible:
+        control.visible = visible

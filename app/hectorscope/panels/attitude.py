@@ -33,6 +33,8 @@ class AttitudePanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Turn the dials, if the pose changed."""
         if len(snapshot.series) == 0:
+            put(self._turn, "")
+            put(self._numbers, "")
             return
         row = snapshot.series[-1]
         pose = {name: float(row[name]) for name in ("x", "y", "z", "roll", "pitch", "yaw")}
@@ -54,13 +56,13 @@ def numbers_html(pose: dict[str, float], *, planar: bool = False) -> str:
     figures = angles | {name: fixed(pose[name], 2) + " m" for name in ("x", "y", "z")}
     if planar:
         figures |= dict.fromkeys(TAKEN, "–")
-    cells = (figure(name, shown, hint=PLANAR if shown == "–" else "") for name, shown in figures.items())
+    cells = (figure(name, shown, more=PLANAR if shown == "–" else "") for name, shown in figures.items())
     return f'<div class="hs-pose">{"".join(cells)}</div>'
 
 
 TAKEN = ("roll", "pitch", "z")
 FADED = "<style>.hs-attitude{--hs-horizon:.3}</style>"
-PLANAR = "Nothing measures it here: the laser is taken to be level."
+PLANAR = "nothing measures it here, the laser is taken to be level"
 
 
 PANEL = AttitudePanel

@@ -7,12 +7,13 @@ from viser import Icon
 
 from hectorscope.page.scene import Display, Scene
 from hectorscope.panels import _workspace
-from hectorscope.panels._format import figure, fixed, number
+from hectorscope.panels._format import figure, fixed, number, tip
 from hectorscope.panels._handles import put
+from hectorscope.run.wording import verdict_text
 from hectorscope.session.snapshot import Snapshot
-from slam_core.results import StepResult
+from slam_core.results import MatchResult, StepResult
 
-ROWS = (("match", "match", "R, eq. (15)"), ("prior", "prior", "P before"), ("fused", "fused", "P⁺, eq. (16)"))
+ROWS = ("match", "prior", "fused")
 
 
 class MatchPanel:
@@ -33,11 +34,9 @@ class MatchPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Bring the read-outs up to date."""
         result = snapshot.result
-        if result is None:
-            return
-        put(self._match, match_html(result, snapshot))
-        put(self._sigmas, sigmas_html(snapshot.series[-1]))
-        put(self._legend, legend_html(snapshot, self._scene.display))
+        put(self._match, match_html(result, snapshot) if result else NOTHING)
+        put(self._sigmas, sigmas_html(snapshot.series[-1]) if result else "")
+        put(self._legend, legend_html(snapshot, self._scene.display) if result else "")
 
 
 def match_html(result: StepResult, snapshot: Snapshot) -> str:
@@ -49,17 +48,32 @@ def match_html(result: StepResult, snapshot: Snapshot) -> str:
         figure("map updates", str(snapshot.map_updates)),
     ]
     if match is None:
-        return readout([*counts, figure("", "first scan")])
-    tracking = figure("", result.tracking, "good" if result.tracking in {"tracking", "recovered"} else "bad")
-    residual = figure("residual", fixed(match.mean_residual, 3))
+        return readout([*counts, figure("tracking", "first scan", caption="")])
+    return readout([*_fit(result, match), *counts, *_certainty(result, match)])
+
+
+def _fit(result: StepResult, match: MatchResult) -> list[str]:
+    """Whether the scan was matched, and how well."""
+    good = result.tracking in {"tracking", "recovered"}
+    why = verdict_text(result.verdict)
+    word = f"{'✓' if good else '✕'} {result.tracking}"
     outcome = ("good", "converged") if match.converged else ("bad", "out of steps before it converged")
-    steps = figure("steps", " · ".join(str(n) for n in match.iterations), *outcome)
-    weakest = figure("weakest", fixed(1e3 * match.weakest_sigma, 1) + " mm", hint=WEAKEST)
-    share = figure(
-        "fixed by", f"{100 * match.weakest_share:.1f} %", "bad" if match.unobservable.any() else "", FIXED
-    )
-    unexpected = figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 1) + " %", hint=UNEXPECTED)
-    return readout([tracking, residual, steps, *counts, weakest, share, unexpected])
+    return [
+        figure("tracking", word, "good" if good else "bad", caption="", more=why),
+        figure("residual", fixed(match.mean_residual, 3)),
+        figure("steps", " · ".join(str(n) for n in match.iterations), outcome[0], more=outcome[1]),
+    ]
+
+
+def _certainty(result: StepResult, match: MatchResult) -> list[str]:
+    """What the scan knows worst, and what contradicts the map."""
+    weak = bool(match.unobservable.any())
+    more = "nothing fixes the position along a direction now" if weak else ""
+    return [
+        figure("weakest σ", fixed(1e3 * match.weakest_sigma, 1) + " mm"),
+        figure("support", f"{100 * match.weakest_share:.0f} %", "bad" if weak else "", more=more),
+        figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 0) + " %"),
+    ]
 
 
 def readout(figures: list[str]) -> str:
@@ -70,13 +84,13 @@ def readout(figures: list[str]) -> str:
 def sigmas_html(row: np.void) -> str:
     """One sigma of each covariance, in millimetres and degrees; the swatches are the legend of the ellipses."""
     lines = []
-    for name, colour, note in ROWS:
+    for name in ROWS:
         x, y, yaw = (float(row[f"{name}_sigma_{axis}"]) for axis in ("x", "y", "yaw"))
         cells = "".join(
             f"<td>{v}</td>" for v in (fixed(1e3 * x, 1), fixed(1e3 * y, 1), fixed(math.degrees(yaw), 2))
         )
-        lines.append(f'<tr><th title="{note}">{ring(colour)}{name}</th>{cells}</tr>')
-    head = "<tr><th>1 σ</th><td>x mm</td><td>y mm</td><td>ψ °</td></tr>"
+        lines.append(f"<tr {tip(name)}><th>{ring(name)}{name}</th>{cells}</tr>")
+    head = f"<tr {tip('sigmas')}><th>1 σ</th><td>x mm</td><td>y mm</td><td>ψ °</td></tr>"
     return f'<table class="hs-sigmas"><thead>{head}</thead><tbody>{"".join(lines)}</tbody></table>'
 
 
@@ -85,23 +99,18 @@ def ring(colour: str) -> str:
     return f'<i class="hs-ring" style="color:var(--hs-{colour})"></i>'
 
 
-WEAKEST = "Sigma of the position in the direction that the match fixes worst."
-FIXED = "Share of the beams that fix the position in the direction that the shape of the scan fixes worst."
-UNEXPECTED = "Beams that end where the map knows free space: something new, or somebody on the move."
-
-
 def legend_html(snapshot: Snapshot, display: Display) -> str:
     """What the lines and colours on the map mean, as far as they are there and not switched off."""
     result = snapshot.result
-    ellipses = {key for _, key, _ in ROWS} - display.hidden
+    ellipses = set(ROWS) - display.hidden
     coloured = "scan" not in display.hidden and display.points == "residual"
     entries = (
         ("trajectory" not in display.hidden, f"{line('trajectory')}trajectory"),
         ("truth" not in display.hidden and len(snapshot.truth) > 0, f"{line('truth', 'hs-dashed')}truth"),
-        (bool(ellipses), f"ellipses of {number(display.ellipse_scale, 4)} σ"),
+        (bool(ellipses), f"<span {tip('ellipses')}>ellipses of {number(display.ellipse_scale, 4)} σ</span>"),
         ("position" not in display.hidden and result and result.navigation, f"{ring('position')}position"),
-        (coloured, 'residual 0<i class="hs-ramp"></i>1'),
-        (coloured, f'<span title="{UNEXPECTED}">{ring("unexpected")}unexpected</span>'),
+        (coloured, f'<span {tip("residuals")}>residual 0<i class="hs-ramp"></i>1</span>'),
+        (coloured, f"<span {tip('unexpected')}>{ring('unexpected')}unexpected</span>"),
     )
     shown = "".join(f"<span>{entry}</span>" for there, entry in entries if there)
     return f'<div class="hs-legend">{shown}</div>'
@@ -111,5 +120,7 @@ def line(colour: str, style: str = "") -> str:
     """A short line in one of the palette's colours."""
     return f'<i class="hs-line {style}" style="color:var(--hs-{colour})"></i>'
 
+
+NOTHING = '<p class="hs-empty">No scan yet.</p>'
 
 PANEL = MatchPanel

@@ -11,7 +11,7 @@ from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._dials import horizon_svg, turn_css
 from hectorscope.panels._ellipses import SIGMAS, ellipses_svg
-from hectorscope.panels._format import figure, fixed, text
+from hectorscope.panels._format import figure, fixed, text, tip
 from hectorscope.panels._handles import put
 from hectorscope.session.snapshot import Snapshot
 from slam_core.config import AidingConfig, NavigationConfig
@@ -30,7 +30,10 @@ SWITCHES = {
     "zero rate": "standstill",
 }
 HORIZON = horizon_svg("hs-filter-horizon")
-NO_FILTER = '<p class="hs-empty">Without inertial data there is no navigation filter.</p>'
+NO_FILTER = (
+    '<p class="hs-empty">Without inertial data there is no navigation filter: the matches alone predict the'
+    " motion.</p>"
+)
 
 
 class NavigationPanel:
@@ -76,7 +79,7 @@ def faults_html(warnings: Sequence[str]) -> str:
 def unused_html(unused: Mapping[str, int]) -> str:
     """How much was not used as it came, by reason; nothing if all was."""
     lines = "".join(f"<li>{count} × {text(reason)}</li>" for reason, count in unused.items())
-    return f'<ul class="hs-unused">{lines}</ul>' if lines else ""
+    return f'<ul class="hs-unused" {tip("unused")}>{lines}</ul>' if lines else ""
 
 
 def fusion_html(result: StepResult, state: NavigationState) -> str:
@@ -90,16 +93,16 @@ def fusion_html(result: StepResult, state: NavigationState) -> str:
     sigma = np.sqrt(np.maximum(np.diag(state.covariance), 0.0))
     speed = float(np.linalg.norm(state.velocity))
     figures = [
-        figure("tilt", f"± {fixed(3 * math.degrees(float(sigma[:2].max())), 2)}°"),
-        figure("heading", f"± {fixed(3 * math.degrees(float(sigma[2])), 2)}°"),
-        figure("height", f"± {fixed(3 * float(sigma[5]), 2)} m"),
-        figure("m/s", f"{fixed(speed, 2)} ± {fixed(3 * float(sigma[6:8].max()), 2)}"),
+        figure("tilt 3σ", f"{fixed(3 * math.degrees(float(sigma[:2].max())), 2)}°"),
+        figure("heading 3σ", f"{fixed(3 * math.degrees(float(sigma[2])), 2)}°"),
+        figure("height 3σ", f"{fixed(3 * float(sigma[5]), 2)} m"),
+        figure("speed", f"{fixed(speed, 2)} ± {fixed(3 * float(sigma[6:8].max()), 2)}", caption="speed, m/s"),
         *_world(result.world),
     ]
     names = "".join(f'<span class="hs-of-{name}"><i class="hs-ring"></i>{name}</span>' for name in layers)
     return (
         f'<div class="hs-fusion">{HORIZON}{ellipses_svg(layers, result.fused)}<div>{"".join(figures)}</div></div>'
-        f'<div class="hs-legend">{names}<span>ellipses {SIGMAS:g} σ, ± 3 σ</span></div>'
+        f'<div class="hs-legend">{names}<span {tip("fusion ellipses")}>ellipses of {SIGMAS:g} σ</span></div>'
     )
 
 
@@ -134,7 +137,8 @@ def standing(status: AidingStatus, now_ns: int, aiding: AidingConfig) -> Standin
 
 def sources_html(result: StepResult, aiding: AidingConfig) -> str:
     """A row a source: state, innovation over gate, how many were used and how many not."""
-    names = '<td title="A full bar is the gate">innovation</td><td>used</td><td>rejected</td><td>dropped</td>'
+    heads = {"innovation": "innovation", "used": "used", "rejected count": "rejected", "not used": "not used"}
+    names = "".join(f"<td {tip(name)}>{word}</td>" for name, word in heads.items())
     rows = "".join(_row(status, standing(status, result.stamp_ns, aiding)) for status in result.aiding)
     return f'<table class="hs-sources"><thead><tr><th>source</th>{names}</tr></thead><tbody>{rows}</tbody></table>'
 
@@ -142,18 +146,19 @@ def sources_html(result: StepResult, aiding: AidingConfig) -> str:
 def _row(status: AidingStatus, stands: Standing) -> str:
     share = stands.share
     bar = "" if share is None else f'<i class="hs-bar-of"><i style="width:{100 * min(share, 1.0):.0f}%"></i></i>'
-    counts = (status.used, status.rejected, sum(status.dropped.values()))
+    reasons = "; ".join(f"{count} × {reason}" for reason, count in status.dropped.items())
     return (
-        f'<tr class="hs-is-{stands.word}" title="{text(_hint(status))}"><th><i></i>{text(status.source)}'
-        f"<small>{stands.word}</small></th><td>{bar}</td>{''.join(f'<td>{n}</td>' for n in counts)}</tr>"
+        f'<tr class="hs-is-{stands.word}"><th {tip(stands.word)}><i></i>{text(status.source)}'
+        f"<small>{stands.word}</small></th><td {tip('innovation', _innovation(status))}>{bar}</td>"
+        f"<td {tip('used')}>{status.used}</td><td {tip('rejected count')}>{status.rejected}</td>"
+        f"<td {tip('not used', reasons)}>{sum(status.dropped.values())}</td></tr>"
     )
 
 
-def _hint(status: AidingStatus) -> str:
-    """Innovation with its sigma, and why measurements were left out."""
+def _innovation(status: AidingStatus) -> str:
+    """The last one, with its sigma."""
     pairs = zip(status.innovation, status.sigma, strict=True)
-    parts = ["innovation " + ", ".join(f"{v:.3g} ± {s:.2g}" for v, s in pairs)] if len(status.innovation) else []
-    return "; ".join([*parts, *(f"{count} × {reason}" for reason, count in status.dropped.items())])
+    return ", ".join(f"{v:.3g} ± {s:.2g}" for v, s in pairs)
 
 
 def biases_html(state: NavigationState, config: NavigationConfig) -> str:
@@ -164,13 +169,13 @@ def biases_html(state: NavigationState, config: NavigationConfig) -> str:
         _bias_row("gyro °/s", degrees * state.gyro_bias, degrees * sigma[9:12], degrees * config.gyro_bias_sigma),
         _bias_row("accel m/s²", state.accel_bias, sigma[12:15], config.accel_bias_sigma),
     )
-    head = "<tr><th>bias ± 3 σ</th><td>x</td><td>y</td><td>z</td></tr>"
+    head = f"<tr {tip('biases')}><th>bias ± 3σ</th><td>x</td><td>y</td><td>z</td></tr>"
     return f'<table class="hs-biases"><thead>{head}</thead><tbody>{"".join(rows)}</tbody></table>'
 
 
 def _bias_row(name: str, values: np.ndarray, sigmas: np.ndarray, limit: float) -> str:
     cells = "".join(_bias(float(v), 3 * float(s), 3 * limit) for v, s in zip(values, sigmas, strict=True))
-    return f"<tr><th>{name}</th>{cells}</tr>"
+    return f"<tr {tip(name)}><th>{name}</th>{cells}</tr>"
 
 
 def _bias(value: float, bound: float, limit: float) -> str:

@@ -62,7 +62,6 @@ class SettingsPanel:
         self._gui = scene.server.gui
         self._start: SlamConfig | None = None
         self._config: SlamConfig | None = None
-        self._live = False
         self._nearest: Preset = "default"
         self._resets: dict[str, Configure | ConfigureAll] = {}
         known = Leaves(SlamConfig())
@@ -90,8 +89,7 @@ class SettingsPanel:
         """Send what was touched, show what the run uses."""
         if snapshot.sequence == 0:
             return  # no run yet: nothing to go back to either
-        self._live = snapshot.playback.live
-        self._extent.visible = not self._live  # a stream cannot be run again
+        self._extent.visible = not snapshot.playback.live  # a stream cannot be run again
         if snapshot.config is not self._config:
             self._config = snapshot.config
             self._start = self._start or snapshot.config
@@ -126,27 +124,7 @@ class SettingsPanel:
             self._send(command)
 
     def _send(self, command: Configure | ConfigureAll) -> None:
-        values = {command.name: command.value} if isinstance(command, Configure) else command.values
-        known = Leaves(self._config or SlamConfig())
-        rebuilding = [
-            f"{label(known[name])}: {worded(value)}"
-            for name, value in values.items()
-            if known[name].rebuilds(value)
-        ]
-        if self._live and rebuilding:
-            self._confirm(command, rebuilding)
-        else:
-            self._scene.send(replace(command, throughout=self._throughout))
-
-    def _confirm(self, command: Configure | ConfigureAll, rebuilding: list[str]) -> None:
-        """Ask first, on every page: the map belongs to everybody, and a stream cannot bring it back."""
-        modal = self._gui.add_modal("Begin a new map?")
-        with modal:
-            self._gui.add_markdown(f"**{', '.join(rebuilding)}** needs a new map. The present one would be lost.")
-            apply, keep = self._gui.add_button("Begin a new map"), self._gui.add_button("Keep the map")
-        for button in (apply, keep):
-            button.on_click(lambda _: modal.close())
-        apply.on_click(lambda _: self._scene.send(command))
+        self._scene.send(replace(command, throughout=self._throughout))
 
 
 ALL, START = "all", "start"

@@ -7,13 +7,15 @@ from viser import GuiButtonHandle, GuiEvent, Icon
 from hectorscope.inputs import SourceReport
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
-from hectorscope.panels._format import clock, figure, fixed, text
+from hectorscope.panels._format import clock, figure, fixed, text, tip
 from hectorscope.panels._handles import put
-from hectorscope.run.settings import Mode
-from hectorscope.session.snapshot import PlaybackStatus, Snapshot
+from hectorscope.panels._message import message
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.transport import PAUSED
 from slam_core.navigation.monitor import NO_ATTITUDE
 
 REASONS_SHOWN = 12
+EXPECTED = (NO_ATTITUDE, PAUSED)  # the initial alignment takes some scans, and a pause was somebody's wish
 MODES = {"localise": "the saved map is left as it is", "continue": "the saved map goes on"}
 
 
@@ -36,7 +38,7 @@ class StatusPanel:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Assign what changed."""
-        put(self._run, run_html(snapshot.source, snapshot.playback, snapshot.mode, snapshot.searching))
+        put(self._run, run_html(snapshot))
         put(self._losses, losses_html(snapshot.report, self._scene.failures, snapshot.warnings))
         label, icon = ("Light theme", Icon.SUN) if self._scene.display.dark else ("Dark theme", Icon.MOON)
         if self._theme.label != label:
@@ -46,43 +48,78 @@ class StatusPanel:
         self._scene.show(dark=not self._scene.display.dark)
 
 
-def run_html(source: str, playback: PlaybackStatus, mode: Mode = "map", searching: str = "") -> str:
-    """The source, the state with its reason, how a saved map is used or why no place in it is known, and rates."""
-    detail = text(playback.detail or searching)
-    chip = "" if mode == "map" else f'<span class="hs-state" title="{MODES[mode]}">{mode}</span>'
+def run_html(snapshot: Snapshot) -> str:
+    """The links, the source, the state, how a saved map is used or that its place is searched, and the rates."""
+    playback, searching = snapshot.playback, text(snapshot.searching)
+    chip = "" if snapshot.mode == "map" else _chip(snapshot.mode, "mode", MODES[snapshot.mode])
     if searching:
-        chip = f'<span class="hs-state hs-waiting" title="{text(searching)}">searching</span>'
+        chip = _chip("searching", "waiting", snapshot.searching)
+    # What the scene tells in large type is not told here, where it would be cut off.
+    detail = "" if message(snapshot) else text(playback.detail)
+    stands = playback.state in ("paused", "ended", "failed", "waiting")
     figures = (
         figure("time", clock((playback.time_ns - playback.start_ns) / 1e9), "time"),
-        figure("scans", fixed(playback.scan_rate, 1) + " Hz"),
-        figure("real time", "×" + fixed(playback.realtime_factor, 2)),
+        figure("scans", "–" if stands else fixed(playback.scan_rate, 1) + " Hz"),
+        figure("real time", "–" if stands else "×" + fixed(playback.realtime_factor, 2)),
     )
     return (
-        f'<div class="hs-run"><b class="hs-source" title="{text(source)}">{text(source)}</b>'
-        f'<span class="hs-state hs-{playback.state}" title="{detail}">{playback.state}</span>{chip}'
+        f'<div class="hs-run">{SERVER}{robot_html(snapshot)}'
+        f'<b class="hs-source" {tip("source", snapshot.source)}>{text(snapshot.source)}</b>'
+        f"{_chip(playback.state, playback.state, playback.detail)}{chip}"
         + (f'<span class="hs-detail" title="{detail}">{detail}</span>' if detail else "")
         + "".join(figures)
         + "</div>"
     )
 
 
+def _chip(word: str, kind: str, more: str) -> str:
+    name = "mode" if kind == "mode" else "state"
+    return f'<span class="hs-state hs-{kind}" {tip(name, more)}>{word}</span>'
+
+
+def robot_html(snapshot: Snapshot) -> str:
+    """The link to the robot, by a symbol and words; a recording has none."""
+    report, playback = snapshot.report, snapshot.playback
+    if not playback.live:
+        return ""
+    if report.connected is False:
+        kind, words = "down", "✕ robot: no link"
+    elif report.waiting or playback.state == "waiting":
+        kind, words = "silent", "… robot: no scans"
+    else:
+        kind, words = "up", "✓ robot"
+    return f'<span class="hs-link hs-link-{kind}" {tip("robot", report.waiting)}>{words}</span>'
+
+
 def losses_html(report: SourceReport, failures: Mapping[str, str], warnings: tuple[str, ...] = ()) -> str:
     """What is wrong at this moment, dropped and skipped; the reasons unfold under the pointer."""
     skipped = sum(report.skipped.values())
+    expected = sum(report.skipped.get(reason, 0) for reason in EXPECTED)
+    lines = _reasons(report, failures, warnings)
+    fold = f'<ul class="hs-tip">{"".join(f"<li>{line}</li>" for line in lines)}</ul>' if lines else ""
+    shown = (
+        figure("warnings", f"! {len(warnings)}", "bad") if warnings else "",
+        figure("dropped", str(report.dropped), "bad" if report.dropped else ""),
+        figure("skipped", str(skipped), "bad" if skipped > expected else ""),
+        figure("failed", f"✕ {len(failures)}", "bad") if failures else "",
+    )
+    return f'<div class="hs-losses" tabindex="0">{"".join(shown)}{fold}</div>'
+
+
+def _reasons(report: SourceReport, failures: Mapping[str, str], warnings: tuple[str, ...]) -> list[str]:
+    """A line each: what is wrong, why scans were skipped, what was switched off."""
     reasons = [f"{count} × {text(reason)}" for reason, count in report.skipped.items()]
     hidden = len(reasons) - REASONS_SHOWN
+    more = [f"and {hidden} more reasons"] if hidden > 0 else []
     broken = [f"{text(title)} is switched off: {text(why)}" for title, why in failures.items()]
-    lines = [text(warning) for warning in warnings]
-    lines += reasons[:REASONS_SHOWN] + ([f"and {hidden} more reasons"] if hidden > 0 else []) + broken
-    fold = f'<ul class="hs-tip">{"".join(f"<li>{line}</li>" for line in lines)}</ul>' if lines else ""
-    dropped = figure("dropped", str(report.dropped), "bad" if report.dropped else "")
-    expected = report.skipped.get(NO_ATTITUDE, 0)  # the initial alignment takes some scans
-    shown = figure("skipped", str(skipped), "bad" if skipped > expected else "")
-    failed = figure("failed", str(len(broken)), "bad") if broken else ""
-    wrong = figure("warnings", str(len(warnings)), "bad") if warnings else ""
-    return f'<div class="hs-losses" tabindex="0">{wrong}{dropped}{shown}{failed}{fold}</div>'
+    return [*map(text, warnings), *reasons[:REASONS_SHOWN], *more, *broken]
 
 
+# Whether the page hears the server is known to the page alone: static/link.js.
+SERVER = (
+    f'<span class="hs-link hs-link-server" {tip("server")}>'
+    '<span class="hs-hears">✓ server</span><span class="hs-deaf">✕ server: silent</span></span>'
+)
 BRAND = (
     '<div class="hs-brand"><svg viewBox="0 0 32 32" aria-hidden="true">'
     '<path d="M16 16 29 7.5M16 16 29.5 18M16 16 20 29.5M16 16 6 27.5M16 16 3 13M16 16 11.5 3.5" />'

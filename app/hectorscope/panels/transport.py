@@ -1,4 +1,7 @@
-"""The bar at the bottom: play, pause, step, restart, speed, the timeline, and the same as hotkeys."""
+"""The bar at the bottom: play, pause, step, restart, undo, speed, the timeline, and the same as hotkeys.
+
+A stream has no steps, no speed and no other times: it shows none of them.
+"""
 
 import math
 from collections.abc import Callable
@@ -10,16 +13,17 @@ from viser import GuiEvent, GuiSliderHandle, Icon, IconName
 from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
-from hectorscope.panels._format import clock
-from hectorscope.panels._handles import put, put_value
-from hectorscope.session.commands import ChangeSpeed, PlayPause, Restart, Save, Seek, SetSpeed, StepScan
+from hectorscope.panels._format import clock, tip
+from hectorscope.panels._handles import put, put_value, show
+from hectorscope.session.commands import ChangeSpeed, PlayPause, Restart, Save, Seek, SetSpeed, StepScan, Undo
 from hectorscope.session.playback import ON_OFFER, nearest_speed
-from hectorscope.session.snapshot import PlaybackStatus, Snapshot
+from hectorscope.session.snapshot import PlaybackStatus, Snapshot, UndoOffer
 
 SPEEDS = {f"{speed:g}×" if math.isfinite(speed) else "max": speed for speed in ON_OFFER}
 SETTLE = 0.25  # seconds that the timeline must rest before a jump: dragging is not a hundred jumps
 HOLD = 2.0  # seconds that the timeline waits for the run to arrive before it shows the run's own time again
 RUNNING = ("playing", "seeking", "waiting")
+LONGEST = 28  # characters of what an undo takes back
 STEP = 0.1  # seconds a nudge of the timeline
 
 
@@ -40,8 +44,10 @@ class TransportPanel:
             self._toggle = gui.add_button("Play · space", icon=Icon.PLAYER_PLAY_FILLED)
             self._step = gui.add_button("Step one scan · .", icon=Icon.PLAYER_TRACK_NEXT_FILLED)
             self._save = gui.add_button("Save the results", icon=Icon.DEVICE_FLOPPY, visible=False)
+            gui.add_html('<i class="hs-mark hs-undo"></i>')
+            self._undo = gui.add_button("Undo · U", icon=Icon.ARROW_BACK_UP, visible=False)
             self._clock = gui.add_html("")
-            timeline = gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0)
+            self._slider = timeline = gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0)
             # for static/log.js
             gui.add_html(f'<i class="hs-mark" data-hs-timeline="{viser_private.uuid_of(timeline)}"></i>')
             self._speed = gui.add_dropdown(
@@ -52,6 +58,7 @@ class TransportPanel:
         self._toggle.on_click(lambda _: scene.send(PlayPause()))
         self._step.on_click(lambda _: scene.send(StepScan()))
         self._save.on_click(lambda _: scene.send(Save()))
+        self._undo.on_click(lambda _: scene.send(Undo()))
         self._speed.on_update(self._choose_speed)
         self._add_hotkeys()
 
@@ -63,11 +70,21 @@ class TransportPanel:
         if self._toggle.label != label:
             self._toggle.label = label
             self._toggle.icon = Icon.PLAYER_PAUSE_FILLED if running else Icon.PLAYER_PLAY_FILLED
-        if self._save.visible != snapshot.saves:
-            self._save.visible = snapshot.saves
+        show(self._save, snapshot.saves)
+        for control in (self._step, self._slider, self._speed):
+            show(control, not playback.live)
+        self._draw_undo(snapshot.undo, monotonic())
         self._draw_speed(name_of_speed(playback.speed))
         self._timeline.draw(playback, self._scene.send, monotonic())
         put(self._clock, clock_html(playback))
+
+    def _draw_undo(self, offer: UndoOffer | None, now: float) -> None:
+        """What can be taken back, and for how many seconds."""
+        show(self._undo, offer is not None)
+        if offer is not None:
+            words = undo_words(offer, now)
+            if self._undo.label != words:
+                self._undo.label = words
 
     def _draw_speed(self, name: str) -> None:
         """Follow the run's speed, but leave alone what a hand has just chosen and the run does not know yet."""
@@ -84,6 +101,7 @@ class TransportPanel:
         self._hotkey("Play or pause", "space", Icon.PLAYER_PLAY, lambda: send(PlayPause()))
         self._hotkey("Step one scan", ".", Icon.PLAYER_TRACK_NEXT, lambda: send(StepScan()))
         self._hotkey("Restart", "R", Icon.PLAYER_SKIP_BACK, lambda: send(Restart()))
+        self._hotkey("Undo", "U", Icon.ARROW_BACK_UP, lambda: send(Undo()))
         self._hotkey("Slower", "[", Icon.MINUS, lambda: send(ChangeSpeed(-1)))
         self._hotkey("Faster", "]", Icon.PLUS, lambda: send(ChangeSpeed(+1)))
 
@@ -148,11 +166,18 @@ def name_of_speed(speed: float) -> str:
     return next(name for name, value in SPEEDS.items() if value == nearest_speed(speed))
 
 
+def undo_words(offer: UndoOffer, now: float) -> str:
+    """What is taken back, shortened, and the seconds left; now: `time.monotonic`."""
+    what = offer.what if len(offer.what) <= LONGEST else offer.what[: LONGEST - 1] + "…"
+    return f"Undo {what} · {max(0, math.ceil(offer.expires - now))} s"
+
+
 def clock_html(playback: PlaybackStatus) -> str:
     """Time now, and of how much."""
     now = clock((playback.time_ns - playback.start_ns) / 1e9)
-    whole = "live" if playback.end_ns is None else clock((playback.end_ns - playback.start_ns) / 1e9)
-    return f'<div class="hs-clock"><b>{now}</b><span>/ {whole}</span></div>'
+    end_ns = playback.end_ns
+    whole = "live" if end_ns is None else "/ " + clock((end_ns - playback.start_ns) / 1e9)
+    return f'<div class="hs-clock" {tip("clock")}><b>{now}</b><span>{whole}</span></div>'
 
 
 PANEL = TransportPanel

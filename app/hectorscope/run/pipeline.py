@@ -29,13 +29,21 @@ class Pipeline:
     """Sequencer and HectorSlam, with the trajectory, the truth and the series of the scans so far.
 
     start_ns: what the seconds in the rows count from; None takes the first measurement's time. prior_map: the map
-    to begin with. The outcome is a function of these, the items and the settings alone: changes act between
-    scans, at their times. warned: every warning so far, with the time and the number of scans when it came up
-    first.
+    to begin with. live: whether the items come from a stream, for the remedies in the warnings. The outcome is a
+    function of these, the items and the settings alone: changes act between scans, at their times. warned: every
+    warning so far, with the time and the number of scans when it came up first.
     """
 
-    def __init__(self, settings: Settings, start_ns: int | None = None, prior_map: PriorMap | None = None) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        start_ns: int | None = None,
+        prior_map: PriorMap | None = None,
+        *,
+        live: bool = False,
+    ) -> None:
         self.settings = settings
+        self._live = live
         self.slam = HectorSlam(settings.start, prior_map, time.perf_counter_ns)
         self.mode: Mode = "map" if prior_map is None else "continue" if prior_map.write else "localise"
         self.start_ns = start_ns
@@ -96,8 +104,8 @@ class Pipeline:
     def warnings(self) -> tuple[str, ...]:
         """What is wrong at this moment, a sentence each; `warned` keeps it with when it was first so."""
         wrong = (
-            *map(diagnostic_text, self.slam.diagnostics),
-            *map(arrival_text, self._arrivals.faults),
+            *(diagnostic_text(fault, live=self._live) for fault in self.slam.diagnostics),
+            *(arrival_text(fault, live=self._live) for fault in self._arrivals.faults),
         )
         for text in wrong:
             self.warned.setdefault(text, (self.time_ns, self.scans))

@@ -22,29 +22,39 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "no_beam_in_range": "scans come without a beam in range: the pose is predicted without them; check the laser",
     "aid_implausible": "{source} sends values that are not finite or not plausible: they are left out; check that"
     " sensor",
-    "aid_too_late": "{source} comes too late to be used: check the link and the clocks, or raise"
-    " navigation.history",
+    "aid_too_late": "{source} comes too late to be used: {late}, or raise navigation.history",
     "aid_frozen": "{source} repeats one value while the robot moves and is not used: check that sensor",
     "aid_contradicts": "{source} contradicts the other sensors and is not used: check its frame, units and noise",
 }
 ARRIVALS: Mapping[str, str] = {
-    "late": "{source} come over 0.15 s after data of the same time: used at their own time, but shown late; check"
-    " the link",
-    "scans_stopped": "no scan came for over a second: the pose is predicted without the laser; check it and its"
-    " link",
+    "late": "{source} come over 0.15 s after data of the same time: used at their own time, but shown late;"
+    " {late}",
+    "scans_stopped": "no scan came for over a second: the pose is predicted without the laser; {stopped}",
     "laser_clock_set": "the clock of the laser was set: the motion meanwhile is unknown; restart if the pose is"
     " wrong",
 }
+# What can be done about data that does not come in time: in a recording it is too late to repair the link.
+REMEDIES: Mapping[bool, Mapping[str, str]] = {
+    True: {
+        "late": "check the network to the robot and the clocks of its computers",
+        "stopped": "check the laser and the network to it",
+    },
+    False: {
+        "late": "the recording has it in this order; check the clocks and the load of the recording computer",
+        "stopped": "the recording has a gap there",
+    },
+}
 
 
-def diagnostic_text(diagnostic: Diagnostic) -> str:
-    """One fault of the sensors or the map, with its remedy."""
-    return DIAGNOSTICS[diagnostic.code].format(source=diagnostic.source, value=diagnostic.value)
+def diagnostic_text(diagnostic: Diagnostic, *, live: bool = False) -> str:
+    """One fault of the sensors or the map, with its remedy. live: in a stream, not in a recording."""
+    text = DIAGNOSTICS[diagnostic.code]
+    return text.format(source=diagnostic.source, value=diagnostic.value, **REMEDIES[live])
 
 
-def arrival_text(arrival: Arrival) -> str:
-    """One fault of the stamps, with its remedy."""
-    return ARRIVALS[arrival.code].format(source=arrival.source)
+def arrival_text(arrival: Arrival, *, live: bool = False) -> str:
+    """One fault of the stamps, with its remedy. live: in a stream, not in a recording."""
+    return ARRIVALS[arrival.code].format(source=arrival.source, **REMEDIES[live])
 
 
 def rejection_text(rejection: Rejection) -> str:
@@ -52,11 +62,11 @@ def rejection_text(rejection: Rejection) -> str:
     value, limit = rejection.value, rejection.limit
     match rejection.code:
         case "overlap":
-            return f"{value:.0%} of the scan on known cells, less than {limit:.0%}"
+            return f"only {value:.0%} of the scan lie where the map is known; {limit:.0%} are needed"
         case "inlier_ratio":
-            return f"{value:.0%} of the known endpoints on occupied cells, usually {limit:.0%}"
+            return f"the scan fits the map badly: {value:.0%} of its points lie on walls, usually {limit:.0%}"
         case "mahalanobis_distance":
-            return f"{value:.0f} sigmas from the prediction"
+            return f"the match is {value:.0f} sigmas away from the predicted pose"
 
 
 def verdict_text(verdict: Verdict) -> str:

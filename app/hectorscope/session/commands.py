@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Play:
-    """Go on from here."""
+    """Go on from here; a run that ended or failed begins again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +41,25 @@ class ChangeSpeed:
 @dataclass(frozen=True, slots=True)
 class Restart:
     """Begin the recording again with an empty map (a live stream keeps flowing, the map starts anew)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Undo:
+    """Take back the last action that took something away, while it is offered."""
+
+
+@dataclass(frozen=True, slots=True)
+class Agree:
+    """Carry out what the question of this number holds back."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Decline:
+    """Drop what the question of this number holds back."""
+
+    number: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +113,9 @@ Command = (
     | SetSpeed
     | ChangeSpeed
     | Restart
+    | Undo
+    | Agree
+    | Decline
     | Seek
     | Configure
     | ConfigureAll

@@ -1,47 +1,26 @@
-"""The one owner of a running pipeline: drains commands, steps, publishes snapshots."""
+"""The one owner of the running pipeline: drains commands, steps, publishes snapshots."""
 
 import logging
 import threading
-from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
-from operator import methodcaller
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any
 
-from hectorscope.exporters import saving
-from hectorscope.inputs import Source, SourceReport, merged
-from hectorscope.run.pipeline import Pipeline, nothing_used
-from hectorscope.run.settings import Setting, Settings, value_of
-from hectorscope.session.commands import (
-    Answer,
-    ChangeSpeed,
-    Command,
-    Configure,
-    ConfigureAll,
-    Pause,
-    Play,
-    PlayPause,
-    Quit,
-    Restart,
-    Save,
-    Seek,
-    SetSpeed,
-    StepScan,
-)
-from hectorscope.session.feeder import Feeder
+from hectorscope.inputs import Source
+from hectorscope.run.pipeline import nothing_used
+from hectorscope.run.settings import Settings
+from hectorscope.session.commands import Answer, Command, Quit
+from hectorscope.session.control import Control
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.playback import changed_speed
-from hectorscope.session.publisher import SNAPSHOT_S, LogLevel, Publisher, Run, change_of_tracking
-from hectorscope.session.rework import Rework
-from hectorscope.session.snapshot import LogEntry, Snapshot
-from hectorscope.session.transport import Transport, valid_speed
-from slam_core.config import MapConfig, needs_restart
+from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
+from hectorscope.session.saver import Saver
+from hectorscope.session.session import Session
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
-from slam_core.mapping.pyramid import check_room
-from slam_core.measurements import LaserScan, Measurement
+from slam_core.measurements import LaserScan
 
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
 
@@ -55,14 +34,11 @@ class Engine:
     before anything is read, with what shows on the page how far it is (from any thread, until it returns).
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
+    What would take the map of a stream away is not done before a person agrees, and what was taken away can be
+    brought back for a minute.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
     or Seek begin again.
     """
-
-    _settings: Settings
-    _pipeline: Pipeline
-    _rework: Rework | None
-    _sought: bool
 
     def __init__(
         self,
@@ -76,19 +52,16 @@ class Engine:
         prepare: Callable[[Callable[[str], None]], None] = lambda _: None,
     ) -> None:
         self._source = source
-        self._prior_map = prior_map
-        self._out = out
         self._prepare = prepare
         self._commands: SimpleQueue[Command] = SimpleQueue()
         self._sending = threading.Lock()
         self._sent = self._obeyed = 0
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
         self._publisher = Publisher(source)
-        self._saver: threading.Thread | None = None
         self._transport = Transport(source.live, autoplay, speed)
-        self._feeder: Feeder | None = None
-        self._epoch = -1
-        self._begin(settings or Settings())
+        self._session = Session(source, settings or Settings(), prior_map, self._transport, self._publisher)
+        self._saver = Saver(out, self._commands.put)
+        self._control = Control(self._session, self._saver, live=source.live)
 
     @property
     def mailbox(self) -> Mailbox[Snapshot]:
@@ -123,9 +96,7 @@ class Engine:
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        if self._saver is not None:
-            self._saver.join()
-        return saving(self._pipeline, self._source.report, self._out)()
+        return self._saver.finish(self._session.run, self._source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -136,16 +107,15 @@ class Engine:
             if command is None:
                 self._guard(self._advance)
             elif isinstance(command, Answer):
-                self._log(command.text, "warning" if command.failed else "info", answer=True)
+                self._session.log(command.text, "warning" if command.failed else "info", answer=True)
             else:
-                self._guard(partial(self._obey, command))
+                self._guard(partial(self._control.obey, command))
                 self._obeyed += 1
                 self._publisher.touch()
                 if self._commands.empty():
-                    self._guard(self._process_again)
+                    self._guard(self._session.process_again)
         self._source.close()
-        if self._feeder is not None:
-            self._feeder.close()
+        self._session.intake.close()
 
     def _get_ready(self) -> None:
         self._prepare(self._preparing)
@@ -167,247 +137,90 @@ class Engine:
 
     def _next_command(self) -> Command | None:
         """The next command, or None when it is time to advance."""
-        head = self._ready[0] if self._ready else None
-        patience = self._transport.patience(head.stamp_ns if isinstance(head, LaserScan) else None)
-        self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
-        if patience == 0.0 and self._commands.empty():
-            return None
-        try:
-            return self._commands.get(timeout=patience)
-        except Empty:
-            return None
+        while True:
+            if self._control.lapse():
+                self._publisher.touch()
+            waiting = self._session.run.waiting
+            patience = self._transport.patience(waiting.stamp_ns if isinstance(waiting, LaserScan) else None)
+            self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
+            if patience == 0.0 and self._commands.empty():
+                return None
+            lapse = self._control.patience
+            sooner = patience if lapse is None or (patience is not None and patience <= lapse) else lapse
+            try:
+                return self._commands.get(timeout=sooner)
+            except Empty:
+                if sooner == patience:
+                    return None
 
     def _advance(self) -> None:
         """One item read, or one measurement stepped."""
-        if not self._ready:
+        waiting = self._session.run.waiting
+        if waiting is None:
             self._fetch()
-        elif isinstance(self._ready[0], LaserScan):
-            self._scan(self._ready[0])
+        elif isinstance(waiting, LaserScan):
+            self._scan(waiting.stamp_ns)
         else:
-            self._give(methodcaller("step", self._ready.popleft()))
-
-    def _give(self, act: Callable[[Pipeline], Any]) -> Any:
-        """Give the pipeline something, and keep it for when the last scan is processed again."""
-        if self._rework is not None:
-            self._rework.note(act)
-        return act(self._pipeline)
+            self._session.run.step()
 
     def _fetch(self) -> None:
-        if self._feeder is None:
-            self._feeder = Feeder(self._source)
-        item = self._feeder.get(FETCH_S)
+        run, intake = self._session.run, self._session.intake
+        item = intake.get(FETCH_S)
         if item is not None:
-            self._ready.extend(self._give(methodcaller("admit", item)))
-        elif self._feeder.done:
-            self._ready.extend(self._give(methodcaller("flush")))
-            if not self._ready:
-                self._end(self._feeder)
+            run.admit(item)
+        elif intake.done:
+            run.flush()
+            if run.waiting is None:
+                self._end()
 
-    def _scan(self, scan: LaserScan) -> None:
+    def _scan(self, stamp_ns: int) -> None:
         self._publisher.touch()
-        if self._transport.arrives(scan.stamp_ns):
+        if self._transport.arrives(stamp_ns):
             return
-        self._ready.popleft()
         if self._transport.unwanted:
-            self._pipeline.skip("scan while the stream was paused")
+            self._session.run.skip(PAUSED)
         else:
-            self._step(scan)
-        self._transport.passed(scan.stamp_ns)
+            self._step(stamp_ns)
+        self._transport.passed(stamp_ns)
 
-    def _step(self, scan: LaserScan) -> None:
-        before = self._pipeline.result
-        rests = self._transport.may_rest_after(scan.stamp_ns)
-        self._rework = Rework(self._pipeline, scan.stamp_ns) if rests else None
-        result = self._give(methodcaller("step", scan))
-        if result is None and self._pipeline.searching and not self._sought:
-            self._sought = True
-            self._log(f"The robot is not found in the map yet: {self._pipeline.searching}", "warning")
+    def _step(self, stamp_ns: int) -> None:
+        run = self._session.run
+        before = run.pipeline.result
+        result = run.step_scan(rests=self._transport.may_rest_after(stamp_ns))
+        if result is None and run.pipeline.searching and not run.sought:
+            run.sought = True
+            self._session.log(f"The robot is not found in the map yet: {run.pipeline.searching}", "warning")
         if change := change_of_tracking(before, result):
-            self._log(*change)
+            self._session.log(*change)
 
-    def _end(self, feeder: Feeder) -> None:
-        feeder.check()
-        if not self._pipeline.scans:
-            raise nothing_used(self._source.name, self._report.skipped, self._pipeline.slam)
+    def _end(self) -> None:
+        session = self._session
+        session.intake.check()
+        pipeline = session.run.pipeline
+        if not pipeline.scans:
+            raise nothing_used(self._source.name, session.report.skipped, pipeline.slam)
         self._transport.end()
         self._publisher.touch()
-        self._publisher.log_once(self._entry(f"The recording ended after {self._pipeline.scans} scans"))
+        self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
 
     def _fail(self, reason: str) -> None:
         self._transport.fail(reason)
-        self._log(reason, "error")
-
-    # --------------------------------------------------------------------------------------------- commands
-
-    def _obey(self, command: Command) -> None:
-        match command:
-            case Play():
-                if self._transport.stopped:
-                    self._restart()
-                self._transport.play()
-            case Pause():
-                self._pause()
-            case PlayPause():
-                self._obey(Pause() if self._transport.running else Play())
-            case StepScan():
-                self._transport.step()
-            case SetSpeed(speed):
-                self._set_speed(speed)
-            case ChangeSpeed(notches):
-                self._set_speed(changed_speed(self._transport.speed, notches))
-            case Restart():
-                self._restart()
-            case Seek(time_ns):
-                self._seek(time_ns)
-            case Configure(name, value, throughout):
-                self._configure({name: value}, "", throughout)
-            case ConfigureAll(title, values, throughout):
-                self._configure(values, title, throughout)
-            case Save():
-                self._save()
-
-    def _pause(self) -> None:
-        """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
-        on = self._transport.running and not self._source.live
-        self._transport.pause()
-        if on:
-            self._transport.step()
-
-    def _set_speed(self, speed: float) -> None:
-        if valid_speed(speed):
-            self._transport.speed = speed
-        else:
-            self._log(f"The speed {speed} was refused: give 0.1 to inf", "warning", answer=True)
-
-    def _save(self) -> None:
-        """Collect the results, and write them beside the run."""
-        if self._saver is not None and self._saver.is_alive():
-            self._log("The results are being saved already: wait for the end", "warning", answer=True)
-            return
-        try:
-            write = saving(self._pipeline, self._source.report, self._out)
-        except SlamError as error:
-            self._log(str(error), "warning", answer=True)
-            return
-        self._saver = threading.Thread(target=self._write, args=(write,), name="save")
-        self._saver.start()
-
-    def _write(self, write: Callable[[], str]) -> None:
-        """On a thread of its own; the engine tells how it ended."""
-        try:
-            self._commands.put(Answer(write()))
-        except SlamError as error:
-            self._commands.put(Answer(str(error), failed=True))
-
-    def _restart(self) -> None:
-        self._begin(self._settings)
-        self._log(f"Started again with {'the saved' if self._prior_map else 'an empty'} map")
-
-    def _seek(self, time_ns: int) -> None:
-        span = self._source.span_ns
-        if span is None:
-            self._log("A live stream has no other times: nothing was sought", "warning", answer=True)
-            return
-        time_ns = min(max(time_ns, span[0]), span[1])
-        if self._transport.failure or time_ns < self._pipeline.time_ns:
-            rests = self._transport.stopped
-            self._begin(self._settings)
-            if rests:  # a jump from the end is to look there, not to go on to the end again
-                self._transport.pause()
-        self._transport.seek(time_ns)
-
-    def _configure(self, values: Mapping[str, Setting], title: str, throughout: bool) -> None:
-        """Change settings; one line of the log has the change of the one, or how many changed."""
-        before, now_ns = self._settings, self._now_ns
-        throughout = throughout and not self._source.live
-        try:
-            after = before.changed_all(None if throughout else now_ns, values)
-            if any(name.startswith("map.") for name in values):
-                self._check_map(after.at(now_ns).map)
-        except SlamError as error:
-            self._log(str(error), "warning", answer=True)
-            return
-        old, new = before.at(now_ns), after.at(now_ns)
-        lines = [
-            f"{name}: {value_of(old, name)} → {value_of(new, name)}"
-            for name in values
-            if value_of(old, name) != value_of(new, name)
-        ]
-        if after == before or not (lines or throughout):
-            return
-        text = f"{title}: {len(lines)} settings changed" if title or not lines else lines[0]
-        entry = self._entry(f"{text}, for the whole run" if throughout else text)
-        if throughout or needs_restart(before.start, after.start):
-            self._rebuild(after)
-        else:
-            self._settings = self._pipeline.settings = after
-            self._outdated = now_ns <= self._pipeline.time_ns
-        self._publisher.log(entry)
-
-    def _process_again(self) -> None:
-        """Process the scan at which the run rested, with the settings that changed meanwhile."""
-        outdated, self._outdated = self._outdated, False
-        if outdated and self._rework is not None:
-            self._pipeline = self._rework.again(self._settings)
-            self._transport.processed_again = True
-            self._epoch += 1
-
-    def _check_map(self, config: MapConfig) -> None:
-        """Refuse what the next run could not begin with."""
-        check_room(config)
-        if self._prior_map:
-            self._prior_map.check(config)
-
-    def _rebuild(self, settings: Settings) -> None:
-        """The same instant with another map; a stream cannot go back, so its map begins anew."""
-        target_ns = self._transport.target_ns or self._pipeline.time_ns
-        self._begin(settings)
-        if self._source.live:
-            self._log("A new map was begun: a live stream cannot be run again", "warning")
-        else:
-            self._transport.seek(target_ns)
-
-    def _begin(self, settings: Settings) -> None:
-        """An empty map or the prior map at the beginning; a stream that still flows goes on."""
-        if self._feeder is not None and (not self._source.live or self._feeder.done):
-            self._feeder.close()
-            self._feeder = None
-        span = self._source.span_ns
-        now_ns = (self._pipeline.time_ns or None) if self._epoch >= 0 else None
-        # may want more memory than there is
-        self._pipeline = Pipeline(settings, span[0] if span else now_ns, self._prior_map)
-        self._settings = settings
-        self._ready: deque[Measurement] = deque()
-        self._rework = None
-        self._outdated = False
-        self._sought = False
-        self._epoch += 1
-        self._transport.begin()
-        self._publisher.touch()
-
-    # ------------------------------------------------------------------------------------------- reporting
-
-    @property
-    def _now_ns(self) -> int:
-        """The time of a change made now: of the scan that can be processed again, or right after the last one."""
-        if self._rework is not None and not self._transport.running:
-            return self._rework.scan_ns
-        return self._pipeline.time_ns + (self._pipeline.last_scan_ns is not None)
-
-    @property
-    def _report(self) -> SourceReport:
-        dropped = self._feeder.dropped if self._feeder else 0
-        return merged(self._source.report, self._pipeline.skipped, dropped)
-
-    def _log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
-        self._publisher.log(self._entry(text, level, answer=answer))
-
-    def _entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
-        """At the present time of the recording."""
-        return LogEntry(self._pipeline.time_ns, text, level, self._pipeline.scans, answer)
+        self._session.log(reason, "error")
 
     def _publish(self, resting: bool) -> None:
-        if self._publisher.due(resting):
-            config, saves = self._settings.at(self._now_ns), self._out is not None
-            run = Run(self._pipeline, self._transport, config, self._report, self._epoch, saves, self._obeyed)
-            self._publisher.publish(run, complete=resting)
+        if not self._publisher.due(resting):
+            return
+        session = self._session
+        run = Run(
+            pipeline=session.run.pipeline,
+            transport=self._transport,
+            config=session.run.settings.at(session.now_ns),
+            report=session.report,
+            epoch=session.epoch,
+            saves=self._saver.out is not None,
+            obeyed=self._obeyed,
+            question=self._control.questions.open,
+            undo=session.undone.offer,
+            behind=session.intake.behind,
+        )
+        self._publisher.publish(run, complete=resting)

@@ -1,6 +1,7 @@
 """The thread that reads a source, so that slow reading and slow matching do not wait for each other."""
 
 import threading
+from itertools import islice
 
 from hectorscope.inputs import Item, Source, SourceError
 from hectorscope.session.stream_queue import StreamQueue
@@ -8,10 +9,10 @@ from slam_core.errors import SlamError
 
 
 class Feeder:
-    """One pass over a source's items, from the beginning, through a bounded queue."""
+    """One pass over a source's items, from after the first `skip` ones, through a bounded queue."""
 
-    def __init__(self, source: Source) -> None:
-        self._source = source
+    def __init__(self, source: Source, skip: int = 0) -> None:
+        self._source, self._skip = source, skip
         self._queue = StreamQueue(live=source.live)
         self._error: Exception | None = None
         self._thread = threading.Thread(target=self._read, name=f"source {source.name}", daemon=True)
@@ -19,7 +20,7 @@ class Feeder:
 
     def _read(self) -> None:
         try:
-            for item in self._source.items():
+            for item in islice(self._source.items(), self._skip, None):
                 if not self._queue.put(item):
                     break
         except Exception as error:  # whatever it is, the engine reports it and lives on

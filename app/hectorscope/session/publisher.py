@@ -11,7 +11,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.snapshot import LogEntry, PlaybackStatus, Snapshot
+from hectorscope.session.snapshot import LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
 from hectorscope.session.transport import Transport
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
@@ -25,7 +25,10 @@ LogLevel = Literal["info", "warning", "error"]
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What a snapshot is composed of. config: the one in force now. saves, obeyed: as in a `Snapshot`."""
+    """What a snapshot is composed of. config: the one in force now. behind: scans of a stream to catch up with.
+
+    The others: as in a `Snapshot`.
+    """
 
     pipeline: Pipeline
     transport: Transport
@@ -34,6 +37,9 @@ class Run:
     epoch: int
     saves: bool
     obeyed: int
+    question: Question | None
+    undo: UndoOffer | None
+    behind: int
 
 
 class Publisher:
@@ -79,7 +85,7 @@ class Publisher:
             sequence=self._sequence,
             epoch=run.epoch,
             source=self._source.name,
-            playback=status(self._source, pipeline, run.transport),
+            playback=status(self._source, run),
             config=run.config,
             result=pipeline.result,
             trajectory=pipeline.trajectory,
@@ -98,6 +104,8 @@ class Publisher:
             unused=dict(pipeline.slam.status.unused),
             saves=run.saves,
             obeyed=run.obeyed,
+            question=run.question,
+            undo=run.undo,
         )
         self.mailbox.put(snapshot)
 
@@ -128,10 +136,13 @@ class Publisher:
         self._maps = map_images(pipeline.slam.map, self._revision)
 
 
-def status(source: Source, pipeline: Pipeline, transport: Transport) -> PlaybackStatus:
+def status(source: Source, run: Run) -> PlaybackStatus:
     """Where the run is."""
+    pipeline, transport = run.pipeline, run.transport
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
     detail = transport.failure or transport.preparing or source.report.waiting
+    if run.behind:
+        detail = detail or f"catching up with the stream: {run.behind} scans behind"
     if transport.processed_again:
         detail = detail or "scan processed again"
     if transport.target_ns is not None:

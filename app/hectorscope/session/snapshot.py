@@ -49,6 +49,24 @@ class LogEntry:
     answer: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Something would be lost: nothing happens until a person agrees. agree, decline: the words of the buttons."""
+
+    number: int
+    text: str
+    agree: str
+    decline: str
+
+
+@dataclass(frozen=True, slots=True)
+class UndoOffer:
+    """What can be taken back, until a time of `time.monotonic`, in seconds."""
+
+    what: str
+    expires: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Snapshot:
     """The whole run at one moment, for whoever draws it.
@@ -61,7 +79,8 @@ class Snapshot:
     mode: whether the map is new, a prior map that stays as it is, or one that is continued. searching: why the
     robot's place in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
-    saves: whether there is a folder for Save. obeyed: how many commands have been carried out or refused so far.
+    saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
+    question: what waits for an answer. undo: what can be taken back.
     """
 
     sequence: int = 0
@@ -86,3 +105,5 @@ class Snapshot:
     unused: Mapping[str, int] = field(default_factory=dict)
     saves: bool = False
     obeyed: int = 0
+    question: Question | None = None
+    undo: UndoOffer | None = None

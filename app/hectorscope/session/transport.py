@@ -2,13 +2,24 @@
 
 import math
 import time
+from dataclasses import dataclass
 
 from hectorscope.session.playback import Clock, Pacer, RateMeter
 from hectorscope.session.snapshot import PlaybackState
 
 SLOWEST = 0.1
 NEAR = 1.5  # times the last interval between scans: so near to its target may a scan be the last of a seek
+PAUSED = "scan while the stream was paused"  # the reason for which such a scan is skipped
 SILENCE_S = 1.0  # a live stream without a scan for so long is waited for
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """How far a run has come that is put aside: ended, failed, or on the way to a time."""
+
+    ended: bool
+    failure: str
+    target_ns: int | None
 
 
 class Transport:
@@ -38,6 +49,16 @@ class Transport:
         self._last_ns: int | None = None
         self._passed_at = self._clock()
         self._rest()
+
+    @property
+    def stand(self) -> Stand:
+        """What `resume` needs."""
+        return Stand(self._ended, self.failure, self.target_ns)
+
+    def resume(self, stand: Stand) -> None:
+        """Where a run stood that was put aside, playing or paused as now."""
+        self.begin()
+        self._ended, self.failure, self.target_ns = stand.ended, stand.failure, stand.target_ns
 
     def play(self) -> None:
         """On from here."""
@@ -115,11 +136,12 @@ class Transport:
         return scan_ns + NEAR * (scan_ns - self._last_ns) > self.target_ns
 
     def passed(self, scan_ns: int) -> None:
-        """A scan went by."""
+        """A scan went by; only one that was processed counts for the rates."""
+        if not self.unwanted:
+            self.meter.count(scan_ns)
         self._single = self.processed_again = False
         self._last_ns = scan_ns
         self._passed_at = self._clock()
-        self.meter.count(scan_ns)
 
     def state(self, scans: int) -> PlaybackState:
         """The one word for all this, after so many scans."""

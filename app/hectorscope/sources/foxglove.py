@@ -33,8 +33,12 @@ class FoxgloveSource:
     def report(self) -> SourceReport:
         """Counters so far; `waiting` while the connection or the laser is missing."""
         with self._lock:
-            waiting = self._link.status or self._channels.missing()
-            return replace(self._converter.report, waiting=waiting)
+            return replace(
+                self._converter.report,
+                waiting=self._link.status or self._channels.missing(),
+                connected=not self._link.status,
+                scan_topic=self._channels.roles.scan or "",
+            )
 
     def items(self) -> Iterator[Item]:
         """Measurements as they arrive, over any number of connections, until `close`."""

@@ -28,11 +28,15 @@ class FramesView:
         self._drawn = -1
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Move them to the newest pose."""
+        """Move them to the newest pose; there is none after a restart."""
         result = snapshot.result
-        if result is None or snapshot.sequence == self._drawn:
+        if snapshot.sequence == self._drawn:
             return
         self._drawn = snapshot.sequence
+        if result is None:
+            for frame in self._frames.values():
+                frame.visible = False
+            return
         position = result.T_map_base.translation
         psi, _ = split_heading(result.T_map_base.rotation)
         level = yaw_quaternion(psi)

@@ -1,6 +1,7 @@
 """Devices that lie, and what is said about them: a drive through the rooms with each lie put into it."""
 
 import math
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
@@ -23,9 +24,9 @@ SECOND = 1_000_000_000
 
 
 @cache
-def honest() -> tuple[Item, ...]:
-    """Fifteen seconds with turns."""
-    options = SceneOptions(duration=15.0, beams=181, scan_rate=10.0, beam_timing=False)
+def honest(duration: float = 15.0) -> tuple[Item, ...]:
+    """Fifteen seconds with turns, or more."""
+    options = SceneOptions(duration=duration, beams=181, scan_rate=10.0, beam_timing=False)
     return tuple(Simulation("rooms", options).items())
 
 
@@ -217,6 +218,17 @@ def test_a_recording_is_refused_by_its_beginning() -> None:
     for options in (SourceOptions(imu_gyro_unit="deg/s"), SourceOptions()):
         source = MemoryRecording(repaired(items, options) if options.imu_gyro_unit else honest())
         assert checked_source(source, options) is source
+
+
+def test_a_refusal_says_what_inspect_says() -> None:
+    """Of a recording whose delay changes on the way: both look at the same part, and give the same flags."""
+    late_at = honest()[0].stamp_ns + 10 * SECOND
+    lie = LIES["degrees"][0]
+    items = [lie(late(LaserScan, 0.3 if item.stamp_ns < late_at else 0.1)(item)) for item in honest(30.0)]
+    flags = remedy(findings(measures(items), SourceOptions()))
+    assert "--scan-delay" in flags
+    with pytest.raises(DeviceError, match=f"run again with {re.escape(flags)}, or"):
+        checked_source(MemoryRecording(items), SourceOptions())
 
 
 def test_a_delay_alone_refuses_nothing() -> None:

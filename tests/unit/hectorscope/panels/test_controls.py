@@ -159,17 +159,6 @@ def test_the_settings_of_the_start_can_be_had_again(scene: Scene) -> None:
     assert "As started" not in panel._banner.content
 
 
-def test_a_reset_that_needs_a_new_map_of_a_stream_asks_first(scene: Scene) -> None:
-    """As the control of the setting does; a recording does not ask."""
-    levels = with_values(SlamConfig(), {"map.levels": 2})
-    panel, sent = settings_panel(scene, levels, live=True)
-    by_hand(resets(panel), "all")
-    assert sent == []
-    panel.draw(Snapshot(sequence=9, config=levels))
-    by_hand(resets(panel), "all")
-    assert sent == [ConfigureAll("reset to default", {"map.levels": 3})]
-
-
 def test_names_of_settings_tell_them_apart() -> None:
     """No two settings have the same name on the page."""
     names = [label(leaf) for leaf in LEAVES.values()]

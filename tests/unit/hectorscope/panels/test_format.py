@@ -3,6 +3,7 @@ import math
 import pytest
 
 from hectorscope.panels._format import clock, figure, fixed, hint, label, number, text
+from hectorscope.panels._hints import HINTS
 from slam_core.config import SlamConfig, leaves
 
 LEAVES = {leaf.name: leaf for leaf in leaves(SlamConfig())}
@@ -26,10 +27,20 @@ def test_times_are_minutes_and_tenths(seconds: float, shown: str) -> None:
 
 @pytest.mark.parametrize(
     ("value", "shown"),
-    [(0.2, "0.2"), (2048.0, "2048"), (1e-5, "10⁻⁵"), (2.5e-5, "2.5×10⁻⁵"), (-0.5, "−0.5"), (math.inf, "–")],
+    [
+        (0.2, "0.2"),
+        (2048.0, "2048"),
+        (1e-5, "10⁻⁵"),
+        (2.5e-5, "2.5×10⁻⁵"),
+        (-0.5, "−0.5"),
+        (math.inf, "–"),
+        (14344.0, "14340"),
+        (-1e6, "−1000000"),
+        (1.5e9, "1.5×10⁹"),
+    ],
 )
 def test_numbers_are_short(value: float, shown: str) -> None:
-    """Four digits at most, powers of ten written as such, a true minus sign."""
+    """Four digits at most, powers of ten for the tiny and the huge alone, a true minus sign."""
     assert number(value, 4) == shown
 
 
@@ -62,6 +73,19 @@ def test_names_from_outside_cannot_become_html() -> None:
     assert text('<img src=x onerror="x">') == "&lt;img src=x onerror=&quot;x&quot;&gt;"
 
 
-def test_a_figure_has_caption_and_value() -> None:
-    """The caption is small; a kind becomes a class."""
-    assert figure("beams", "7", "bad") == '<span class="hs-figure hs-bad"><small>beams</small>7</span>'
+def test_a_figure_has_caption_value_and_hint() -> None:
+    """The caption is small, a kind becomes a class; what there is to say now comes before the hint, escaped."""
+    html = figure("beams", "7", "bad", more='<all> "gone"')
+    assert html.startswith(
+        '<span class="hs-figure hs-bad" title="&lt;all&gt; &quot;gone&quot;. Beams of this scan'
+    )
+    assert html.endswith("<small>beams</small>7</span>")
+    assert "<small>m</small>" in figure("beams", "7", caption="m")
+
+
+@pytest.mark.parametrize("hint", HINTS.values(), ids=HINTS)
+def test_every_hint_says_what_it_is_and_when_to_worry(hint: str) -> None:
+    """In two sentences or more, of which one is about worry."""
+    first, *rest = hint.split(". ")
+    assert len(first) > 10
+    assert any("orry" in sentence for sentence in rest)

@@ -11,8 +11,9 @@ from hectorscope.panels.attitude import is_planar, numbers_html
 from hectorscope.panels.log import answers, log_html
 from hectorscope.panels.match import legend_html, match_html, sigmas_html
 from hectorscope.panels.status import REASONS_SHOWN, losses_html, run_html
-from hectorscope.panels.transport import clock_html, name_of_speed
-from hectorscope.session.snapshot import LogEntry, PlaybackStatus
+from hectorscope.panels.transport import clock_html, name_of_speed, undo_words
+from hectorscope.session.snapshot import LogEntry, PlaybackState, PlaybackStatus, Snapshot, UndoOffer
+from hectorscope.session.transport import PAUSED
 from slam_core.navigation.monitor import NO_ATTITUDE
 from slam_core.results import Verdict
 from tests.page import room_snapshot, without_filter
@@ -23,18 +24,45 @@ S = 1_000_000_000
 def test_the_status_tells_where_the_run_is() -> None:
     """Source, state, time since the start, scan rate and real-time factor."""
     playback = PlaybackStatus("playing", False, 70 * S, 10 * S, 100 * S, 1.0, 1.5, 39.96)
-    html = run_html("arena.bag", playback)
+    html = run_html(Snapshot(source="arena.bag", playback=playback))
     for part in ("arena.bag", ">playing<", "01:00.0", "40.0 Hz", "×1.50"):
         assert part in html
 
 
+@pytest.mark.parametrize("state", ["paused", "ended", "failed", "waiting"])
+def test_a_run_that_stands_has_no_rates(state: PlaybackState) -> None:
+    """No scans a second and no speed, whatever was measured last."""
+    html = run_html(Snapshot(playback=PlaybackStatus(state, True, scan_rate=40.0, realtime_factor=1.0)))
+    assert f">{state}<" in html
+    assert "40.0 Hz" not in html
+    assert html.count("</small>–<") == 2
+
+
+@pytest.mark.parametrize(
+    ("report", "state", "words"),
+    [
+        (SourceReport(connected=True), "playing", "✓ robot"),
+        (SourceReport(connected=True), "waiting", "… robot: no scans"),
+        (SourceReport(connected=True, waiting="no laser"), "loading", "… robot: no scans"),
+        (SourceReport(connected=False, waiting="gone"), "waiting", "✕ robot: no link"),
+    ],
+)
+def test_the_two_links_are_told_apart(report: SourceReport, state: PlaybackState, words: str) -> None:
+    """That of the page to the server, and that of the server to the robot, by symbols and words."""
+    html = run_html(Snapshot(report=report, playback=PlaybackStatus(state, live=True)))
+    assert f">{words}</span>" in html
+    assert "✓ server" in html
+    assert "robot:" not in run_html(Snapshot(report=SourceReport()))
+
+
 def test_the_status_tells_of_a_saved_map() -> None:
     """The mode beside the state, or that and why the robot is still sought; nothing of either in a plain run."""
-    assert ">localise<" in run_html("a.bag", PlaybackStatus("playing"), "localise")
-    html = run_html("a.bag", PlaybackStatus("playing"), "localise", "the scan fits in 2 places of the map alike")
+    saved = Snapshot(playback=PlaybackStatus("playing"), mode="localise")
+    assert ">localise<" in run_html(saved)
+    html = run_html(replace(saved, searching="the scan fits in 2 places of the map alike"))
     for part in (">searching<", "fits in 2 places"):
         assert part in html
-    plain = run_html("a.bag", PlaybackStatus("playing"))
+    plain = run_html(Snapshot(playback=PlaybackStatus("playing")))
     assert "localise" not in plain
     assert "searching" not in plain
 
@@ -43,7 +71,7 @@ def test_nothing_from_outside_becomes_html() -> None:
     """Names of files, reasons and log lines are escaped wherever they are shown."""
     bad = "<script>"
     shown = [
-        run_html(bad, PlaybackStatus("failed", detail=bad)),
+        run_html(Snapshot(source=bad, playback=PlaybackStatus("failed", detail=bad))),
         losses_html(SourceReport({}, {bad: 1}, 0), {bad: bad}),
         log_html((LogEntry(0, bad),), 0),
     ]
@@ -62,9 +90,9 @@ def test_losses_are_counted_and_explained() -> None:
 
 
 def test_the_initial_alignment_is_no_alarm() -> None:
-    """Its scans are counted and explained, but only what is skipped besides stands out."""
-    html = losses_html(SourceReport({}, {NO_ATTITUDE: 19}, 0), {})
-    assert ">skipped</small>19<" in html
+    """Nor is a pause: scans are counted and explained, but only what is skipped besides stands out."""
+    html = losses_html(SourceReport({}, {NO_ATTITUDE: 19, PAUSED: 80}, 0), {})
+    assert ">skipped</small>99<" in html
     assert "hs-bad" not in html
     assert "hs-bad" in losses_html(SourceReport({}, {NO_ATTITUDE: 19, "/scan: all NaN": 1}, 0), {})
 
@@ -72,7 +100,7 @@ def test_the_initial_alignment_is_no_alarm() -> None:
 def test_warnings_come_first_among_the_losses() -> None:
     """What is wrong at this moment is counted, and told before what was skipped; escaped."""
     html = losses_html(SourceReport({}, {"/scan: all NaN": 3}, 0), {}, ("no inertial data comes", "<b>"))
-    assert ">warnings</small>2<" in html
+    assert ">warnings</small>! 2<" in html
     assert html.index("no inertial data comes") < html.index("/scan: all NaN")
     assert "<b>" not in html
 
@@ -138,11 +166,11 @@ def test_the_match_says_whether_it_converged_and_is_believed() -> None:
     assert result is not None
     assert result.match is not None
     html = match_html(result, snapshot)
-    for part in ("converged", "3 · 4 · 4", "0.500", 'hs-good"><small></small>tracking', "weakest</small>2.0 mm"):
+    for part in ("Converged", "3 · 4 · 4", "0.500", "</small>✓ tracking", "weakest σ</small>2.0 mm"):
         assert part in html
     slow = result._replace(match=result.match._replace(converged=False), verdict=Verdict("lost"))
-    assert "out of steps" in match_html(slow, snapshot)
-    assert 'hs-bad"><small></small>lost' in match_html(slow, snapshot)
+    assert "Out of steps" in match_html(slow, snapshot)
+    assert "</small>✕ lost" in match_html(slow, snapshot)
     assert "first scan" in match_html(result._replace(match=None), snapshot)
 
 
@@ -176,3 +204,9 @@ def test_the_clock_of_a_stream_has_no_end() -> None:
     """A recording shows its length, a stream says live."""
     assert "/ 00:58.0" in clock_html(PlaybackStatus(end_ns=58 * S))
     assert "live" in clock_html(PlaybackStatus(live=True))
+
+
+def test_an_undo_says_what_it_takes_back_and_for_how_long() -> None:
+    """Whole seconds, rounded up, and no more than fits into the bar."""
+    assert undo_words(UndoOffer("restart", 160.0), 117.3) == "Undo restart · 43 s"
+    assert undo_words(UndoOffer("x" * 99, 100.0), 200.0) == f"Undo {27 * 'x'}… · 0 s"

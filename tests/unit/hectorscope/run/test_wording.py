@@ -37,9 +37,12 @@ def test_a_sentence_names_the_sensor_and_the_value():
 @pytest.mark.parametrize(
     ("rejection", "text"),
     [
-        (Rejection("overlap", 0.1, 0.3), "10% of the scan on known cells, less than 30%"),
-        (Rejection("inlier_ratio", 0.2, 0.9), "20% of the known endpoints on occupied cells, usually 90%"),
-        (Rejection("mahalanobis_distance", 400.0, 100.0), "400 sigmas from the prediction"),
+        (Rejection("overlap", 0.1, 0.3), "only 10% of the scan lie where the map is known; 30% are needed"),
+        (
+            Rejection("inlier_ratio", 0.2, 0.9),
+            "the scan fits the map badly: 20% of its points lie on walls, usually 90%",
+        ),
+        (Rejection("mahalanobis_distance", 400.0, 100.0), "the match is 400 sigmas away from the predicted pose"),
     ],
 )
 def test_a_rejection_has_its_figures(rejection: Rejection, text: str):
@@ -49,6 +52,16 @@ def test_a_rejection_has_its_figures(rejection: Rejection, text: str):
         verdict_text(Verdict("recovered", rejection, recovery="relocalised"))
         == f"{text}; relocalised by a search of the whole map"
     )
+
+
+def test_the_remedy_for_late_data_is_one_that_can_still_be_applied():
+    """In a stream the network can be looked after; in a recording there is no link any more."""
+    for fault in (Arrival("late", "heights"), Arrival("scans_stopped")):
+        assert "network" in arrival_text(fault, live=True)
+        assert "recording" in arrival_text(fault)
+    late = Diagnostic("aid_too_late", "height")
+    assert "network" in diagnostic_text(late, live=True)
+    assert not any("link" in text or "network" in text for text in (diagnostic_text(late), arrival_text(fault)))
 
 
 def test_a_good_match_has_no_words():

@@ -1,0 +1,88 @@
+"""One run in the engine: the pipeline, what waits for it, and the scan that can be processed again."""
+
+from collections import deque
+from collections.abc import Callable
+from operator import methodcaller
+from pathlib import Path
+from typing import Any
+
+from hectorscope.inputs import Item
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.session.rework import Rework
+from slam_core.localization.prior_map import PriorMap
+from slam_core.measurements import LaserScan, Measurement
+from slam_core.results import StepResult
+
+
+class ActiveRun:
+    """Everything that makes a run what it is: put aside and taken up again, it goes on as if nothing had been.
+
+    sought: whether it was said that the robot is not found in the map. folder: where it was saved.
+    """
+
+    def __init__(
+        self, settings: Settings, start_ns: int | None, prior_map: PriorMap | None, *, live: bool
+    ) -> None:
+        self.pipeline = Pipeline(settings, start_ns, prior_map, live=live)
+        self.settings = settings
+        self.sought = False
+        self.folder: Path | None = None
+        self._ready: deque[Measurement] = deque()
+        self._rework: Rework | None = None
+        self._outdated = False
+
+    @property
+    def waiting(self) -> Measurement | None:
+        """The measurement to be stepped next."""
+        return self._ready[0] if self._ready else None
+
+    def admit(self, item: Item) -> None:
+        """Take in one item."""
+        self._ready.extend(self._give(methodcaller("admit", item)))
+
+    def flush(self) -> None:
+        """There will be no more."""
+        self._ready.extend(self._give(methodcaller("flush")))
+
+    def step(self) -> None:
+        """Step what waits, which is no scan."""
+        self._give(methodcaller("step", self._ready.popleft()))
+
+    def skip(self, reason: str) -> None:
+        """Let the scan that waits go by."""
+        self._ready.popleft()
+        self.pipeline.skip(reason)
+
+    def step_scan(self, *, rests: bool) -> StepResult | None:
+        """Step the scan that waits. rests: what was before it is kept, so that it can be processed again."""
+        scan = self._ready.popleft()
+        assert isinstance(scan, LaserScan)
+        self._rework = Rework(self.pipeline, scan.stamp_ns) if rests else None
+        result: StepResult | None = self._give(methodcaller("step", scan))
+        return result
+
+    def _give(self, act: Callable[[Pipeline], Any]) -> Any:
+        """Give the pipeline something, and keep it for when the last scan is processed again."""
+        if self._rework is not None:
+            self._rework.note(act)
+        return act(self.pipeline)
+
+    def now_ns(self, *, running: bool) -> int:
+        """The time of a change made now: of the scan that can be processed again, or right after the last one."""
+        if self._rework is not None and not running:
+            return self._rework.scan_ns
+        return self.pipeline.time_ns + (self.pipeline.last_scan_ns is not None)
+
+    def configure(self, settings: Settings, now_ns: int) -> None:
+        """Other settings, changed at that time."""
+        self.settings = self.pipeline.settings = settings
+        self._outdated = now_ns <= self.pipeline.time_ns
+
+    def process_again(self) -> bool:
+        """Process the scan at which the run rested, if settings changed meanwhile; whether it was so."""
+        outdated, self._outdated = self._outdated, False
+        if not outdated or self._rework is None:
+            return False
+        self.pipeline = self._rework.again(self.settings)
+        return True

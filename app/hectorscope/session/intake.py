@@ -1,0 +1,96 @@
+"""The items of a source in their order, also for a run that is put aside and taken up again."""
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from hectorscope.inputs import Item, Source
+from hectorscope.session.feeder import Feeder
+from slam_core.measurements import LaserScan
+
+
+@dataclass(eq=False)
+class Aside:
+    """Where a run that is put aside goes on. taken: items of a recording it had. came: of a stream, missed."""
+
+    taken: int
+    came: deque[Item] = field(default_factory=deque)
+
+
+class Intake:
+    """Hands out items one by one. A recording begins anew, or after so many items; a stream flows on."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._feeder: Feeder | None = None
+        self._taken = 0
+        self._backlog: deque[Item] = deque()
+        self._aside: list[Aside] = []
+
+    @property
+    def dropped(self) -> int:
+        """Scans given up because the pipeline was too slow for a live stream."""
+        return self._feeder.dropped if self._feeder else 0
+
+    @property
+    def behind(self) -> int:
+        """Scans of a stream that came while another run was shown, and are still to be handed out."""
+        return sum(isinstance(item, LaserScan) for item in self._backlog)
+
+    @property
+    def done(self) -> bool:
+        """Whether every item was handed out."""
+        return self._feeder is not None and self._feeder.done and not self._backlog
+
+    def check(self) -> None:
+        """Raise what ended the reading, if it was an error."""
+        if self._feeder is not None:
+            self._feeder.check()
+
+    def get(self, timeout: float) -> Item | None:
+        """The next item, or None after `timeout` seconds."""
+        if self._feeder is None:
+            self._feeder = Feeder(self._source, self._taken)
+        if self._backlog:
+            while (fresh := self._fresh(0.0)) is not None:  # or the queue would give up scans meanwhile
+                self._backlog.append(fresh)
+            return self._backlog.popleft()
+        item = self._fresh(timeout)
+        self._taken += item is not None and not self._source.live
+        return item
+
+    def _fresh(self, timeout: float) -> Item | None:
+        assert self._feeder is not None
+        item = self._feeder.get(timeout)
+        if item is not None and self._source.live:
+            for aside in self._aside:
+                aside.came.append(item)
+        return item
+
+    def begin(self) -> None:
+        """For a new run: a recording from its beginning, a stream from now on."""
+        self._taken = 0
+        self._backlog = deque()
+        if self._feeder is not None and (not self._source.live or self._feeder.done):
+            self.close()
+
+    def put_aside(self) -> Aside:
+        """For the run so far, before `begin`: what it needs to go on later."""
+        aside = Aside(self._taken, self._backlog.copy())
+        self._aside.append(aside)
+        return aside
+
+    def forget(self, aside: Aside) -> None:
+        """That run will not go on."""
+        self._aside.remove(aside)
+
+    def resume(self, aside: Aside) -> None:
+        """Go on where that run was: a recording after the items it has had, a stream with all that it missed."""
+        self.forget(aside)
+        self.begin()
+        self._taken, self._backlog = aside.taken, aside.came
+
+    def close(self) -> None:
+        """Stop reading. A live source must be closed before."""
+        if self._feeder is not None:
+            self._feeder.close()
+            self._feeder = None

@@ -1,0 +1,158 @@
+"""The run that is shown and those put aside: begun again, sought in, configured, taken back."""
+
+from collections.abc import Mapping
+
+from hectorscope.inputs import Source, SourceReport, merged
+from hectorscope.run.settings import Setting, Settings
+from hectorscope.session.active_run import ActiveRun
+from hectorscope.session.changes import SettingsChange, settings_change
+from hectorscope.session.commands import Configure, ConfigureAll
+from hectorscope.session.intake import Intake
+from hectorscope.session.publisher import LogLevel, Publisher
+from hectorscope.session.snapshot import LogEntry
+from hectorscope.session.transport import Transport
+from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
+from slam_core.localization.prior_map import PriorMap
+
+
+class Session:
+    """Belongs to the engine's thread. epoch: grows whenever what was drawn is no longer true."""
+
+    def __init__(
+        self,
+        source: Source,
+        settings: Settings,
+        prior_map: PriorMap | None,
+        transport: Transport,
+        publisher: Publisher,
+    ) -> None:
+        self.transport = transport
+        self.intake = Intake(source)
+        self.undone = UndoStack(self._drop)
+        self.epoch = 0
+        self._source, self._prior_map, self._publisher = source, prior_map, publisher
+        self.run = self._new_run(settings, None)
+
+    def _new_run(self, settings: Settings, now_ns: int | None) -> ActiveRun:
+        span = self._source.span_ns
+        start_ns = span[0] if span else now_ns
+        return ActiveRun(settings, start_ns, self._prior_map, live=self._source.live)
+
+    @property
+    def now_ns(self) -> int:
+        """The time of a change made now."""
+        return self.run.now_ns(running=self.transport.running)
+
+    @property
+    def report(self) -> SourceReport:
+        """Counters of the source, the queue and the core."""
+        return merged(self._source.report, self.run.pipeline.skipped, self.intake.dropped)
+
+    def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
+        """A line for the page, at the present time of the recording."""
+        self._publisher.log(self.entry(text, level, answer=answer))
+
+    def entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
+        """The same, to be logged later."""
+        return LogEntry(self.run.pipeline.time_ns, text, level, self.run.pipeline.scans, answer)
+
+    # ---------------------------------------------------------------------------------------------- beginning
+
+    def restart(self) -> None:
+        """An empty map or the prior map, at the beginning; a stream that still flows goes on."""
+        self.begin(self.run.settings, "restart")
+        self.log(f"Started again with {'the saved' if self._prior_map else 'an empty'} map")
+
+    def begin(self, settings: Settings, what: str = "") -> None:
+        """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
+        run = self._new_run(settings, self.run.pipeline.time_ns or None)  # may want more memory than there is
+        if what and self.run.pipeline.scans:
+            self.undone.push(what, KeptRun(self.run, self.intake.put_aside(), self.transport.stand))
+        self.run = run
+        self.intake.begin()
+        self.transport.begin()
+        self._show_anew()
+
+    def undo(self) -> None:
+        """The last run, or the last values, that something else took the place of."""
+        kept = self.undone.pop()
+        if kept is None:
+            self.log("There is nothing to undo any more: a minute has passed", "warning", answer=True)
+            return
+        what, before = kept
+        if isinstance(before, KeptRun):
+            self.run = before.run
+            self.intake.resume(before.aside)
+            self.transport.resume(before.stand)
+            self._show_anew()
+            self.log(f"Undone: {what}. The run goes on with its map of {before.scans} scans")
+        elif change := self.change(ConfigureAll(f"undone: {what}", before.values)):
+            self.run.configure(change.after, self.now_ns)
+            self.log(change.text)
+
+    def _drop(self, kept: Kept) -> None:
+        if isinstance(kept, KeptRun):
+            self.intake.forget(kept.aside)
+
+    def _show_anew(self) -> None:
+        self.epoch += 1
+        self._publisher.touch()
+
+    def seek(self, time_ns: int) -> None:
+        """Go to a time of a recording; back means to begin again."""
+        span = self._source.span_ns
+        if span is None:
+            self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
+            return
+        time_ns = min(max(time_ns, span[0]), span[1])
+        if self.transport.failure or time_ns < self.run.pipeline.time_ns:
+            rests = self.transport.stopped
+            self.begin(self.run.settings)
+            if rests:  # a jump from the end is to look there, not to go on to the end again
+                self.transport.pause()
+        self.transport.seek(time_ns)
+
+    # ----------------------------------------------------------------------------------------------- settings
+
+    def change(self, command: Configure | ConfigureAll) -> SettingsChange | None:
+        """What a command makes of the settings; None if nothing. SlamError if it is to be refused."""
+        values: Mapping[str, Setting]
+        match command:
+            case Configure(name, value, throughout):
+                title, values = "", {name: value}
+            case ConfigureAll(title, values, throughout):
+                pass
+        return settings_change(
+            self.run.settings,
+            values,
+            title,
+            self.now_ns,
+            throughout=throughout and not self._source.live,
+            prior_map=self._prior_map,
+        )
+
+    def configure(self, change: SettingsChange) -> None:
+        """Change settings; one line of the log has the change of the one, or how many changed."""
+        entry = self.entry(change.text)
+        if change.begins_again:
+            self._rebuild(change)
+        else:
+            if change.by_hand:
+                self.undone.push(change.text, KeptValues(change.old))
+            self.run.configure(change.after, self.now_ns)
+        self._publisher.log(entry)
+
+    def _rebuild(self, change: SettingsChange) -> None:
+        """The same instant with another map; a stream cannot go back, so its map begins anew."""
+        target_ns = self.transport.target_ns or self.run.pipeline.time_ns
+        self.begin(change.after, change.text)
+        if self._source.live:
+            self.log("A new map was begun: a live stream cannot be run again", "warning")
+        else:
+            self.transport.seek(target_ns)
+
+    def process_again(self) -> None:
+        """Process the scan at which the run rested, with the settings that changed meanwhile."""
+        if self.run.process_again():
+            self.transport.processed_again = True
+            self.epoch += 1

@@ -1,0 +1,84 @@
+"""What an action took away, kept for a minute so that it can be taken back."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from hectorscope.run.settings import Setting
+from hectorscope.session.active_run import ActiveRun
+from hectorscope.session.intake import Aside
+from hectorscope.session.snapshot import UndoOffer
+from hectorscope.session.transport import Stand
+
+UNDO_S = 60.0
+MOST = 4  # each has a map of its own in memory
+
+
+@dataclass(frozen=True, slots=True)
+class KeptRun:
+    """A run that another one took the place of."""
+
+    run: ActiveRun
+    aside: Aside
+    stand: Stand
+
+    @property
+    def scans(self) -> int:
+        """How much it is worth."""
+        return self.run.pipeline.scans
+
+
+@dataclass(frozen=True, slots=True)
+class KeptValues:
+    """Settings that were overwritten together; the run went on."""
+
+    values: Mapping[str, Setting]
+    scans: int = 0
+
+
+Kept = KeptRun | KeptValues
+
+
+class UndoStack:
+    """The newest comes back first. drop: hears of every run that can no longer come back.
+
+    clock: seconds, monotonic.
+    """
+
+    def __init__(self, drop: Callable[[Kept], None], clock: Callable[[], float] = time.monotonic) -> None:
+        self._drop = drop
+        self._clock = clock
+        self._kept: list[tuple[UndoOffer, Kept]] = []
+
+    @property
+    def offer(self) -> UndoOffer | None:
+        """What can be taken back next."""
+        return self._kept[-1][0] if self._kept else None
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until one is given up; None if there is none."""
+        return max(0.0, self._kept[0][0].expires - self._clock()) if self._kept else None
+
+    def push(self, what: str, kept: Kept) -> None:
+        """Keep one, and give up the least one if there are too many: nobody fills the memory by a held key."""
+        self._kept.append((UndoOffer(what, self._clock() + UNDO_S), kept))
+        if len(self._kept) > MOST:
+            least = min(range(len(self._kept)), key=lambda at: self._kept[at][1].scans)
+            self._drop(self._kept.pop(least)[1])
+
+    def pop(self) -> tuple[str, Kept] | None:
+        """Hand out the newest."""
+        self.lapse()
+        if not self._kept:
+            return None
+        offer, kept = self._kept.pop()
+        return offer.what, kept
+
+    def lapse(self) -> bool:
+        """Give up those whose minute is over; whether there was one."""
+        over = [kept for offer, kept in self._kept if offer.expires <= self._clock()]
+        for kept in over:
+            self._drop(kept)
+        self._kept = self._kept[len(over) :]
+        return bool(over)
