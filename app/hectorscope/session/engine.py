@@ -11,8 +11,9 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from hectorscope.exporters import saving
-from hectorscope.inputs import Source, SourceReport, merged
+from hectorscope.inputs import Repairable, Source, SourceReport, merged
 from hectorscope.run.pipeline import Pipeline, nothing_used
+from hectorscope.run.report import Report
 from hectorscope.run.settings import Setting, Settings, value_of
 from hectorscope.session.commands import (
     Answer,
@@ -24,6 +25,7 @@ from hectorscope.session.commands import (
     Play,
     PlayPause,
     Quit,
+    Repair,
     Restart,
     Save,
     Seek,
@@ -43,6 +45,7 @@ from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.pyramid import check_room
 from slam_core.measurements import LaserScan, Measurement
 
+ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
 
 _logger = logging.getLogger("hectorscope")
@@ -52,7 +55,7 @@ class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
     prior_map: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
-    before anything is read, with what shows on the page how far it is (from any thread, until it returns).
+    before anything is read, with what shows on the page what the run waits for, then or later, from any thread.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
     The engine survives a failing source or core: it reports the state "failed" with the reason, and Play, Restart
@@ -73,7 +76,7 @@ class Engine:
         autoplay: bool = True,
         speed: float = 1.0,
         out: Path | None = None,
-        prepare: Callable[[Callable[[str], None]], None] = lambda _: None,
+        prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
         self._source = source
         self._prior_map = prior_map
@@ -87,6 +90,7 @@ class Engine:
         self._saver: threading.Thread | None = None
         self._transport = Transport(source.live, autoplay, speed)
         self._feeder: Feeder | None = None
+        self._is_ready = False
         self._epoch = -1
         self._begin(settings or Settings())
 
@@ -148,13 +152,18 @@ class Engine:
             self._feeder.close()
 
     def _get_ready(self) -> None:
-        self._prepare(self._preparing)
-        self._preparing("")
+        try:
+            self._prepare(self._report_preparing)
+        finally:
+            self._is_ready = True
+            self._report_preparing("")
 
-    def _preparing(self, how_far: str) -> None:
-        self._transport.preparing = how_far
+    def _report_preparing(self, text: str, share: float | None = None) -> None:
+        """What the run waits for: this thread does while the kernels are prepared, or when it calls one."""
+        self._transport.preparing, self._transport.prepared = text, share
         self._publisher.touch()
-        self._publish(resting=True)
+        if not self._is_ready or threading.current_thread() is self._thread:
+            self._publish(resting=True)
 
     def _guard(self, action: Callable[[], None]) -> None:
         try:
@@ -168,7 +177,7 @@ class Engine:
     def _next_command(self) -> Command | None:
         """The next command, or None when it is time to advance."""
         head = self._ready[0] if self._ready else None
-        patience = self._transport.patience(head.stamp_ns if isinstance(head, LaserScan) else None)
+        patience = self._transport.patience(head.stamp_ns if self._is_paced(head) else None)
         self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
         if patience == 0.0 and self._commands.empty():
             return None
@@ -176,6 +185,13 @@ class Engine:
             return self._commands.get(timeout=patience)
         except Empty:
             return None
+
+    def _is_paced(self, head: Measurement | None) -> bool:
+        """Whether it is a scan that waits for its time; there is nothing to see before the filter is aligned."""
+        if not isinstance(head, LaserScan):
+            return False
+        aligning = not self._pipeline.scans and head.stamp_ns - (self._pipeline.start_ns or 0) < ALIGNING_NS
+        return not (aligning and self._transport.running)
 
     def _advance(self) -> None:
         """One item read, or one measurement stepped."""
@@ -236,6 +252,8 @@ class Engine:
     def _fail(self, reason: str) -> None:
         self._transport.fail(reason)
         self._log(reason, "error")
+        if isinstance(self._source, Repairable) and self._source.repairs and self._source.report.findings:
+            self.send(Repair())
 
     # --------------------------------------------------------------------------------------------- commands
 
@@ -263,8 +281,8 @@ class Engine:
                 self._configure({name: value}, "", throughout)
             case ConfigureAll(title, values, throughout):
                 self._configure(values, title, throughout)
-            case Save():
-                self._save()
+            case Save() | Repair():
+                (self._save if isinstance(command, Save) else self._repair)()
 
     def _pause(self) -> None:
         """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
@@ -302,6 +320,17 @@ class Engine:
     def _restart(self) -> None:
         self._begin(self._settings)
         self._log(f"Started again with {'the saved' if self._prior_map else 'an empty'} map")
+
+    def _repair(self) -> None:
+        """Begin again with what the sensor check found put right; the source tells what, in its notes."""
+        source = self._source
+        if not isinstance(source, Repairable) or not source.repair():
+            self._log("The sensor check has found nothing that could be repaired", "warning", answer=True)
+            return
+        if self._feeder is not None:
+            self._feeder.close()
+            self._feeder = None
+        self._begin(self._settings)
 
     def _seek(self, time_ns: int) -> None:
         span = self._source.span_ns

@@ -131,7 +131,7 @@ class Publisher:
 def status(source: Source, pipeline: Pipeline, transport: Transport) -> PlaybackStatus:
     """Where the run is."""
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
-    detail = transport.failure or transport.preparing or source.report.waiting
+    detail = transport.failure or source.report.waiting
     if transport.processed_again:
         detail = detail or "scan processed again"
     if transport.target_ns is not None:
@@ -147,6 +147,8 @@ def status(source: Source, pipeline: Pipeline, transport: Transport) -> Playback
         realtime_factor=transport.meter.realtime_factor,
         scan_rate=transport.meter.scan_rate,
         detail=detail,
+        preparing=transport.preparing,
+        prepared=transport.prepared,
     )
 
 
