@@ -177,7 +177,7 @@ class Engine:
     def _next_command(self) -> Command | None:
         """The next command, or None when it is time to advance."""
         head = self._ready[0] if self._ready else None
-        patience = self._transport.patience(head.stamp_ns if self._is_paced(head) else None)
+        patience = self._transport.patience(head.stamp_ns if head and self._is_paced(head) else None)
         self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
         if patience == 0.0 and self._commands.empty():
             return None
@@ -186,7 +186,7 @@ class Engine:
         except Empty:
             return None
 
-    def _is_paced(self, head: Measurement | None) -> bool:
+    def _is_paced(self, head: Measurement) -> bool:
         """Whether it is a scan that waits for its time; there is nothing to see before the filter is aligned."""
         if not isinstance(head, LaserScan):
             return False
