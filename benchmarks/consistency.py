@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks import navigation
 from benchmarks.kernels import microseconds
 from benchmarks.tables import table
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.simulation.motion import GRAVITY, Motion
 from slam_core import geometry
 from slam_core.config import FusionConfig, FusionMethod, NavigationConfig, PlatformConfig, SlamConfig
@@ -243,7 +243,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--seeds", type=int, default=20)
     seeds = list(range(1, parser.parse_args().seeds + 1))
-    warm_up()
+    load_everything()
     quick = speed()
     runs: Runs = {}
     for method, correlation in product(METHODS, (0.0, CORRELATION)):

@@ -23,7 +23,7 @@ from benchmarks.tables import table
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.simulation.options import ScenarioName
 from hectorscope.sources import open_source
@@ -240,7 +240,7 @@ def main() -> None:
     settings = {name: _value(text) for name, _, text in (each.partition("=") for each in args.set)}
     chosen = [each.name for each in cases() if not args.names or any(part in each.name for part in args.names)]
     rows = []
-    with ProcessPoolExecutor(PROCESSES, initializer=warm_up) as pool:
+    with ProcessPoolExecutor(PROCESSES, initializer=load_everything) as pool:
         for name in chosen:
             begin = time.monotonic()
             futures = {pool.submit(run, name, k, settings): k for k in range(1, args.variants + 1)}

@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.cases import DEMOS, Recording, present
 from benchmarks.tables import table
 from hectorscope.inputs import Item
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.sources import open_source
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
@@ -199,7 +199,7 @@ def looks(seconds: float = DRIVE_S, seed: int = 1, only_pose: bool = False) -> L
 
 def _look(load: Load, closely: bool) -> tuple[list[list[Part]], list[Run]]:
     """The parts, if it is looked at closely, and the runs; in a process of its own, as in the application."""
-    warm_up()
+    load_everything()
     recording, parts, runs = load(), [], []
     for k in range(LOOKS):
         time.sleep(PAUSE_S if k else 0.0)
@@ -254,7 +254,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only-pose", action="store_true")
     args = parser.parse_args()
-    warm_up()
+    load_everything()
     print(*tables(looks(args.seconds, args.seed, args.only_pose)), scaling(args.seed), sep="\n")
 
 

@@ -22,7 +22,7 @@ from hectorscope.inputs import Item, SourceOptions
 from hectorscope.run.headless import run_headless
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.session.feeder import Feeder
 from hectorscope.sources.bag import BagSource, open_bag
 from hectorscope.sources.foxglove import FoxgloveSource
@@ -84,7 +84,7 @@ def main() -> None:
     recording = args.recording or demo_bag("arena")
     bag = open_bag(Path(recording), SourceOptions())
     topics, stamps = sorted(bag.roles.topics()), scan_stamps(bag)
-    warm_up()
+    load_everything()
     with tempfile.TemporaryDirectory() as folder:
         sent_file = Path(folder) / "sent"
         command = [sys.executable, SERVER, recording, "--speed", str(args.speed), "--stamps", sent_file]

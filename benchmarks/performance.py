@@ -39,7 +39,7 @@ from benchmarks.strays import glass, struck
 from hectorscope.run.headless import run_headless
 from hectorscope.run.metrics import metrics
 from hectorscope.run.settings import Settings
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.sources import open_source
 from tests.conftest import ROOT
 
@@ -128,7 +128,7 @@ def main() -> None:
     only.add_argument("--accuracy", action="store_true")
     only.add_argument("--speed", action="store_true")
     args, path = parser.parse_args(), ROOT / "docs" / "performance.md"
-    warm_up()
+    load_everything()
     text = path.read_text(encoding="utf-8")
     if not args.accuracy:
         text = timed_anew(text, measure_times())

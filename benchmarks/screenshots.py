@@ -18,7 +18,7 @@ from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 from hectorscope.cli.main import Scene, demo_bag
 from hectorscope.inputs import SourceOptions
 from hectorscope.page.scene import Camera
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.session.commands import Seek
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
@@ -126,7 +126,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
     chosen = parser.parse_args()
     chosen.out.mkdir(parents=True, exist_ok=True)
-    warm_up()  # the compiler's time is not the run's
+    load_everything()  # the compiler's time is not the run's
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
         for shot in SHOTS:

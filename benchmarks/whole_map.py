@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.accuracy import process
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.simulation.options import ScenarioName
 from hectorscope.simulation.worlds import Surface, World, box, wall
@@ -147,7 +147,7 @@ def _look(world: World, pose: Float64s, rng: np.random.Generator) -> StabilisedS
 
 def main() -> None:
     """Print what the tables are made of."""
-    warm_up()
+    load_everything()
     for each in measure():
         print(
             f"{each.name}: {each.size[0]:.0f} x {each.size[1]:.0f} m, {each.found} of {each.starts} found, "

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 from slam_core.errors import SlamError
 from slam_core.measurements import Measurement, TruthPose
@@ -43,13 +43,55 @@ class SourceOptions:
     scan_delay: float | None = None
 
 
+OptionValue = str | bool | float | tuple[float, ...]
+
+# What `SourceOptions` state about the sensors themselves, and so what can be repaired.
+SENSOR_OPTIONS = (
+    "imu_topic", "odometry_topic", "imu_accel_unit", "imu_gyro_unit", "imu_inverted", "imu_rotation", "imu_delay",
+    "scan_mirrored", "scan_delay",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One contradiction of a sensor: the fact with its value, and the options that repair it.
+
+    grave: it spoils a run.
+    """
+
+    fact: str
+    options: Mapping[str, OptionValue]
+    grave: bool = True
+
+    @property
+    def repair(self) -> str:
+        """The same options as flags of the command line."""
+        return flags(self.options)
+
+
+def flags(options: Mapping[str, OptionValue]) -> str:
+    """Options as flags of the command line."""
+    return " ".join(f"--{name.replace('_', '-')} {_words(value)}" for name, value in options.items())
+
+
+def _words(value: OptionValue) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return " ".join(f"{part:g}" for part in value)
+    return value if isinstance(value, str) else f"{value:g}"
+
+
 @dataclass(frozen=True, slots=True)
 class SourceReport:
     """Counters of a source: nothing is lost in silence.
 
     skipped: reason (with the topic's name and the remedy) -> how often. dropped: scans given up to keep up with a
-    live stream. waiting: why nothing flows at this moment, and the remedy; empty while all is well. connected:
-    whether there is a link to the robot; None for a recording. scan_topic: where its scans are expected from.
+    live stream. scans: how many a recording holds, if that is known. waiting: why nothing flows at this moment,
+    and the remedy; empty while all is well. connected: whether there is a link to the robot; None for a recording.
+    scan_topic: where its scans are expected from.
+    findings: what the sensor check found and nobody has repaired. repaired: what was found and repaired.
+    sensors: the `SENSOR_OPTIONS` that are stated by now, for whoever runs it again.
     notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file). warnings: sentences
     on what is wrong, with the remedies.
     """
@@ -57,11 +99,15 @@ class SourceReport:
     read: Mapping[str, int] = field(default_factory=dict)
     skipped: Mapping[str, int] = field(default_factory=dict)
     dropped: int = 0
+    scans: int | None = None
     waiting: str = ""
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     connected: bool | None = None
     scan_topic: str = ""
+    findings: tuple[Finding, ...] = ()
+    repaired: tuple[Finding, ...] = ()
+    sensors: Mapping[str, OptionValue] = field(default_factory=dict)
 
 
 class Source(Protocol):
@@ -83,6 +129,19 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Let go of files and sockets; `items` ends."""
+
+
+@runtime_checkable
+class Repairable(Source, Protocol):
+    """An input whose sensors are checked, and that can be opened again with what was found put right.
+
+    repairs: whether that was asked for from the start.
+    """
+
+    repairs: bool
+
+    def repair(self) -> tuple[Finding, ...]:
+        """Repair what was found; that, or nothing. The input is opened again: `items` begins anew. SourceError."""
 
 
 def merged(report: SourceReport, skipped: Counter[str], dropped: int) -> SourceReport:

@@ -18,7 +18,7 @@ from hectorscope.inputs import Item
 from hectorscope.run.metrics import truth_errors
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import Simulation
 from slam_core.config import with_values
 from slam_core.evaluation.trajectory import Trajectory, first_on_first, interpolate, move
@@ -63,7 +63,10 @@ def run_missing(seeds: int, path: Path = STORE) -> None:
     """Every run that is not in the file yet, seed by seed."""
     path.parent.mkdir(exist_ok=True)
     begin, rows, every = time.monotonic(), load(path), cases()
-    with ProcessPoolExecutor(PROCESSES, initializer=warm_up) as pool, path.open("a", encoding="utf-8") as file:
+    with (
+        ProcessPoolExecutor(PROCESSES, initializer=load_everything) as pool,
+        path.open("a", encoding="utf-8") as file,
+    ):
         for seed in range(1, seeds + 1):
             todo = {i: missing(case, seed, rows) for i, case in enumerate(every)}
             together: dict[str, dict[int, tuple[list[str], list[str]]]] = {}

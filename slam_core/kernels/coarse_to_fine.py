@@ -8,6 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.correlative import count_hits
 from slam_core.kernels.gauss_newton import (
     gauss_newton,
@@ -17,7 +18,7 @@ from slam_core.kernels.gauss_newton import (
     without,
     workspace,
 )
-from slam_core.kernels.linear import fill
+from slam_core.kernels.linear import assign, fill
 from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.planar import inverse3, whole_turns
 from slam_core.kernels.structures import Beams, Level, Limits, MatchOutput, MatchSettings, Prior
@@ -48,17 +49,17 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     prior, settings, output = Prior(*prior), MatchSettings(*settings), MatchOutput(*output)
     found, residuals, trace = output.found, output.residuals, output.trace
     pose, unobservable = found[0], found[1, :2]
-    pose[:] = start
+    assign(pose, start)
     xs, ys = np.empty(len(points), np.float32), np.empty(len(points), np.float32)
     _part(points.reshape(-1), xs, ys)
     beams = Beams(xs, ys, np.zeros_like(xs), np.zeros_like(xs))
-    found[1] = survey(xs, ys, start[2])
+    assign(found[1], survey(xs, ys, start[2]))
     is_weak, weak = found[1, 2] < settings.weak_observability_threshold, np.zeros(2)
     if is_weak:
-        weak[:] = unobservable
+        assign(weak, unobservable)
         tangents(xs, ys, beams.along_x, beams.along_y)
     if found[1, 2] >= settings.degeneracy_threshold:
-        unobservable[:] = 0.0
+        unobservable[0] = unobservable[1] = 0.0
     work, matched = _workspace(), np.empty(6)
     term = _prior_term(prior, settings.sigma, start[2])
     last, n = len(cells) - 1, len(xs)
@@ -69,8 +70,10 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
         cell, (begin, end) = resolution * (1 << i), _share(i, n, settings.coarse_beams)
         close = max(settings.converged_step, NEAR * cell) if settings.converged_step else 0.0
         limits = Limits(settings.iterations_coarse, close)
-        lighter = term.copy()
-        lighter[:3] *= (end - begin) / max(n, 1)
+        lighter, share = term.copy(), (end - begin) / max(n, 1)
+        for row in range(3):
+            for column in range(3):
+                lighter[row, column] *= share
         some = Beams(mixed.xs[begin:end], mixed.ys[begin:end], mixed.along_x[begin:end], mixed.along_y[begin:end])
         level = Level(cells[i], corner >> i, 1.0 / cell)
         output.taken[i], _ = gauss_newton(
@@ -88,7 +91,9 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
         )
         cost = joint_cost(finest, beams, pose, term, residuals, work)
         if joint_cost(finest, beams, other, term, residuals, work) < cost:
-            pose[:], matched[:], trace[0][:] = other, its_matched, its_trace
+            assign(pose, other)
+            assign(matched, its_matched)
+            fill(trace[0], its_trace)
             output.taken[0], converged = its_steps, its_end
     if settings.surfel_weight > 0.0:
         half = n - n // 2
@@ -101,7 +106,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     return converged, known, hits
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _part(points, xs, ys):
     """The coordinates of points (2n,), each into an array of its own."""
     for k in range(len(xs)):
@@ -120,7 +125,7 @@ def _interleaved(values, levels):
     return mixed
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _deal(values, first, second):
     """Values alternately to two arrays."""
     for k in range(len(second)):
@@ -162,8 +167,13 @@ def hessian(level, beams, pose, residuals, work):
 
 @njit(inline="always")
 def _symmetric(a00, a01, a02, a11, a12, a22):
-    """(3, 3); compiled code makes it of a flat list much faster than of nested ones."""
-    return np.array([a00, a01, a02, a01, a11, a12, a02, a12, a22]).reshape(3, 3)
+    """(3, 3)."""
+    out = np.empty((3, 3))
+    out[0, 0], out[1, 1], out[2, 2] = a00, a11, a22
+    out[0, 1] = out[1, 0] = a01
+    out[0, 2] = out[2, 0] = a02
+    out[1, 2] = out[2, 1] = a12
+    return out
 
 
 @njit(cache=True, error_model="numpy")
@@ -181,8 +191,10 @@ def hessian_covariance(matrix, sigma, unobservable):
         0.0,
         0.0,
     )
-    information = _symmetric(h00, h01, h02, h11, h12, h22) / sigma**2
+    information = _symmetric(h00, h01, h02, h11, h12, h22)
     for j in range(3):
+        for i in range(3):
+            information[i, j] /= sigma**2
         information[j, j] += LARGEST_SIGMA[j] ** -2.0
     covariance = inverse3(information)
     for i in range(2):
@@ -191,7 +203,7 @@ def hessian_covariance(matrix, sigma, unobservable):
     return covariance
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _prior_term(prior, sigma, heading):
     """(4, 3): information in units of the cost, whose scale is sigma^2 by eq. (15); the mean near `heading`."""
     term, mean, scale = np.zeros((4, 3)), prior.mean, prior.weight * sigma * sigma

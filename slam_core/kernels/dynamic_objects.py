@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.correlative import cells_at
 from slam_core.kernels.map_update import cells_of
@@ -40,7 +41,8 @@ def by_bearing(laser, ends):
         away[k, 0], away[k, 1] = ends[k, 0] - laser[0], ends[k, 1] - laser[1]
     _polar(away.reshape(-1), n, distances, places)
     bins, begin, longest = np.empty(n, np.int64), np.zeros(BINS + 1, np.int64), np.full(BINS, -1.0)
-    box[:] = laser
+    for j in range(2):
+        box[0, j] = box[1, j] = laser[j]
     for k in range(n):
         b = _bin(away[k, 0], away[k, 1], places[k])
         bins[k], longest[b], furthest = b, max(longest[b], distances[k]), max(furthest, distances[k])
@@ -59,7 +61,7 @@ def by_bearing(laser, ends):
     return lengths, begin, longest, box
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _polar(away, n, distances, places):
     """Metres from the laser to the first n of what lies `away` (n, 2), flat, and their `_place`; no branch."""
     for k in range(n):
@@ -105,7 +107,7 @@ def clear_passed(grid, corner, resolution, known, laser, beams, clearing):
     return passed
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _occupied(cells, row, end, first, last, us, vs):
     """Columns and rows of the occupied cells from a row on, until there are many: how many, and the next row."""
     columns, flat, n = cells.shape[1], cells.reshape(-1), 0
@@ -127,7 +129,7 @@ def _occupied(cells, row, end, first, last, us, vs):
     return n, row
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _centres(us, vs, n, corner, resolution, laser, away):
     """Of n cells, seen from the laser, into `away` (n, 2), flat."""
     left, low, x, y = corner[0] + 0.5, corner[1] + 0.5, laser[0], laser[1]
@@ -136,7 +138,7 @@ def _centres(us, vs, n, corner, resolution, laser, away):
         put(away, 2 * k + 1, (get(vs, k) + low) * resolution - y)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _before_an_end(distances, places, n, longest, behind, found):
     """Into `found` those of n cells with a beam in their bin that ends behind them, or of an unsure bin: how many.
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.rotations import cosines, product
 from slam_core.kernels.structures import BeamLimits
@@ -39,7 +40,7 @@ def place_beams(ranges, directions, poses, mount, level, limits, output):
     kept = cleared = end = 0
     for knot in range(len(transforms) - 1):  # piece by piece, which stays in the nearest cache
         begin, end = end, n if knot == len(transforms) - 2 else min(n, math.ceil((knot + 1) * knot_step))
-        _place(ranges, directions, limits, begin, end, transforms, knot, knot_step, (xs, ys, zs))
+        _place(ranges, directions, limits, int(begin), end, transforms, knot, knot_step, (xs, ys, zs))
         for i in range(end - begin):
             r, z = get(ranges, begin + i), zs[i]
             if not (z_low <= z <= z_high and abs(xs[i]) + abs(ys[i]) < FURTHEST):
@@ -55,7 +56,7 @@ def place_beams(ranges, directions, poses, mount, level, limits, output):
     return kept, cleared
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _knots(poses, mount, level):
     """(k, 3, 4) transforms laser -> stabilised frame at all poses but the last, which is that frame's."""
     out, here = np.zeros((len(poses) - 1, 3, 4)), poses[-1]
@@ -77,7 +78,7 @@ def _knots(poses, mount, level):
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _place(ranges, directions, limits, begin, end, knots, k, knot_step, output):
     """The ends of the beams of one piece, or how far they clear, by the transforms (k, 3, 4) of the knots."""
     (cosines, sines), (xs, ys, zs) = directions, output

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from slam_core import geometry
+from slam_core.kernels import INNER
 from slam_core.kernels.linear import (
     add,
     cholesky,
@@ -64,7 +65,7 @@ def correct(
     return nis if _put_right(x, error, spread, better, reduced) else math.nan
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _put_right(x: Float64s, error: Float64s, spread: Float64s, better: Float64s, reduced: Float64s) -> bool:
     """Take x with an error put right, and the covariance after that, if the numbers bear it."""
     moved = inject(x, error)
@@ -139,7 +140,7 @@ def body_velocity(x: Float64s, n: int) -> tuple[Float64s, Float64s]:
     return predicted, C
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def fuse_part(
     P: Float64s,
     C: Float64s,
@@ -159,11 +160,14 @@ def fuse_part(
     # Called in one place, as what is called is compiled into this function at each.
     rest, kept = P, np.zeros((0, len(P)))
     if unobservable[0] != 0.0 or unobservable[1] != 0.0:
-        across = np.array([[-unobservable[1], unobservable[0], 0.0], [0.0, 0.0, 1.0]])
-        innovation = np.array([unobservable[0] * innovation[1] - unobservable[1] * innovation[0], innovation[2]])
+        across, kept_part = np.zeros((2, 3)), np.empty(2)
+        across[0, 0], across[0, 1], across[1, 2] = -unobservable[1], unobservable[0], 1.0
+        kept_part[0] = unobservable[0] * innovation[1] - unobservable[1] * innovation[0]
+        kept_part[1] = innovation[2]
+        innovation = kept_part
         C, R = multiply(across, C), sandwich(across, R)
         kept = hanging(P, held)
-        rest = P - multiply(kept.T.copy(), kept)
+        rest = add(P.copy(), multiply(kept.T.copy(), kept), -1.0)
     error, reduced = innovation, P
     for k in range(-1, len(kept)):
         difference = innovation if k < 0 else multiply(C, kept[k].copy().reshape(-1, 1)).reshape(-1)
@@ -174,7 +178,7 @@ def fuse_part(
             for j in range(len(shift)):
                 kept[k, j] -= shift[j]
     if len(kept):
-        reduced = reduced + multiply(kept.T.copy(), kept)
+        reduced = add(reduced, multiply(kept.T.copy(), kept), 1.0)
     return error, reduced
 
 
@@ -203,14 +207,14 @@ def _fuse_observed(
     for i in range(len(reduced)):
         for j in range(len(reduced)):
             reduced[i, j] /= share
-    if observed_only:
-        reduced = P - observed + reduced
-    elif rule == FIXED:
+            if observed_only:
+                reduced[i, j] = P[i, j] - observed[i, j] + reduced[i, j]
+    if rule == FIXED and not observed_only:
         _spare(reduced, spared, math.sqrt(1.0 - omega))
     return error, reduced
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _spare(P: Float64s, spared: Int64s, share: float) -> None:
     """Take the widening back from some errors, in place: D P D with 1 or the share on the diagonal of D."""
     for i in spared:
@@ -269,7 +273,11 @@ def lightest(P: Float64s, CP: Float64s, projected: Float64s, R: Float64s, trace:
 def _size(omega: float, n: int, G: Float64s, projected: Float64s, R: Float64s, trace: bool) -> float:
     """Trace, or logarithm of the determinant, of P+ for a weight; but for what does not depend on it."""
     m = len(R)
-    L = cholesky((1.0 - omega) * R + omega * projected)
+    both = np.empty((m, m))
+    for i in range(m):
+        for j in range(m):
+            both[i, j] = (1.0 - omega) * R[i, j] + omega * projected[i, j]
+    L = cholesky(both)
     if trace:
         gained = 0.0
         half = solve_lower(L, G)

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from slam_core.kernels import INNER
 from slam_core.kernels.bilinear import WHOLE, bilinear
 from slam_core.kernels.memory import alias_scope, pair
 from slam_core.kernels.structures import LatticePose
@@ -94,7 +95,7 @@ def place(xs, ys, begin, n, frame, columns, where, ends):
         put(where, j, np.uint32(row * width + column))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _fetch(cells, columns, where, n, lower, upper):
     """Two rows of two cells each, one by one: a vector would gather them, which is slow on many processors.
 
@@ -105,7 +106,7 @@ def _fetch(cells, columns, where, n, lower, upper):
         lower[i], upper[i] = pair(cells, first), pair(cells, first + columns)
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@njit(fastmath=True, **INNER)
 def _add_up(cells, ends, along, begin, n, heading, frame, residuals):
     """The sums over n beams, in parts of the probability and in cells."""
     (lower, upper), (arm_u, arm_v), (along_x, along_y) = cells, ends, along

@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from slam_core.kernels import INNER
 from slam_core.measurements import Float64s, Int64s
 
 WALL = np.uint8(2)  # score of an endpoint on a wall; beside one it scores 1
@@ -150,7 +151,7 @@ def best_places(pictures, points, headings, box, share, state, found, work):
     return done
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, **INNER)
 def _best_of_block(cells, shifts, row, column, block, least, out):
     """Score, row and column of the first best place in one block, into `out`; the score."""
     best = -1
@@ -163,7 +164,7 @@ def _best_of_block(cells, shifts, row, column, block, least, out):
     return best
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, **INNER)
 def _keep(found, count, least):
     """Drop the candidates below `least`; how many are left."""
     kept = 0

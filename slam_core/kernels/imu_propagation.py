@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.linear import fill_estimate
 from slam_core.kernels.navigation import STATES, advance, move, workspace
 from slam_core.kernels.rotations import cosines
@@ -26,39 +27,6 @@ Rows = tuple[Float64s, Float64s, Int64s]
 Recorded = tuple[Int64s, Float64s, int, int]
 System = tuple[Float64s, Float64s, Float64s]
 Output = tuple[Float64s, Float64s, Float64s]
-
-
-@njit(cache=True, error_model="numpy")
-def predict(
-    x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System
-) -> tuple[Float64s, Float64s]:
-    """The estimate of one time at a later one, in new arrays."""
-    x, P = x.copy(), P.copy()
-    _propagate(x, P, from_ns, to_ns, recorded, system, workspace())
-    return x, P
-
-
-@njit(cache=True, error_model="numpy")
-def _propagate(
-    x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded, system: System, work: Float64s
-) -> None:
-    """`predict` in place."""
-    if from_ns >= to_ns:
-        return
-    model, unaided, bounds = system
-    k, u = _later(recorded, from_ns), np.empty(COLUMNS)
-    while from_ns < to_ns:
-        until, known = _interval(k, to_ns, recorded, u)
-        dt = (until - from_ns) * 1e-9
-        if not known:
-            _coast(x, P, dt, unaided, bounds, work)
-        else:
-            noisy = model
-            if u[6] > 0.0:
-                noisy = model.copy()
-                noisy[2] += u[6]
-            advance(x, P, u, dt, noisy, bounds, work)
-        from_ns, k = until, k + 1
 
 
 @njit(cache=True, error_model="numpy")
@@ -78,49 +46,80 @@ def propagate(
     `count` are known. Returns how many are known then. They are computed up to the last of all times, or until all
     rows are full: then the output is not valid. output: takes the states (k, 19), and x and P.
     """
-    (xs, Ps, known), (states, x, P), model = rows, output, system[0]
+    (xs, Ps, known), (states, last_x, last_P), (stamps, _, _, end) = rows, output, recorded
     last_ns = to_ns
     for i in range(len(since_ns)):
         last_ns = max(last_ns, from_ns + since_ns[i])
-    work = workspace()
-    count = _extend(rows, count, last_ns, recorded, system, work)
+    work, u = workspace(), np.empty(COLUMNS)
+    k = _later(recorded, known[count - 1])
+    # The rows after the given one, then the estimate itself: one loop, as its body is much code to compile.
+    extends = True
+    while extends:
+        extends = count < len(xs) and k < end and known[count - 1] < last_ns and stamps[k] <= last_ns
+        before = count - 1 if extends else _last(known, count, to_ns)
+        x, P = (xs[count], Ps[count]) if extends else (last_x, last_P)
+        fill_estimate(x, P, xs[before], Ps[before])
+        _propagate(x, P, known[before], stamps[k] if extends else to_ns, recorded, system, work, u)
+        if extends:
+            known[count] = stamps[k]
+            count, k = count + 1, k + 1
     for i in range(len(since_ns)):
         time_ns = from_ns + since_ns[i]
         k = _last(known, count, time_ns)
-        state = _carry(xs[k], known[k], time_ns, recorded, model)
-        for j in range(STATES):
-            states[i, j] = state[j]
-    k = _last(known, count, to_ns)
-    fill_estimate(x, P, xs[k], Ps[k])
-    _propagate(x, P, known[k], to_ns, recorded, system, work)
+        _carry(states[i], xs[k], known[k], time_ns, recorded, system[0], u)
     return count
 
 
-@njit(cache=True, error_model="numpy")
-def _extend(rows: Rows, count: int, to_ns: int, recorded: Recorded, system: System, work: Float64s) -> int:
-    """`predict` from sample to sample up to an instant, while there are rows; how many are known then."""
-    (xs, Ps, known), n = rows, count
-    if known[n - 1] < to_ns:
-        stamps, _, _, end = recorded
-        first = _later(recorded, known[n - 1])
-        for k in range(first, min(end, first + len(xs) - n)):
-            if stamps[k] > to_ns:
-                break
-            x, P, known[n] = xs[n], Ps[n], stamps[k]
-            fill_estimate(x, P, xs[n - 1], Ps[n - 1])
-            _propagate(x, P, known[n - 1], known[n], recorded, system, work)
-            n += 1
-    return n
+@njit(inline="always")
+def _propagate(
+    x: Float64s,
+    P: Float64s,
+    from_ns: int,
+    to_ns: int,
+    recorded: Recorded,
+    system: System,
+    work: Float64s,
+    u: Float64s,
+) -> None:
+    """The estimate of one time at a later one, in place.
+
+    Without input the velocity is constant: small steps, with the noise of that.
+    """
+    model, unaided, bounds = system
+    k = _later(recorded, from_ns)
+    while from_ns < to_ns:
+        until, known = _interval(k, to_ns, recorded, u)
+        dt = (until - from_ns) * 1e-9
+        noisy, steps = unaided, 1
+        if not known:
+            dt = min(dt, UNAIDED_SPAN)
+            steps = max(1, math.ceil(dt / UNAIDED_STEP))
+        else:
+            noisy = model
+            if u[6] > 0.0:
+                noisy = model.copy()
+                noisy[2] += u[6]
+        for _ in range(steps):
+            if not known:
+                _straight(x, unaided[0], u)
+            advance(x, P, u, dt / steps, noisy, bounds, work)
+        from_ns, k = until, k + 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _later(recorded: Recorded, time_ns: int) -> int:
     """The first sample after an instant."""
-    stamps, _, begin, end = recorded
-    return begin + int(np.searchsorted(stamps[begin:end], time_ns, side="right"))
+    stamps, _, low, high = recorded
+    while low < high:  # numpy's search takes long to compile
+        middle = (low + high) // 2
+        if stamps[middle] > time_ns:
+            high = middle
+        else:
+            low = middle + 1
+    return low
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always")
 def _last(known: Int64s, count: int, time_ns: int) -> int:
     """The last row that is not later than an instant, or the first of all."""
     k = count - 1
@@ -129,22 +128,27 @@ def _last(known: Int64s, count: int, time_ns: int) -> int:
     return k
 
 
-@njit(cache=True, error_model="numpy")
-def _carry(x: Float64s, from_ns: int, to_ns: int, recorded: Recorded, model: Float64s) -> Float64s:
-    """The x of `predict`, but for what the bounds of P do to it."""
-    k, u = _later(recorded, from_ns), np.empty(COLUMNS)
+@njit(inline="always")
+def _carry(
+    out: Float64s, x: Float64s, from_ns: int, to_ns: int, recorded: Recorded, model: Float64s, u: Float64s
+) -> None:
+    """The x that `_propagate` makes of x, but for what the bounds of P do to it, into `out` (19,)."""
+    for j in range(STATES):
+        out[j] = x[j]
+    k = _later(recorded, from_ns)
     while from_ns < to_ns:
         until, sure = _interval(k, to_ns, recorded, u)
         dt = (until - from_ns) * 1e-9
-        if sure:
-            x = move(x, u, dt, model[0], model[1])
-        else:
-            x = move(x, _straight(x, model[0]), min(dt, UNAIDED_SPAN), model[0], model[1])
+        if not sure:
+            _straight(out, model[0], u)
+            dt = min(dt, UNAIDED_SPAN)
+        moved = move(out, u, dt, model[0], model[1])
+        for j in range(STATES):
+            out[j] = moved[j]
         from_ns, k = until, k + 1
-    return x
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _interval(k: int, to_ns: int, recorded: Recorded, u: Float64s) -> tuple[int, bool]:
     """Up to when sample k, or what held before it, is the input u (7,), and whether that is known."""
     stamps, samples, _, end = recorded
@@ -156,27 +160,11 @@ def _interval(k: int, to_ns: int, recorded: Recorded, u: Float64s) -> tuple[int,
     return to_ns, to_ns - stamps[k - 1] <= MAX_GAP_NS
 
 
-@njit(cache=True, error_model="numpy")
-def coast(x: Float64s, P: Float64s, dt: float, unaided: Float64s, bounds: Float64s) -> tuple[Float64s, Float64s]:
-    """The estimate after `dt` seconds without input: constant velocity in small steps, with its noise."""
-    x, P = x.copy(), P.copy()
-    _coast(x, P, dt, unaided, bounds, workspace())
-    return x, P
-
-
-@njit(cache=True, error_model="numpy")
-def _coast(x: Float64s, P: Float64s, dt: float, unaided: Float64s, bounds: Float64s, work: Float64s) -> None:
-    """`coast` in place."""
-    dt = min(dt, UNAIDED_SPAN)
-    steps = max(1, math.ceil(dt / UNAIDED_STEP))
-    for _ in range(steps):
-        advance(x, P, _straight(x, unaided[0]), dt / steps, unaided, bounds, work)
-
-
-@njit(cache=True, error_model="numpy")
-def _straight(x: Float64s, gravity: float) -> Float64s:
-    """The input of a base that neither turns nor accelerates."""
-    R, u = cosines(x), x[10:16].copy()
+@njit(inline="always")
+def _straight(x: Float64s, gravity: float, u: Float64s) -> None:
+    """The input of a base that neither turns nor accelerates, into u."""
+    R = cosines(x)
+    for i in range(6):
+        u[i] = x[10 + i]
     for i in range(3):
         u[3 + i] += gravity * R[6 + i]
-    return u

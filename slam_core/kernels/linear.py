@@ -29,6 +29,13 @@ def fill(out: Float64s, A: Float64s) -> None:
             out[i, j] = A[i, j]
 
 
+@njit(inline="always")
+def assign(out: Float64s, a: Float64s) -> None:
+    """`fill` of vectors."""
+    for i in range(len(a)):
+        out[i] = a[i]
+
+
 @njit(cache=True, error_model="numpy")
 def add(A: Float64s, B: Float64s, weight: float) -> Float64s:
     """A + weight B in the place of A; numba's own arithmetic on arrays makes new ones, and much code for that."""
@@ -125,8 +132,10 @@ def is_covariance(A: Float64s) -> bool:
         for j in range(i):
             if not abs(A[i, j] - A[j, i]) <= 1e-6 * math.sqrt(abs(A[i, i] * A[j, j])):
                 return False
-    roots = np.diag(cholesky(A))
-    return bool(np.all((roots > 0.0) & (roots < np.inf)))
+    L, definite = cholesky(A), True
+    for i in range(len(A)):
+        definite &= 0.0 < L[i, i] < np.inf
+    return definite
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,6 +7,7 @@ rows changes what is marked, thirty-two cells at a time.
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.bilinear import WHOLE
 from slam_core.kernels.memory import alias_scope, prefetch
 from slam_core.kernels.ray_tracing import trace_rays
@@ -54,7 +55,8 @@ def cells_of(points, corner, resolution):
 def cell_box(points, corner, resolution):
     """row0, row1, column0, column1 (half open) around the cells of points (n, 2), n > 0; may reach off the map."""
     box = np.empty((2, 2))
-    box[:] = points[0]
+    for j in range(2):  # to assign a slice takes numba seconds to compile
+        box[0, j] = box[1, j] = points[0, j]
     for k in range(1, len(points)):
         for j in range(2):
             box[0, j], box[1, j] = min(box[0, j], points[k, j]), max(box[1, j], points[k, j])
@@ -96,7 +98,7 @@ def write_scan(grid, corner, resolution, start, hits, empty, steps):
     return row0, row1, column0, column1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _mark_ends(marks, rows, columns, ends):
     """The end of each beam; ends off the map are left out. After the ways, since a hit wins."""
     for k in range(ends.shape[1]):
@@ -105,7 +107,7 @@ def _mark_ends(marks, rows, columns, ends):
             marks[v, u] = OCCUPIED
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _mark_behind(marks, rows, columns, corner, resolution, start, hits):
     """The cell that each beam would have entered next, unless the scan marks it otherwise."""
     where, flat = np.empty(len(hits), np.int64), marks.reshape(-1)
@@ -116,7 +118,7 @@ def _mark_behind(marks, rows, columns, corner, resolution, start, hits):
             flat[where[k]] = BEHIND if mark == NO_MARK else mark
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _beyond(hits, rows, columns, stride, corner, resolution, start, where):
     """Into `where` (n,) the marks of the cells behind the ends (n, 2), flat; -1 off the map."""
     x, y, left, low = start[0], start[1], corner[0], corner[1]
@@ -130,7 +132,7 @@ def _beyond(hits, rows, columns, stride, corner, resolution, start, where):
         put(where, k, v * stride + u if inside else -1)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _span(size, laser, ends, cleared):
     """First and last + 1 of the places that a scan reaches along one axis, clipped to the map."""
     first = last = laser[0]
@@ -141,7 +143,7 @@ def _span(size, laser, ends, cleared):
     return min(max(first, 0), size), min(max(last + 1, 0), size)
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@njit(fastmath={"contract"}, **INNER)
 def _change(grid, box, steps):
     """Change the marked cells of a box and take the marks away; blocks without a mark are skipped.
 
@@ -171,7 +173,7 @@ def _change(grid, box, steps):
                     put(flat, j + k, NO_MARK)
 
 
-@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+@njit(fastmath={"contract"}, **INNER)
 def _change_narrow(grid, box, steps):
     """The same for a map of which no row holds a block."""
     (log_odds, cells, marks), (row0, row1, column0, column1) = grid, box

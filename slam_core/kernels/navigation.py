@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.linear import fill_estimate, gain, multiply, symmetric
 from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.rotations import cosines, exponential, product
@@ -28,7 +29,7 @@ get, _ = alias_scope(0)
 _, put = alias_scope(1)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def workspace() -> Float64s:
     """For what `advance` works out on the way: (3, 15, 15), the identity and twice anything."""
     work = np.zeros((3, ERRORS, ERRORS))
@@ -79,7 +80,7 @@ def move(x: Float64s, u: Float64s, dt: float, gravity: float, smoothing: float) 
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def transition(x: Float64s, moved: Float64s, u: Float64s, dt: float, Phi: Float64s) -> None:
     """How the errors of x become the errors of `moved`, exact to second order in dt, into Phi (15, 15).
 
@@ -124,7 +125,7 @@ def _times(A, v):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _moved_errors(Phi: Float64s, P: Float64s, out: Float64s) -> None:
     """Phi P, by those elements of Phi (see `transition`) alone that are neither 0 nor on the diagonal.
 
@@ -152,7 +153,7 @@ def _moved_errors(Phi: Float64s, P: Float64s, out: Float64s) -> None:
         put(new, k, get(old, k))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _set_attitude(x: Float64s, q: Float64s) -> None:
     # Element by element: assigning a slice takes numba seconds to compile.
     norm = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
@@ -160,7 +161,7 @@ def _set_attitude(x: Float64s, q: Float64s) -> None:
         x[i] = q[i] / norm
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _add_noise(P: Float64s, dt: float, density: Float64s) -> None:
     for i in range(3):
         P[i, i] += density[0] * dt
@@ -182,13 +183,17 @@ def bound(x: Float64s, P: Float64s, gravity: float, bounds: Float64s) -> tuple[F
         x, P = level(x, P, gravity, bounds[0, 1])
     for i in range(5, ERRORS):
         if P[i, i] > bounds[i, 0]:
-            gain = P[i] / (P[i, i] + bounds[i, 1])
-            P = P - gain.reshape(-1, 1) * P[i]
-            x = inject(x, -x[1 + i] * gain)
+            P, row, error = P.copy(), P[i].copy(), np.empty(ERRORS)
+            for j in range(ERRORS):  # numpy's own arithmetic takes long to compile
+                share = row[j] / (row[i] + bounds[i, 1])
+                error[j] = -x[1 + i] * share
+                for k in range(ERRORS):
+                    P[j, k] -= share * row[k]
+            x = inject(x, error)
     return x, P
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def flatten(x: Float64s, P: Float64s) -> None:
     """Section III, in place: a base that stays in the plane has no roll, pitch, height and vertical velocity."""
     heading = 2.0 * math.atan2(x[3], x[0])
@@ -200,7 +205,7 @@ def flatten(x: Float64s, P: Float64s) -> None:
         P[i, i] = CONSTRAINED
 
 
-@njit(cache=True, error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _constrain_sideways(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
     """Section III: a base on wheels has no velocity to its left."""
     R, v = cosines(x), x[7:10]
@@ -212,8 +217,10 @@ def _constrain_sideways(x: Float64s, P: Float64s) -> tuple[Float64s, Float64s]:
     for i in range(3):
         C[0, 6 + i] = left[i]
         slip += left[i] * v[i]
-    CP = multiply(C, P)
-    error, P = gain(P, CP, multiply(C, CP.T) + SLIP_SIGMA**2, np.array([-slip]))
+    CP, innovation = multiply(C, P), np.empty(1)
+    S, innovation[0] = multiply(C, CP.T), -slip
+    S[0, 0] += SLIP_SIGMA**2
+    error, P = gain(P, CP, S, innovation)
     return inject(x, error), P
 
 
@@ -228,8 +235,11 @@ def level(x: Float64s, P: Float64s, gravity: float, variance: float) -> tuple[Fl
     C[0, 1], C[1, 0] = force[2], -force[2]
     for j in range(3):
         C[0, 12 + j], C[1, 12 + j] = -R[j], -R[3 + j]
-    CP = multiply(C, P)
-    error, P = gain(P, CP, multiply(C, CP.T) + variance * np.eye(2), np.array([-force[0], -force[1]]))
+    CP, innovation = multiply(C, P), np.empty(2)
+    S, innovation[0], innovation[1] = multiply(C, CP.T), -force[0], -force[1]
+    for i in range(2):
+        S[i, i] += variance
+    error, P = gain(P, CP, S, innovation)
     return inject(x, error), P
 
 

@@ -54,8 +54,12 @@ def transform_points(pose, points):
 @njit(cache=True, error_model="numpy")
 def sigmas_apart(a, P, b, R):
     """Mahalanobis distance of two poses (3,) with covariances (3, 3), across the seam of the heading."""
-    information = inverse3(P + R)
-    d = a - b
+    both, d = np.empty((3, 3)), np.empty(3)
+    for i in range(3):  # numpy's own arithmetic takes long to compile
+        d[i] = a[i] - b[i]
+        for j in range(3):
+            both[i, j] = P[i, j] + R[i, j]
+    information = inverse3(both)
     d[2] -= whole_turns(d[2])
     total = 0.0
     for i in range(3):

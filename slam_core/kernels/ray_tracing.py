@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
+
 FREE = np.uint8(1)
 # A walk counts in parts of 2^-40 of a cell: exact for beams shorter than 2^19 cells, and longer ones draw no ray.
 PARTS = 40
@@ -33,7 +35,7 @@ def trace_rays(marks, rows, columns, laser, ends):
         _walk(flat, v0 * marks.shape[1] + u0, rays[k], first[k])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _distinct(us, vs, picked):
     """Into `picked` (n,) the ends that are not in the same cell as the one before: how many; without a branch."""
     n = 0
@@ -86,7 +88,7 @@ def _walk(flat, start, ray, first):
         i += along
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _steps_inside(rows, columns, u0, v0, u1, v1):
     """How many of the steps from the laser to the end stay on the map; none when the laser itself is off it."""
     n = max(abs(u1 - u0), abs(v1 - v0))

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.memory import alias_scope
 
 get, _ = alias_scope(0)
@@ -123,7 +124,7 @@ def _neighbours(xs, ys, first, end):
         stop = stop if joined[i] else i
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _join(xs, ys, joined, way):
     """Which of n endpoints lie on one surface with the one before, and the way (n + 1,) along them, picometres."""
     n = len(xs)
@@ -143,7 +144,7 @@ def _join(xs, ys, joined, way):
         way[i] = way[i - 1] + np.int64(min(1.0, steps[i]) * 1e12)
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@njit(fastmath=True, **INNER)
 def _directions(sx, sy, sxx, sxy, syy, first, end, along_x, along_y):
     """The long axis of the scatter of the endpoints around each, shortened by its roundness; without branches."""
     for i in range(len(first)):

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.kernels.gauss_newton import TOGETHER, in_lattice, place, solve3, without
+from slam_core.kernels.linear import assign
 from slam_core.kernels.map_update import whole
 from slam_core.kernels.memory import alias_scope, pair
 from slam_core.kernels.surfaces import tangents
@@ -61,7 +63,7 @@ def write_surfels(surfels, corner, resolution, points, laser, ends, psi):
             flat[here] = _joined(flat[here], beams, x / beams, y / beams, offset / beams)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _lines(along, ends, laser, psi, shape, corner, resolution, where, lines):
     """Of n ends (2n,) the cells, -1 for those that stay out, and `lines` (3, n): normals, offsets; no branch."""
     (along_x, along_y), (rows, columns) = along, shape
@@ -86,7 +88,7 @@ def _lines(along, ends, laser, psi, shape, corner, resolution, where, lines):
         put_too(flat, 2 * n + k, np.float32(nx * (u - floor_u - 0.5) + ny * (v - floor_v - 0.5)))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _joined(word, beams, nx, ny, offset):
     """A surfel with more beams in it, whose mean normal and offset are given."""
     n, old_x, old_y, old = unpacked(np.int32(word))
@@ -153,7 +155,7 @@ def settle(level, halves, pose, matched, weight, unobservable):
             return
         settled[0], settled[1], settled[2] = settled[0] + dx, settled[1] + dy, settled[2] + dpsi
     if math.hypot(settled[0] - pose[0], settled[1] - pose[1]) * inverse < 1.0:
-        pose[:] = settled
+        assign(pose, settled)
 
 
 @njit(cache=True, error_model="numpy")
@@ -175,7 +177,7 @@ def normal_equations(level, xs, ys, pose):
     return h00, h01, h02, h11, h12, h22, b0, b1, b2
 
 
-@njit(cache=True, error_model="numpy")
+@njit(**INNER)
 def _fetch(surfels, columns, where, n, first, right, above, across):
     """The four surfels around each end, one by one, as `matching` fetches its cells."""
     for i in range(n):
@@ -185,7 +187,7 @@ def _fetch(surfels, columns, where, n, first, right, above, across):
         above[i], across[i] = np.int32(high), np.int32(high >> RIGHT)
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@njit(fastmath=True, **INNER)
 def _add_up(first, right, above, across, arm_u, arm_v, n, shift, box):
     """The sums over n beams, in cells and radians."""
     first_u, last_u, first_v, last_v = box

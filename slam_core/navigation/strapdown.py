@@ -3,8 +3,8 @@
 import numpy as np
 
 from slam_core.config import NavigationConfig, PlatformConfig
-from slam_core.kernels import imu_propagation
-from slam_core.kernels.navigation import ERRORS
+from slam_core.kernels.imu_propagation import COLUMNS, MAX_GAP_NS, Recorded, propagate
+from slam_core.kernels.navigation import ERRORS, STATES
 from slam_core.measurements import Float64s
 from slam_core.navigation.imu_buffer import ImuBuffer
 
@@ -12,6 +12,8 @@ from slam_core.navigation.imu_buffer import ImuBuffer
 UNAIDED_GYRO_NOISE = 0.5  # rad/s/√Hz
 UNAIDED_ACCEL_NOISE = 2.0  # m/s²/√Hz
 
+# One sample, too long ago to say anything.
+NOTHING_RECORDED: Recorded = np.array([-2 * MAX_GAP_NS]), np.zeros((1, COLUMNS)), 0, 1
 SMOOTHING = 0.5  # s: over which the specific force is smoothed to show where down is
 
 
@@ -35,15 +37,19 @@ class Strapdown:
         self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, samples: ImuBuffer
     ) -> tuple[Float64s, Float64s]:
         """State and covariance at a later instant, through the samples between."""
-        later: tuple[Float64s, Float64s] = imu_propagation.predict(
-            x, P, from_ns, to_ns, samples.rows, self.constants
-        )
-        return later
+        return self._propagated(x, P, from_ns, to_ns, samples.rows)
 
     def coast(self, x: Float64s, P: Float64s, seconds: float) -> Float64s:
         """P of an estimate after so long without any input."""
-        spread: Float64s = imu_propagation.coast(x, P, seconds, *self.constants[1:])[1]
-        return spread
+        return self._propagated(x, P, 0, round(seconds * 1e9), NOTHING_RECORDED)[1]
+
+    def _propagated(
+        self, x: Float64s, P: Float64s, from_ns: int, to_ns: int, recorded: Recorded
+    ) -> tuple[Float64s, Float64s]:
+        rows = x[None].copy(), P[None].copy(), np.array([from_ns])
+        output = np.empty((0, STATES)), np.empty(STATES), np.empty((ERRORS, ERRORS))
+        propagate(rows, 1, from_ns, np.empty(0, np.int64), to_ns, recorded, self.constants, output)
+        return output[1:]
 
 
 def _bounds(config: NavigationConfig) -> Float64s:

@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from hectorscope.inputs import Item
 from hectorscope.run.settings import Settings
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.session.commands import Configure, Seek, SetSpeed
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
@@ -52,7 +52,7 @@ class Run:
 @pytest.fixture(scope="module")
 def drive() -> list[Item]:
     """Ten seconds through the simulated rooms. Kernels are compiled by then, for longer than a test waits."""
-    warm_up()
+    load_everything()
     return list(Simulation("rooms", SceneOptions(duration=10.0, scan_rate=20.0, beams=181)).items())
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from hectorscope.inputs import Item
 from hectorscope.run.headless import run_headless
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import SceneOptions, Simulation
 from tests.engines import START
 from tests.sources import MemoryRecording
@@ -14,7 +14,7 @@ from tests.sources import MemoryRecording
 @pytest.fixture(scope="session", autouse=True)
 def _compiled() -> None:
     """A first start compiles for minutes on a busy machine: no test has to wait for that."""
-    warm_up()
+    load_everything()
 
 
 @pytest.fixture(scope="session")

@@ -216,15 +216,30 @@ def lying_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path: Path):
-    """`run` and `view` name the flags, and with them it runs."""
+    """`run` names --repair first, then the flags; with either it runs, to the same trajectory."""
     flags = ["--imu-accel-unit", "mg", "--imu-gyro-unit", "deg/s"]
-    for command in (["run", "--out", tmp_path / "out"], ["view", "--port", 0]):
-        line = refused(command[0], lying_bag, *command[1:])
-        assert "so in milli-g and not in m/s²" in line
-        assert f"run again with {' '.join(flags)}, or without the IMU by --imu-topic none" in line
+    line = refused("run", lying_bag, "--out", tmp_path / "out")
+    assert "so in milli-g and not in m/s²" in line
+    assert f"run again with --repair, or with {' '.join(flags)}, or without the IMU by --imu-topic none" in line
     assert not (tmp_path / "out").exists()
     done = hectorscope("run", lying_bag, "--out", tmp_path / "out", *flags)
     assert done.returncode == 0, done.stderr
+    mended = hectorscope("run", lying_bag, "--out", tmp_path / "mended", "--repair")
+    assert mended.returncode == 0, mended.stderr
+    assert "(--imu-accel-unit mg)" in mended.stdout
+    again = ("--config", tmp_path / "mended/config.toml")
+    assert hectorscope("run", lying_bag, "--out", tmp_path / "again", *again).returncode == 0
+    first, *others = ((tmp_path / name / "trajectory.tum").read_bytes() for name in ("out", "mended", "again"))
+    assert first == others[0] == others[1]
+
+
+def test_an_inspection_shows_what_is_left_after_a_repair(lying_bag: Path):
+    """With --repair the recording is read again: what was repaired, and nothing wrong with it any more."""
+    found = hectorscope("inspect", lying_bag).stdout
+    assert "repair: --repair, or --imu-accel-unit mg --imu-gyro-unit deg/s" in found
+    mended = hectorscope("inspect", lying_bag, "--repair").stdout
+    assert "not in m/s²: --imu-accel-unit mg" in mended
+    assert "wrong with them" not in mended
 
 
 def test_a_missing_recording_is_named(tmp_path: Path):

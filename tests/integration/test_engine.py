@@ -32,14 +32,14 @@ def test_the_page_is_told_how_far_the_preparation_is(drive: list[Item]):
     ready = threading.Event()
     engine.start()
     try:
-        waiting = until(engine, lambda now: now.playback.detail == "3 of 5")
+        waiting = until(engine, lambda now: now.playback.preparing == "3 of 5")
         ready.set()
         playing = until(engine, state("playing"))
     finally:
         ready.set()
         engine.stop()
     assert waiting.playback.state == "loading"
-    assert playing.playback.detail == ""
+    assert playing.playback.preparing == ""
 
 
 def test_pauses_steps_and_speeds_do_not_change_the_outcome(drive: list[Item], reference: np.ndarray):

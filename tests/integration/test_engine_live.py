@@ -4,10 +4,21 @@ import time
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from hectorscope.checks.sensor_check import checked_source
+from hectorscope.checks.sensor_check import CheckedSource
 from hectorscope.inputs import Item, SourceOptions
-from hectorscope.session.commands import Agree, ChangeSpeed, Configure, Pause, Play, Seek, SetSpeed, StepScan
+from hectorscope.session.commands import (
+    Agree,
+    ChangeSpeed,
+    Configure,
+    Pause,
+    Play,
+    Repair,
+    Seek,
+    SetSpeed,
+    StepScan,
+)
 from hectorscope.session.feeder import Feeder
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.measurements import Imu, LaserScan
@@ -25,10 +36,35 @@ def test_a_stream_whose_devices_lie_fails_with_the_remedy():
             for item in Simulation("rooms", options).items()
         ]
     )
-    with running(checked_source(stream, SourceOptions())) as engine:
+    with running(CheckedSource(lambda _: stream, SourceOptions())) as engine:
         failed = until(engine, state("failed"))
     assert "so in degrees a second" in failed.playback.detail
     assert "--imu-gyro-unit deg/s" in failed.playback.detail
+
+
+@pytest.mark.parametrize("repairs", [True, False])
+def test_a_stream_is_repaired(drive: list[Item], repairs: bool):
+    """By --repair or by the button the stream is opened again with what was found, and the map begins anew."""
+    lying = [
+        replace(item, linear_acceleration=item.linear_acceleration / 9.80665e-3) if isinstance(item, Imu) else item
+        for item in drive
+    ]
+    opened: list[SourceOptions] = []
+
+    def connect(options: SourceOptions) -> MemoryStream:
+        opened.append(options)
+        stream = MemoryStream()
+        stream.send(lying if options.imu_accel_unit is None else drive)
+        return stream
+
+    with running(CheckedSource(connect, SourceOptions(), repairs=repairs)) as engine:
+        if not repairs:
+            failed = until(engine, state("failed"))
+            assert [finding.repair for finding in failed.report.findings] == ["--imu-accel-unit mg"]
+            engine.send(Repair())
+        mended = until(engine, lambda now: now.report.repaired and now.scans > 5)
+    assert [options.imu_accel_unit for options in opened] == [None, "mg"]
+    assert any(entry.text.startswith("Repaired: ") for entry in mended.log)
 
 
 def test_a_stream_gives_what_the_recording_gives(drive: list[Item], reference: np.ndarray):

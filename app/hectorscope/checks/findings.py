@@ -7,11 +7,10 @@ the delay. Nothing is reported where the data does not show it, and what a perso
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from hectorscope.checks.contradictions import Agreement, Gravity
 from hectorscope.checks.sensor_statistics import Measures
-from hectorscope.inputs import SourceOptions
+from hectorscope.inputs import Finding, OptionValue, SourceOptions, flags
 from hectorscope.ros.repairs import ACCEL_UNITS, STANDARD_GRAVITY
 from slam_core import geometry
 from slam_core.navigation.initial_alignment import upright
@@ -22,15 +21,6 @@ LEANING = 0.5  # cosine: no robot drives about with a steeper lean than this
 LATE_S = 0.06
 EXPLAINED = 0.25  # a delay explains this share of a disagreement at least; swaying feigns smaller ones
 UNIT_NAMES = {"m/s2": "m/s²", "g": "g", "mg": "milli-g"}
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One contradiction: the fact with its value, and the flags that repair it. grave: it spoils a run."""
-
-    fact: str
-    repair: str
-    grave: bool = True
 
 
 def findings(measures: Measures, options: SourceOptions) -> list[Finding]:
@@ -46,7 +36,12 @@ def findings(measures: Measures, options: SourceOptions) -> list[Finding]:
 
 def remedy(found: Sequence[Finding]) -> str:
     """The flags that repair all of it."""
-    return " ".join(dict.fromkeys(finding.repair for finding in found))
+    return flags(repairing_options(found))
+
+
+def repairing_options(found: Sequence[Finding]) -> dict[str, OptionValue]:
+    """The options that repair all of it."""
+    return {name: value for finding in found for name, value in finding.options.items()}
 
 
 def _accel_unit(felt: Gravity) -> Iterator[Finding]:
@@ -54,16 +49,16 @@ def _accel_unit(felt: Gravity) -> Iterator[Finding]:
     name = next(fits, None)
     fact = f"the accelerometer shows gravity as {felt.norm:.4g}"
     if name is None:
-        yield Finding(f"{fact}, which no unit explains (9.81 m/s², 1 g, 1000 milli-g)", "--imu-topic none")
+        yield Finding(f"{fact}, which no unit explains (9.81 m/s², 1 g, 1000 milli-g)", {"imu_topic": "none"})
     elif name != "m/s2":
-        yield Finding(f"{fact}, so in {UNIT_NAMES[name]} and not in m/s²", f"--imu-accel-unit {name}")
+        yield Finding(f"{fact}, so in {UNIT_NAMES[name]} and not in m/s²", {"imu_accel_unit": name})
 
 
 def _gyro_unit(measures: Measures) -> Iterator[Finding]:
     for agreement, reference in ((measures.turn, "the scans show"), (measures.tilt, "gravity shows")):
         if agreement and _near(agreement.ratio, math.degrees(1.0)):
             fact = f"the gyroscope turns {agreement.ratio:.0f} times as far as {reference}, so in degrees a second"
-            yield Finding(fact, "--imu-gyro-unit deg/s")
+            yield Finding(fact, {"imu_gyro_unit": "deg/s"})
             return
 
 
@@ -72,7 +67,7 @@ def _axes(measures: Measures, options: SourceOptions) -> Iterator[Finding]:
     sign = _sign(measures) if options.scan_mirrored is None and options.imu_inverted is None else None
     if sign:
         yield sign
-    if options.imu_rotation is None and (sign is None or sign.repair != "--imu-inverted accel"):
+    if options.imu_rotation is None and (sign is None or sign.options != {"imu_inverted": "accel"}):
         yield from _mounting(measures)
 
 
@@ -82,16 +77,16 @@ def _sign(measures: Measures) -> Finding | None:
     opposed = turn is not None and turn.correlation < 0.0
     if tilt and tilt.correlation < 0.0:
         fact = f"the gyroscope turns against the way gravity moves ({_score(tilt)})"
-        return Finding(fact, "--imu-inverted gyro")
+        return Finding(fact, {"imu_inverted": "gyro"})
     if turn and opposed and measures.gravity and _hangs(measures.gravity):
         fact = f"gravity points down while the gyroscope turns against the scans ({_score(turn)})"
-        return Finding(f"{fact}, so accelerations have the wrong sign", "--imu-inverted accel")
+        return Finding(f"{fact}, so accelerations have the wrong sign", {"imu_inverted": "accel"})
     if turn and opposed:
         fact = f"scans and gyroscope turn opposite ways ({_score(turn)})"
-        return Finding(f"{fact}, so the beams run the wrong way round", "--scan-mirrored true")
+        return Finding(f"{fact}, so the beams run the wrong way round", {"scan_mirrored": True})
     if wheels and wheels.correlation < 0.0:
         fact = f"scans and odometry turn opposite ways ({_score(wheels)})"
-        return Finding(fact, "--odometry-topic none" if turn else "--scan-mirrored true")
+        return Finding(fact, {"odometry_topic": "none"} if turn else {"scan_mirrored": True})
     return None
 
 
@@ -105,7 +100,7 @@ def _mounting(measures: Measures) -> Iterator[Finding]:
     how = "upside down" if _hangs(felt) else "on its side"
     yield Finding(
         f"up is ({toward}) in the axes of the base, so the IMU is mounted {how}",
-        f"--imu-rotation {_snapped(roll):.5g} {_snapped(pitch):.5g} 0",
+        {"imu_rotation": (float(f"{_snapped(roll):.5g}"), float(f"{_snapped(pitch):.5g}"), 0.0)},
         grave=measures.turn is not None,
     )
 
@@ -113,13 +108,13 @@ def _mounting(measures: Measures) -> Iterator[Finding]:
 def _delay(turn: Agreement, options: SourceOptions) -> Iterator[Finding]:
     if abs(turn.lag) < LATE_S or turn.explained < EXPLAINED:
         return
-    flag, name, known_s = (
-        ("--scan-delay", "the scans are", options.scan_delay)
+    option, name, known_s = (
+        ("scan_delay", "the scans are", options.scan_delay)
         if turn.lag > 0.0
-        else ("--imu-delay", "the inertial data is", options.imu_delay)
+        else ("imu_delay", "the inertial data is", options.imu_delay)
     )
     total_s = (known_s or 0.0) + abs(turn.lag)
-    yield Finding(f"{name} stamped {abs(turn.lag):.2f} s late", f"{flag} {total_s:.2f}", grave=False)
+    yield Finding(f"{name} stamped {abs(turn.lag):.2f} s late", {option: round(total_s, 2)}, grave=False)
 
 
 def _hangs(felt: Gravity) -> bool:

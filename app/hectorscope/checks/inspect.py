@@ -2,16 +2,16 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
-from hectorscope.checks.findings import Finding, findings, remedy
+from hectorscope.checks.findings import findings, remedy, repairing_options
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.common.terminal import printable
-from hectorscope.inputs import Item, Source, SourceError, SourceOptions, SourceReport
+from hectorscope.inputs import Finding, Item, Source, SourceError, SourceOptions, SourceReport
 from hectorscope.ros.roles import Roles, Topic
 from hectorscope.sources import open_source
 from hectorscope.sources.bag import SOURCE as BAG
@@ -91,13 +91,25 @@ class BagReport:
     source: SourceReport
     measures: Measures
     findings: tuple[Finding, ...]
+    repaired: tuple[Finding, ...] = ()
 
     def __str__(self) -> str:
         return "\n".join(map(printable, _render(self)))
 
 
-def inspect_bag(path: Path, options: SourceOptions) -> BagReport:
-    """Read a recording without mapping; SourceError if it cannot be read. A bag without a laser is welcome."""
+def inspect_bag(path: Path, options: SourceOptions, *, repair: bool = False) -> BagReport:
+    """Read a recording without mapping; SourceError if it cannot be read. A bag without a laser is welcome.
+
+    repair: read it again with what is wrong put right.
+    """
+    report = _inspected(path, options)
+    if not (repair and report.findings):
+        return report
+    changed: dict[str, Any] = repairing_options(report.findings)
+    return replace(_inspected(path, replace(options, **changed)), repaired=report.findings)
+
+
+def _inspected(path: Path, options: SourceOptions) -> BagReport:
     source = open_bag(path, options) if BAG.accepts(str(path)) else open_source(str(path), options)
     if not isinstance(source, Recorded) or source.span_ns is None:
         raise SourceError(f"{path} is no recording: give one")
@@ -183,6 +195,7 @@ def _render(report: BagReport) -> Iterator[str]:
     yield from _table([("part", "played by", "used", ""), *used], right=(2,))
     for title, lines in (
         ("devices", list(_devices(report.measures))),
+        ("repaired", [f"{finding.fact}: {finding.repair}" for finding in report.repaired]),
         ("wrong with them", list(_wrong(report.findings))),
         ("warnings", report.source.warnings),
         ("notes", report.source.notes),
@@ -211,7 +224,7 @@ def _devices(measures: Measures) -> Iterator[str]:
 def _wrong(found: tuple[Finding, ...]) -> Iterator[str]:
     yield from (finding.fact for finding in found)
     if found:
-        yield f"repair: {remedy(found)}"
+        yield f"repair: --repair, or {remedy(found)}"
 
 
 def _skipped(report: SourceReport) -> list[str]:

@@ -1,15 +1,18 @@
-"""Refuses a source whose sensors contradict what their messages promise, before a run is spoilt in silence."""
+"""Checks the sensors of a source against what their messages promise, before a run is spoilt in silence."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
-from hectorscope.checks.findings import Finding, findings, remedy
+from hectorscope.checks.findings import findings, remedy, repairing_options
 from hectorscope.checks.sensor_statistics import LONGEST_S, SensorStatistics
-from hectorscope.inputs import Item, Source, SourceError, SourceOptions, SourceReport
+from hectorscope.inputs import SENSOR_OPTIONS, Finding, Item, Source, SourceError, SourceOptions, SourceReport
 
 REST_S = 1.5  # of a stream: then gravity is looked at, which needs no turn
 STEP_S = 4.0  # after each of these it is asked whether enough was seen
 PREFIX_S = 30.0  # enough was seen by then
+ROUNDS = 3  # of repairs: what was wrong may have hidden something else
+CHECKING = "Checking the sensors against each other, by the beginning of the recording"
 
 
 class DeviceError(SourceError):
@@ -19,12 +22,13 @@ class DeviceError(SourceError):
 class SensorCheck:
     """Takes the items from the beginning of a source; settled: it has seen enough and found nothing wrong.
 
-    warnings: what contradicts the messages without spoiling the run, or not surely. live: do not wait for a turn
-    with what can be judged before.
+    found: what contradicts the messages. warnings: the same as a sentence, where it does not spoil the run, or not
+    surely. live: do not wait for a turn with what can be judged before.
     """
 
     def __init__(self, name: str, options: SourceOptions, *, live: bool = False) -> None:
         self.settled = False
+        self.found: tuple[Finding, ...] = ()
         self.warnings: tuple[str, ...] = ()
         self._live = self._glance = live
         self._name, self._options = name, options
@@ -45,7 +49,7 @@ class SensorCheck:
     def judge(self, *, last: bool, whole: bool) -> None:
         """By the data so far. The verdict waits for a turn, so that all faults are reported at once.
 
-        whole: there is no more to look at. A recording to be refused is looked at as far as `inspect` does,
+        whole: there is no more to look at. A recording with a grave fault is looked at as far as `inspect` does,
         so that both give the same figures.
         """
         measures = self._evidence.measures()
@@ -59,49 +63,117 @@ class SensorCheck:
             self._tell(found)
 
     def _tell(self, found: Sequence[Finding]) -> None:
-        facts = "; ".join(finding.fact for finding in found)
-        text = f"{self._name}: {facts}: run again with {remedy(found)}, or without the IMU by --imu-topic none"
-        if any(finding.grave for finding in found):
+        self.found = tuple(found)
+        facts = "; ".join(finding.fact for finding in self.found)
+        by_hand = f"or with {remedy(self.found)}, or without the IMU by --imu-topic none"
+        text = f"{self._name}: {facts}: run again with --repair, {by_hand}"
+        if any(finding.grave for finding in self.found):
             raise DeviceError(text)
-        self.warnings = (text,) if found else ()
+        self.warnings = (text,) if self.found else ()
 
 
-class Watched:
-    """A stream that is checked_source as it flows: a DeviceError ends it."""
+class CheckedSource:
+    """A source with checked sensors: a recording by its beginning, before its items come; a stream as it flows.
 
-    live = True
-    span_ns = None
+    opened: opens the source with options. repairs: put right what is found, instead of a DeviceError; of a stream,
+    whoever reads it does, as what flowed until then was wrong.
+    """
 
-    def __init__(self, source: Source, options: SourceOptions) -> None:
-        self.name = source.name
-        self._source = source
-        self._examiner = SensorCheck(source.name, options, live=True)
+    def __init__(
+        self, opened: Callable[[SourceOptions], Source], options: SourceOptions, *, repairs: bool = False
+    ) -> None:
+        self.repairs = repairs
+        self._opened, self._options = opened, options
+        self._source = opened(options)
+        self.name, self.live = self._source.name, self._source.live
+        self._check: SensorCheck | None = None
+        self._checking = self._is_sound = False
+        self._repaired: tuple[Finding, ...] = ()
+        self._rounds = 0
+
+    @property
+    def span_ns(self) -> tuple[int, int] | None:
+        """Of the source."""
+        return self._source.span_ns
 
     @property
     def report(self) -> SourceReport:
-        """Of the stream, with what its devices contradict."""
-        return replace(self._source.report, warnings=self._examiner.warnings)
+        """Of the source, with what its sensors contradict, and what was repaired."""
+        report, check = self._source.report, self._check
+        if self._checking:
+            report = replace(report, waiting=CHECKING)
+        notes = tuple(f"Repaired: {finding.fact} ({finding.repair})" for finding in self._repaired)
+        return replace(
+            report,
+            notes=(*notes, *report.notes),
+            warnings=(*report.warnings, *(check.warnings if check else ())),
+            findings=check.found if check else (),
+            repaired=self._repaired,
+            sensors=stated(self._options),
+        )
 
     def items(self) -> Iterator[Item]:
-        """Of the stream."""
+        """Of the source. DeviceError if its sensors are not what they promise."""
+        if self.live:
+            return self._watched()
+        self.check()
+        return self._source.items()
+
+    def check(self) -> None:
+        """Look at the beginning of a recording, once; DeviceError if it does not bear out its messages."""
+        self._checking = True
+        try:
+            while not self._is_sound:
+                try:
+                    self._examine()
+                except DeviceError:
+                    if not (self.repairs and self.repair()):
+                        raise
+                else:
+                    self._is_sound = not (self.repairs and self.repair())
+        finally:
+            self._checking = False
+
+    def _examine(self) -> None:
+        check = self._check = SensorCheck(self.name, self._options)
         for item in self._source.items():
-            if not self._examiner.settled:
-                self._examiner.take(item)
+            check.take(item)
+            if check.settled:
+                break
+        else:
+            check.judge(last=True, whole=True)
+
+    def _watched(self) -> Iterator[Item]:
+        check = self._check = SensorCheck(self.name, self._options, live=True)
+        for item in self._source.items():
+            if not check.settled:
+                check.take(item)
+                if self.repairs and check.warnings and not self._repaired:
+                    raise DeviceError(check.warnings[0])
             yield item
 
+    def repair(self) -> tuple[Finding, ...]:
+        """Open the source again with the options that repair what was found; that, or nothing.
+
+        What is found then is repaired too, but not again and again.
+        """
+        found = self._check.found if self._check and self._rounds < ROUNDS else ()
+        if found:
+            self.repairs, self._rounds = True, self._rounds + 1
+            changed: dict[str, Any] = repairing_options(found)
+            self._options = replace(self._options, **changed)
+            self._source.close()
+            self._source = self._opened(self._options)
+            self._check, self._is_sound = None, False
+            self._repaired += found
+        return found
+
     def close(self) -> None:
-        """Hang up."""
+        """Let go of the source."""
         self._source.close()
 
 
-def checked_source(source: Source, options: SourceOptions) -> Source:
-    """The source, once the beginning of a recording has borne out its messages; DeviceError if it does not."""
-    if source.live:
-        return Watched(source, options)
-    check = SensorCheck(source.name, options)
-    for item in source.items():
-        check.take(item)
-        if check.settled:
-            return source
-    check.judge(last=True, whole=True)
-    return source
+def stated(options: SourceOptions) -> dict[str, Any]:
+    """The `SENSOR_OPTIONS` that are stated; a topic only where it is left out."""
+    values = {name: getattr(options, name) for name in SENSOR_OPTIONS}
+    return {n: v for n, v in values.items() if v is not None and (not n.endswith("_topic") or v == "none")}

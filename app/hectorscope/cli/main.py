@@ -5,9 +5,10 @@ import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -27,8 +28,12 @@ from hectorscope.common.kernel_cache import cache_places, keep_compiled
 from hectorscope.common.resources import resource_folder
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source, SourceOptions
+from hectorscope.run.report import Report
 from hectorscope.sources import open_source
 from slam_core.errors import SlamError
+
+if TYPE_CHECKING:
+    from hectorscope.checks.sensor_check import CheckedSource
 
 # What takes long to import (viser, numba, rosbags) is imported by the command that needs it: help comes at once.
 
@@ -66,7 +71,7 @@ def demo(
 
 def view(bag: Bag, *, settings: SettingArgs, saved: MapArgs, source: SourceArgs, page: PageArgs) -> None:
     """Show a recording in the browser."""
-    _show(_checked(str(bag), source), settings, saved, page)
+    _show(_checked(str(bag), source, settings), settings, saved, page)
 
 
 def live(
@@ -80,7 +85,7 @@ def live(
     page: PageArgs,
 ) -> None:
     """Show the stream of a running robot in the browser."""
-    _show(_checked(address, source), settings, saved, page)
+    _show(_checked(address, source, settings), settings, saved, page)
 
 
 def run(
@@ -100,8 +105,11 @@ def run(
 
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
-    recording = _checked(str(bag), source)
+    recording = _checked(str(bag), source, settings)
     _get_ready()
+    recording.check()
+    for finding in recording.report.repaired:
+        print(printable(f"repaired: {finding.fact} ({finding.repair})"))
     with show_progress(recording) as progress:
         figures = run_to_files(
             recording, chosen, out, truth=source.truth_topic, progress=progress, prior_map=prior_map
@@ -123,15 +131,16 @@ def inspect(bag: Bag, *, source: SourceArgs) -> None:
     """List what a recording contains and what each topic would be used for."""
     from hectorscope.checks.inspect import inspect_bag  # noqa: PLC0415
 
-    print(inspect_bag(bag, source_options(source)))
+    print(inspect_bag(bag, source_options(source), repair=source.repair))
 
 
-def _checked(uri: str, flags: Any) -> Source:
-    """The source behind a path or address; SlamError if it cannot be used, or contradicts its own messages."""
-    from hectorscope.checks.sensor_check import checked_source  # noqa: PLC0415
+def _checked(uri: str, flags: Any, settings: SettingFlags) -> "CheckedSource":
+    """The source behind a path or address, whose sensors are checked as it is read; SlamError for a bad one."""
+    from hectorscope.checks.sensor_check import CheckedSource  # noqa: PLC0415
 
-    options = source_options(flags)
-    return checked_source(open_source(uri, options), options)
+    settings.settings()  # a bad file is named before the source is opened
+    options = source_options(flags, settings)
+    return CheckedSource(partial(open_source, uri), options, repairs=flags.repair)
 
 
 def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
@@ -155,11 +164,11 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
     sys.exit(INTERRUPTED)  # nothing else ends the serving
 
 
-def _get_ready(report: Callable[[str], None] = lambda _: None) -> None:
-    """Load or compile the kernels."""
+def _get_ready(*report: Report) -> None:
+    """Load or compile the kernels of the first scan; what is compiled is told to a `report`, if there is one."""
     from hectorscope.run.warmup import warm_up  # noqa: PLC0415
 
-    warm_up(report)
+    warm_up(*report)
     gc.enable()
 
 

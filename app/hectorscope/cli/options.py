@@ -15,7 +15,7 @@ import tyro
 
 from hectorscope.inputs import SourceOptions
 from hectorscope.run.settings import Mode, Settings
-from hectorscope.run.settings_file import read_toml
+from hectorscope.run.settings_file import read_sensors, read_toml
 from slam_core.config import Leaf, Preset, SlamConfig, leaves, preset, with_values
 from slam_core.errors import SlamError
 from slam_core.measurements import Float64s
@@ -156,6 +156,11 @@ def _source_flags() -> type[Any]:
             help_behavior_hint=f"(default: {words.default})",
         )
         flags.append((option.name, Annotated[kind, hint], None))
+    repair = Annotated[
+        tyro.conf.FlagCreatePairsOff[bool],
+        tyro.conf.arg(help="Put right what the sensor check finds: units, signs, mirrored beams, delays."),
+    ]
+    flags.append(("repair", repair, False))
     return make_dataclass("SourceFlags", flags)
 
 
@@ -256,7 +261,10 @@ MapArgs = Annotated[MapFlags, tyro.conf.arg(name="")]
 PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
 
 
-def source_options(flags: Any) -> SourceOptions:
-    """The flags of `SourceArgs` as the sources take them."""
+def source_options(flags: Any, settings: SettingFlags | None = None) -> SourceOptions:
+    """The flags of `SourceArgs` as the sources take them, over what the settings file states of the sensors."""
     given = asdict(flags)
-    return SourceOptions(**{**given, "scan_mirrored": _SWITCH.get(given["scan_mirrored"])})
+    del given["repair"]
+    given["scan_mirrored"] = _SWITCH.get(given["scan_mirrored"])
+    filed = read_sensors(settings.config) if settings and settings.config else {}
+    return SourceOptions(**{**filed, **{name: value for name, value in given.items() if value is not None}})

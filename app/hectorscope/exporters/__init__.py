@@ -96,8 +96,8 @@ def _names() -> list[str]:
     return [name for exporter in exporters() for name in exporter.files]
 
 
-def collected(pipeline: Pipeline, figures: dict[str, Any]) -> Run:
-    """The results so far; the run may go on, and they stay as they are."""
+def collected(pipeline: Pipeline, figures: dict[str, Any], report: SourceReport | None = None) -> Run:
+    """The results so far; the run may go on, and they stay as they are. report: of the source."""
     return Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
@@ -105,13 +105,16 @@ def collected(pipeline: Pipeline, figures: dict[str, Any]) -> Run:
         pipeline.settings,
         figures,
         saved_levels(pipeline.slam.map, copied=True),
+        report.sensors if report else {},
         pipeline.navigation,
     )
 
 
-def export(pipeline: Pipeline, figures: dict[str, Any], folder: Path) -> list[Path]:
+def export(
+    pipeline: Pipeline, figures: dict[str, Any], folder: Path, report: SourceReport | None = None
+) -> list[Path]:
     """`write` the results so far."""
-    return write(collected(pipeline, figures), folder)
+    return write(collected(pipeline, figures, report), folder)
 
 
 def write(run: Run, folder: Path) -> list[Path]:
@@ -139,7 +142,8 @@ def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Cal
         raise OutputError("there is no folder to save to: start the program with --out DIR")
     if not pipeline.scans:
         raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
-    results, truth = collected(pipeline, run_metrics(pipeline, report, with_truth=False)), pipeline.truth
+    results = collected(pipeline, run_metrics(pipeline, report, with_truth=False), report)
+    truth = pipeline.truth
 
     def save() -> str:
         figures = {**results.metrics, "truth": truth_errors(results.trajectory, truth)}
@@ -164,5 +168,5 @@ def run(
         figures = run_metrics(pipeline, source.report, effort)
         if truth is not None and figures["truth"] is None:
             raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
-        export(pipeline, figures, folder)
+        export(pipeline, figures, folder, source.report)
         return figures

@@ -1,4 +1,4 @@
-"""config.toml: every setting of the run, to be given to --config again."""
+"""config.toml: every setting of the run, and what is stated of its sensors, to be given to --config again."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from hectorscope.run.settings_file import to_toml
 
 
 def _write(run: Run, folder: Path) -> None:
-    write_whole(folder / "config.toml", to_toml(run.settings).encode())
+    write_whole(folder / "config.toml", to_toml(run.settings, run.sensors).encode())
 
 
 EXPORTER = Exporter(("config.toml",), _write)

@@ -24,6 +24,14 @@ def bar(scene: Scene, name: str) -> GuiFolderHandle:
     return folder
 
 
+def over_scene(scene: Scene, name: str) -> GuiFolderHandle:
+    """A folder that the style sheet shows in the middle of the scene, if the window is wide enough."""
+    folder = scene.server.gui.add_folder(name.capitalize())
+    with folder:
+        mark(scene, f"over hs-over-{name}")
+    return folder
+
+
 def tab(scene: Scene, title: str, icon: IconName) -> GuiTabHandle:
     """The tab `title` of the main panel, made on first use, for panels that share it too."""
     tabs = _tabs.setdefault(scene.server, {})

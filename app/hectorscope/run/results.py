@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hectorscope.inputs import OptionValue
 from hectorscope.run.map_images import MapImage
 from hectorscope.run.settings import Settings
 from slam_core.localization.prior_map import SavedLevel
@@ -18,8 +19,8 @@ class Run:
 
     trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
     is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of
-    the same levels. navigation: (n, 11) the columns of the trajectory and the velocity in the map, a hundred times
-    a second.
+    the same levels. sensors: what is stated of them, as in a `SourceReport`. navigation: (n, 11) the columns of
+    the trajectory and the velocity in the map, a hundred times a second.
     """
 
     start_ns: int
@@ -28,4 +29,5 @@ class Run:
     settings: Settings
     metrics: Mapping[str, Any]
     levels: tuple[SavedLevel, ...] = ()
+    sensors: Mapping[str, OptionValue] = field(default_factory=dict)
     navigation: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 11)))

@@ -1,15 +1,17 @@
-"""Settings as a TOML file: one table a group, and `[[changes]]` with their times."""
+"""Settings as a TOML file: one table a group, `[sensors]` where something is stated of them, and `[[changes]]`."""
 
 import json
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from hectorscope.run.settings import Change, Setting, Settings
+from hectorscope.inputs import SENSOR_OPTIONS, OptionValue, SourceOptions
+from hectorscope.run.settings import Change, Settings
 from slam_core.config import ConfigError, Leaf, SlamConfig, leaves, with_values
 
-_CHANGES = "changes"
+_CHANGES, _SENSORS = "changes", "sensors"
 _CHANGE_KEYS = {"time_ns": (int,), "name": (str,), "value": (bool, int, float, str)}
 
 # Settings that had another name in files of version 0.1: both are read.
@@ -35,8 +37,8 @@ class SettingsError(ConfigError):
     """A settings file cannot be used: the message names the file, the entry and the remedy."""
 
 
-def to_toml(settings: Settings) -> str:
-    """Every setting, grouped, with its unit and range beside it."""
+def to_toml(settings: Settings, sensors: Mapping[str, OptionValue] = MappingProxyType({})) -> str:
+    """Every setting, grouped, with its unit and range beside it; sensors: the `SENSOR_OPTIONS` that are stated."""
     lines: list[str] = []
     group = ""
     for leaf in leaves(settings.start):
@@ -45,13 +47,15 @@ def to_toml(settings: Settings) -> str:
             lines += ["", f"[{table}]"]
             group = table
         lines.append(f"{key} = {_literal(leaf.value)}{_remark(leaf)}")
+    if sensors:
+        lines += ["", f"[{_SENSORS}]", *(f"{name} = {_literal(value)}" for name, value in sensors.items())]
     for change in settings.changes:
         lines += ["", f"[[{_CHANGES}]]", f"time_ns = {change.time_ns}"]
         lines += [f"name = {_literal(change.name)}", f"value = {_literal(change.value)}"]
     return "\n".join(lines[1:]) + "\n"
 
 
-def _literal(value: Setting) -> str:
+def _literal(value: OptionValue) -> str:
     # JSON writes numbers, true, false and plain words just as TOML does
     return json.dumps(value)
 
@@ -76,7 +80,37 @@ def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
         raise SettingsError(f"{path}: {error}") from error
 
 
+def read_sensors(path: Path) -> dict[str, OptionValue]:
+    """What a file, which `read_toml` has read, states of the sensors, by the names of `SENSOR_OPTIONS`."""
+    return _sensors(tomllib.loads(path.read_text(encoding="utf-8")).get(_SENSORS, {}))
+
+
+def _sensors(table: Any) -> dict[str, OptionValue]:
+    if not isinstance(table, dict):
+        raise SettingsError(f"{_SENSORS} is {table!r}: write what is stated of the sensors below [{_SENSORS}]")
+    kinds = get_type_hints(SourceOptions)
+    values = {name: tuple(map(float, v)) if _is_numbers(v) else v for name, v in table.items()}
+    for name, value in values.items():
+        if name not in SENSOR_OPTIONS or not any(_fits(value, kind) for kind in get_args(kinds[name])):
+            raise SettingsError(f"{_SENSORS}.{name} = {value!r} is not understood: remove it, or see --help")
+    return values
+
+
+def _is_numbers(value: Any) -> bool:
+    return isinstance(value, list) and all(type(part) in {int, float} for part in value)
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Whether a value is of one of the types of `SourceOptions`."""
+    if get_origin(kind) is Literal:
+        return value in get_args(kind)
+    if get_origin(kind) is tuple:
+        return isinstance(value, tuple) and len(value) == len(get_args(kind))
+    return type(value) is kind or (kind is float and type(value) is int)
+
+
 def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:
+    _sensors(tree.pop(_SENSORS, {}))
     changes = tree.pop(_CHANGES, [])
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")

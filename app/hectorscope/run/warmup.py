@@ -1,82 +1,158 @@
-"""Runs every compiled kernel once, so that the first real scan does not wait for the compiler."""
+"""Loads the kernels of the first scan, or compiles them on the first start; the others follow during the run.
+
+numba compiles one kernel after the other, so another process compiles those of the filter meanwhile, and then the
+rest. Both find what is compiled where it is kept.
+"""
 
 import gc
 import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from typing import Any, cast
 
 import numpy as np
-from numba.core.dispatcher import Dispatcher
+from numba.core import event
 
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig, with_value
 from slam_core.localization.prior_map import PriorMap, saved_levels
+from slam_core.mapping.mapper import Mapper
+from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Height, Imu, LaserScan, Measurement, Odometry
+from slam_core.navigation.ego_motion import EgoMotion
+from slam_core.results import ACCEPTED
+from slam_core.scan.stabilise import stabilise
 
-PATIENCE_S = 3.0  # what was compiled before is loaded sooner
-PERIOD_S = 0.25
+FIRST = 50  # functions of ours that the first scan has compiled, with those that they call
 # Objects made before the collector looks for cycles among them: a step makes many, and no cycle.
 GARBAGE = 20_000
-
-# For another process, as numba compiles one kernel after the other. Both find what is compiled where it is kept.
+PERIOD_S = 0.25
+POLITE = 10  # added to the helper's niceness once the run needs the processor
 HELP = "import sys; sys.path[:] = {!r}; from hectorscope.run.warmup import _help; _help()"
+READY = "ready"
 
-Report = Callable[[str], None]
+listen: Any = event.register  # numba has no types for it
 
 
-def warm_up(report: Report = lambda _: None) -> None:
-    """A few scans of a small made-up room through every branch.
+def _untold(text: str, share: float | None = None) -> None:
+    """Nobody wants to know."""
 
-    When it takes longer it reports its progress, on stderr and to `report` (from another thread, while it runs).
-    Another process then begins with what inertial data needs, which therefore comes last here.
+
+def warm_up(report: Report = _untold) -> None:
+    """Load or compile what the first scan needs.
+
+    What is compiled then or later is told to `report` and on stderr; a start that compiles nothing says nothing.
     """
-    with _watched(report):
-        for inertial in (False, True):
-            _run(inertial)
+    _compiler.report = report
+    with _compiler.first_scan():
+        _first_map()
     gc.freeze()  # what is loaded by now stays: the garbage collector may pass it over
     gc.set_threshold(GARBAGE)
 
 
-@contextmanager
-def _watched(report: Report) -> Iterator[None]:
-    done = threading.Event()
+class _Compiler(event.Listener):
+    """Hears of every function that is compiled here or by the helper, which begins with the first one."""
 
-    moving = sys.stderr.isatty()  # elsewhere one line is enough
+    def __init__(self) -> None:
+        self.report: Report = _untold
+        self._is_first = self._is_told = False
+        self._helper: subprocess.Popen[str] | None = None
+        self._ready = threading.Event()
+        self._depth = self._done = 0
+        listen("numba:compile", self)
 
-    def watch() -> None:
-        said, wait = "", PATIENCE_S
-        helper: subprocess.Popen[bytes] | None = None
-        while not done.wait(wait):
-            helper = helper or _helper()
-            progress, wait = _progress(), PERIOD_S
-            if progress != said:
-                report(progress)
-                if moving or not said:
-                    print(f"\r{progress}", end="" if moving else "\n", file=sys.stderr, flush=True)
-                said = progress
-        if moving and said:
-            print(file=sys.stderr)
-        if helper:
-            helper.communicate()  # it ends when its input does
+    def first_scan(self) -> "_Compiler":
+        """A context: within it the first scan is prepared, and at its end that is so."""
+        return self
 
-    watcher = threading.Thread(target=watch, name="watching the compiler", daemon=True)
-    watcher.start()
-    try:
-        yield
-    finally:
-        done.set()
-        watcher.join()
+    def __enter__(self) -> None:
+        self._is_first = True
+
+    def __exit__(self, *_: object) -> None:
+        while self._helper is not None and not self._ready.wait(PERIOD_S):
+            self._tell()
+        self._is_first = False
+        if self._done:
+            self.report("")
+
+    def on_start(self, compilation: event.Event) -> None:
+        """Whoever waits is told what for, by the thread that waits."""
+        self._depth += 1
+        if self._depth > 1:
+            return
+        if self._is_first:
+            self._begin_helper()
+            self._tell()
+        else:
+            self._say(f"Compiling {compilation.data['dispatcher'].py_func.__name__} (first start only)", None)
+
+    def on_end(self, compilation: event.Event) -> None:
+        """One function more."""
+        self._depth -= 1
+        if self._is_first:
+            self._done += is_ours(compilation)
+            self._tell()
+        elif not (self._depth or self._is_first):
+            self.report("")
+
+    def _begin_helper(self) -> None:
+        if self._helper is None:
+            self._helper = helper()
+            threading.Thread(target=self._listen, args=(self._helper,), name="helper", daemon=True).start()
+
+    def _listen(self, process: "subprocess.Popen[str]") -> None:
+        """Until the helper ends, which it does alone, or as this process does."""
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.strip() == READY:
+                self._ready.set()
+            else:
+                self._done += 1
+        self._ready.set()
+        process.wait()
+
+    def _tell(self) -> None:
+        done = min(self._done, FIRST)
+        self._say(f"Compiling for the first scan: {done} of {FIRST} functions (first start only)", done / FIRST)
+
+    def _say(self, text: str, share: float | None) -> None:
+        self.report(text, share)
+        if sys.stderr.isatty():
+            print(f"\r{text}", end="\n" if share in {None, 1.0} else "", file=sys.stderr, flush=True)
+        elif share is None or not self._is_told:  # one line is enough of what goes on
+            print(text, file=sys.stderr, flush=True)
+        self._is_told = True
 
 
-def _helper() -> subprocess.Popen[bytes]:
+def is_ours(compilation: event.Event) -> bool:
+    """Whether a function of the core was compiled, and not one of numba's own."""
+    module: str = compilation.data["dispatcher"].py_func.__module__
+    return module.startswith("slam_core.")
+
+
+_compiler = _Compiler()
+
+
+def helper() -> "subprocess.Popen[str]":
     """In a session of its own: an interrupt at the terminal is not for it. It ends when its input does."""
     command = [sys.executable, "-c", HELP.format(sys.path)]
     pipe, quiet = subprocess.PIPE, subprocess.DEVNULL
-    return subprocess.Popen(command, stdin=pipe, stdout=quiet, stderr=quiet, start_new_session=True)
+    return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=quiet, start_new_session=True, text=True)
+
+
+class _Counted(event.Listener):
+    """A line of output for each function that the helper compiles."""
+
+    def on_start(self, compilation: event.Event) -> None:
+        """Nothing yet."""
+
+    def on_end(self, compilation: event.Event) -> None:
+        """It is done."""
+        if is_ours(compilation):
+            print(flush=True)
 
 
 def _help() -> None:
@@ -87,23 +163,56 @@ def _help() -> None:
         os._exit(1)
 
     threading.Thread(target=watch, name="watching who is helped", daemon=True).start()
-    _run(inertial=True)
+    cast(Any, event.unregister)("numba:compile", _compiler)
+    listen("numba:compile", _Counted())
+    gc.set_threshold(10 * GARBAGE)
+    motion = _first_motion()
+    print(READY, flush=True)
+    os.nice(POLITE)
+    _second_scan(motion)
+    load_everything()
 
 
-def _progress() -> str:
-    kernels = [kernel for kernel in _kernels() if kernel.targetoptions.get("inline") != "always"]
-    compiled = sum(bool(kernel.signatures) for kernel in kernels)
-    return f"{compiled} of {len(kernels)} kernels compiled (first start only)"
+END_NS = 2_000_000_000
 
 
-def _kernels() -> list[Dispatcher]:
-    """What numba compiles of the core, so far as it is loaded."""
-    modules = [module for name, module in list(sys.modules.items()) if name.startswith("slam_core.kernels.")]
-    values = [value for module in modules for value in vars(module).values()]
-    return list({id(value): value for value in values if isinstance(value, Dispatcher)}.values())
+def _first_map() -> None:
+    """What the first scan needs but for the motion: it is placed and written."""
+    config, scan = SlamConfig(), _scan(END_NS)
+    placed = stabilise(scan, EgoMotion(config).poses, config.scan)
+    mapper = Mapper(Pyramid(config.map), writes=True)
+    mapper.update(placed, np.zeros(3), None, ACCEPTED, END_NS, config.map, unaided=False)
 
 
-def _run(inertial: bool) -> None:
+def _first_motion() -> EgoMotion:
+    """The filter as it is aligned at rest, and its prediction."""
+    motion = EgoMotion(SlamConfig())
+    for measurement in _room(inertial=True):
+        if not isinstance(measurement, LaserScan | Odometry | Height):
+            motion.take(measurement)
+    motion.awaits_filter(begun=False)
+    motion.poses(END_NS - 100_000_000, np.array([0, 50_000_000, 100_000_000]))
+    motion.prior(END_NS)
+    return motion
+
+
+def _second_scan(motion: EgoMotion) -> None:
+    """What the second scan needs but for its match, which the run compiles meanwhile."""
+    motion.take(Height(END_NS, 0.0))
+    motion.take(Odometry(END_NS, np.zeros(2), 0.0))
+    motion.correct(END_NS, None, accepted=True)
+    config = SlamConfig()
+    placed = stabilise(_scan(END_NS), EgoMotion(config).poses, config.scan)
+    Pyramid(config.map).clear(placed.points, placed.laser, np.zeros(3), config.map)
+
+
+def load_everything() -> None:
+    """Load or compile every kernel: a few scans of a small made-up room through every branch."""
+    for inertial in (True, False):
+        _everything(inertial)
+
+
+def _everything(inertial: bool) -> None:
     # The surfaces are looked for in every scan.
     config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_observability_threshold", 1.0)
     prior_map = None
@@ -118,10 +227,7 @@ def _run(inertial: bool) -> None:
 
 
 def _room(inertial: bool) -> list[Measurement]:
-    """Two seconds at rest in the middle of a room of 4 by 4 metres: a scan every 0.1 s, other data besides."""
-    angles = np.linspace(-np.pi, np.pi, 181)
-    ranges = (2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))).astype(np.float32)
-    ranges[:3] = np.inf
+    """Two seconds at rest: a scan every 0.1 s, other data besides."""
     measurements: list[Measurement] = []
     for tick in range(201):
         stamp_ns = tick * 10_000_000
@@ -130,6 +236,14 @@ def _room(inertial: bool) -> list[Measurement]:
             measurements.append(Height(stamp_ns, 0.0))
         if tick % 10 == 0:
             measurements.append(Odometry(stamp_ns, np.zeros(2), 0.0))
-            seen = ranges if tick < 200 else 0.4 * ranges  # the last one fits nowhere: it is searched for
-            measurements.append(LaserScan(stamp_ns, seen, -np.pi, float(angles[1] - angles[0]), 1e-5, 0.1, 30.0))
+            # The last one fits nowhere: it is searched for.
+            measurements.append(_scan(stamp_ns, 1.0 if tick < 200 else 0.4))
     return measurements
+
+
+def _scan(stamp_ns: int, share: float = 1.0) -> LaserScan:
+    """In the middle of a room of 4 by 4 metres, or of a smaller one."""
+    angles = np.linspace(-np.pi, np.pi, 181)
+    ranges = (2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))).astype(np.float32)
+    ranges[:3] = np.inf
+    return LaserScan(stamp_ns, share * ranges, -np.pi, float(angles[1] - angles[0]), 1e-5, 0.1, 30.0)

@@ -93,6 +93,11 @@ class Save:
 
 
 @dataclass(frozen=True, slots=True)
+class Repair:
+    """Open the source again with what the sensor check found put right, and begin again."""
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
 
@@ -120,6 +125,7 @@ Command = (
     | Configure
     | ConfigureAll
     | Save
+    | Repair
     | Answer
     | Quit
 )

@@ -10,6 +10,7 @@ from hectorscope.session.commands import (
     Pause,
     Play,
     PlayPause,
+    Repair,
     Restart,
     Save,
     Seek,
@@ -74,8 +75,8 @@ class Control:
                 self._set_speed(speed)
             case ChangeSpeed(notches):
                 self._set_speed(changed_speed(self._transport.speed, notches))
-            case Restart():
-                self._session.restart()
+            case Restart() | Repair():
+                (self._session.restart if isinstance(command, Restart) else self._session.repair)()
             case Seek(time_ns):
                 self._session.seek(time_ns)
             case Configure() | ConfigureAll():

@@ -7,10 +7,11 @@ from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from hectorscope.inputs import Source
+from hectorscope.inputs import Repairable, Source
 from hectorscope.run.pipeline import nothing_used
+from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
-from hectorscope.session.commands import Answer, Command, Quit
+from hectorscope.session.commands import Answer, Command, Quit, Repair
 from hectorscope.session.control import Control
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
@@ -20,8 +21,9 @@ from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
-from slam_core.measurements import LaserScan
+from slam_core.measurements import LaserScan, Measurement
 
+ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
 
 _logger = logging.getLogger("hectorscope")
@@ -31,7 +33,7 @@ class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
     prior_map: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
-    before anything is read, with what shows on the page how far it is (from any thread, until it returns).
+    before anything is read, with what shows on the page what the run waits for, then or later, from any thread.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
     What would take the map of a stream away is not done before a person agrees, and what was taken away can be
@@ -49,7 +51,7 @@ class Engine:
         autoplay: bool = True,
         speed: float = 1.0,
         out: Path | None = None,
-        prepare: Callable[[Callable[[str], None]], None] = lambda _: None,
+        prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
         self._source = source
         self._prepare = prepare
@@ -62,6 +64,7 @@ class Engine:
         self._session = Session(source, settings or Settings(), prior_map, self._transport, self._publisher)
         self._saver = Saver(out, self._commands.put)
         self._control = Control(self._session, self._saver, live=source.live)
+        self._is_ready = False
 
     @property
     def mailbox(self) -> Mailbox[Snapshot]:
@@ -118,13 +121,18 @@ class Engine:
         self._session.intake.close()
 
     def _get_ready(self) -> None:
-        self._prepare(self._preparing)
-        self._preparing("")
+        try:
+            self._prepare(self._report_preparing)
+        finally:
+            self._is_ready = True
+            self._report_preparing("")
 
-    def _preparing(self, how_far: str) -> None:
-        self._transport.preparing = how_far
+    def _report_preparing(self, text: str, share: float | None = None) -> None:
+        """What the run waits for: this thread does while the kernels are prepared, or when it calls one."""
+        self._transport.preparing, self._transport.prepared = text, share
         self._publisher.touch()
-        self._publish(resting=True)
+        if not self._is_ready or threading.current_thread() is self._thread:
+            self._publish(resting=True)
 
     def _guard(self, action: Callable[[], None]) -> None:
         try:
@@ -141,7 +149,7 @@ class Engine:
             if self._control.lapse():
                 self._publisher.touch()
             waiting = self._session.run.waiting
-            patience = self._transport.patience(waiting.stamp_ns if isinstance(waiting, LaserScan) else None)
+            patience = self._transport.patience(waiting.stamp_ns if waiting and self._is_paced(waiting) else None)
             self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
             if patience == 0.0 and self._commands.empty():
                 return None
@@ -152,6 +160,14 @@ class Engine:
             except Empty:
                 if sooner == patience:
                     return None
+
+    def _is_paced(self, waiting: Measurement) -> bool:
+        """Whether it is a scan that waits for its time; there is nothing to see before the filter is aligned."""
+        if not isinstance(waiting, LaserScan):
+            return False
+        pipeline = self._session.run.pipeline
+        aligning = not pipeline.scans and waiting.stamp_ns - (pipeline.start_ns or 0) < ALIGNING_NS
+        return not (aligning and self._transport.running)
 
     def _advance(self) -> None:
         """One item read, or one measurement stepped."""
@@ -206,6 +222,8 @@ class Engine:
     def _fail(self, reason: str) -> None:
         self._transport.fail(reason)
         self._session.log(reason, "error")
+        if isinstance(self._source, Repairable) and self._source.repairs and self._source.report.findings:
+            self.send(Repair())
 
     def _publish(self, resting: bool) -> None:
         if not self._publisher.due(resting):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.session.changes import SettingsChange
-from hectorscope.session.commands import Command, Configure, ConfigureAll, Play, Restart
+from hectorscope.session.commands import Command, Configure, ConfigureAll, Play, Repair, Restart
 from slam_core.errors import SlamError
 
 NAMED = 4  # settings
@@ -29,6 +29,8 @@ def loss(command: Command, pipeline: Pipeline, change: Change, *, stopped: bool)
     match command:
         case Restart():
             return _map_loss("Begin again", pipeline)
+        case Repair():
+            return _map_loss("To repair the sensors' messages is to begin again", pipeline)
         case Play() if stopped:
             return _map_loss("The run has stopped; to go on is to begin again", pipeline)
         case Configure() | ConfigureAll():

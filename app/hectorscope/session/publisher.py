@@ -140,7 +140,7 @@ def status(source: Source, run: Run) -> PlaybackStatus:
     """Where the run is."""
     pipeline, transport = run.pipeline, run.transport
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
-    detail = transport.failure or transport.preparing or source.report.waiting
+    detail = transport.failure or source.report.waiting
     if run.behind:
         detail = detail or f"catching up with the stream: {run.behind} scans behind"
     if transport.processed_again:
@@ -158,6 +158,8 @@ def status(source: Source, run: Run) -> PlaybackStatus:
         realtime_factor=transport.meter.realtime_factor,
         scan_rate=transport.meter.scan_rate,
         detail=detail,
+        preparing=transport.preparing,
+        prepared=transport.prepared,
     )
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from hectorscope.inputs import Source, SourceReport, merged
+from hectorscope.inputs import Repairable, Source, SourceReport, merged
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
@@ -62,6 +62,15 @@ class Session:
         """An empty map or the prior map, at the beginning; a stream that still flows goes on."""
         self.begin(self.run.settings, "restart")
         self.log(f"Started again with {'the saved' if self._prior_map else 'an empty'} map")
+
+    def repair(self) -> None:
+        """Begin again with what the sensor check found put right; the source tells what, in its notes."""
+        source = self._source
+        if not isinstance(source, Repairable) or not source.repair():
+            self.log("The sensor check has found nothing that could be repaired", "warning", answer=True)
+            return
+        self.intake.close()
+        self.begin(self.run.settings, "repair")
 
     def begin(self, settings: Settings, what: str = "") -> None:
         """A new run takes the place of the present one, which is kept for a minute if `what` says why."""

@@ -22,7 +22,11 @@ PlaybackState = Literal["loading", "playing", "paused", "seeking", "ended", "wai
 
 @dataclass(frozen=True, slots=True)
 class PlaybackStatus:
-    """Where the run is. Times are of the recording; a live stream has no end (end_ns None)."""
+    """Where the run is. Times are of the recording; a live stream has no end (end_ns None).
+
+    preparing: what the run waits for until it can go on, empty if for nothing. prepared: the share of it that is
+    done, if known.
+    """
 
     state: PlaybackState = "loading"
     live: bool = False
@@ -33,6 +37,8 @@ class PlaybackStatus:
     realtime_factor: float = 0.0
     scan_rate: float = 0.0
     detail: str = ""
+    preparing: str = ""
+    prepared: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

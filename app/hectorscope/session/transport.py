@@ -26,7 +26,7 @@ class Transport:
     """Play, pause, one step, a seek, the end or a failure, of a recording or a live stream.
 
     A stream flows on while it is paused: its scans are `unwanted`. processed_again: whether the last scan was so,
-    with other settings. clock: seconds, monotonic.
+    with other settings. preparing, prepared: as in a `PlaybackStatus`. clock: seconds, monotonic.
     """
 
     def __init__(
@@ -34,6 +34,7 @@ class Transport:
     ) -> None:
         self.live = live
         self.preparing = ""
+        self.prepared: float | None = None
         self.failure = ""
         self.meter = RateMeter(clock)
         self._clock = clock
@@ -145,7 +146,7 @@ class Transport:
 
     def state(self, scans: int) -> PlaybackState:
         """The one word for all this, after so many scans."""
-        playing: PlaybackState = "playing" if scans else "loading"
+        playing: PlaybackState = "playing" if scans and not self.preparing else "loading"
         if self.live and self._clock() - self._passed_at > SILENCE_S:
             playing = "waiting"
         choices: list[tuple[bool, PlaybackState]] = [

@@ -53,7 +53,8 @@ class BagSource:
         """Counters of the latest reading; what is wrong with the file is among the notes."""
         report = self._converter.report
         refused = tuple(f"{channel.topic} is not used: {reason}" for channel, reason in self._refused.items())
-        report = replace(report, warnings=(*report.warnings, *refused))
+        scans = next((topic.messages for topic in self.topics if topic.name == self.roles.scan), None)
+        report = replace(report, warnings=(*report.warnings, *refused), scans=scans)
         damage = self._failure or self.recording.damage
         if not damage:
             return report

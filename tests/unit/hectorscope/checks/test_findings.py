@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hectorscope.checks.findings import findings, remedy
-from hectorscope.checks.sensor_check import DeviceError, Watched, checked_source
+from hectorscope.checks.sensor_check import CheckedSource, DeviceError
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.ros.repairs import Repairs
@@ -208,16 +208,24 @@ def test_wheels_are_held_against_the_scans(sign: float, flag: str | None) -> Non
     assert [finding.repair for finding in findings(measures(items), SourceOptions())] == ([flag] if flag else [])
 
 
+def checked(items: Iterable[Item], *, repairs: bool = False) -> CheckedSource:
+    """A recording that is opened with options as a file is."""
+    items = list(items)
+    return CheckedSource(
+        lambda options: MemoryRecording(repaired(items, options)), SourceOptions(), repairs=repairs
+    )
+
+
 def test_a_recording_is_refused_by_its_beginning() -> None:
-    """The name, the fact, the flags and the way without the IMU; with the flags it is taken."""
-    items = [LIES["degrees"][0](item) for item in honest()]
-    with pytest.raises(
-        DeviceError, match=r"memory: the gyroscope turns 5\d times .*--imu-gyro-unit deg/s, or .*none"
-    ):
-        checked_source(MemoryRecording(items), SourceOptions())
-    for options in (SourceOptions(imu_gyro_unit="deg/s"), SourceOptions()):
-        source = MemoryRecording(repaired(items, options) if options.imu_gyro_unit else honest())
-        assert checked_source(source, options) is source
+    """The name, the fact, --repair, the flags and the way without the IMU; an honest one is taken."""
+    refused = checked(map(LIES["degrees"][0], honest()))
+    words = r"memory: the gyroscope turns 5\d times .* with --repair, or with --imu-gyro-unit deg/s, or .*none"
+    with pytest.raises(DeviceError, match=words):
+        next(refused.items())
+    assert [finding.repair for finding in refused.report.findings] == ["--imu-gyro-unit deg/s"]
+    taken = checked(honest())
+    assert len(list(taken.items())) == len(honest())
+    assert not taken.report.findings
 
 
 def test_a_refusal_says_what_inspect_says() -> None:
@@ -227,22 +235,44 @@ def test_a_refusal_says_what_inspect_says() -> None:
     items = [lie(late(LaserScan, 0.3 if item.stamp_ns < late_at else 0.1)(item)) for item in honest(30.0)]
     flags = remedy(findings(measures(items), SourceOptions()))
     assert "--scan-delay" in flags
-    with pytest.raises(DeviceError, match=f"run again with {re.escape(flags)}, or"):
-        checked_source(MemoryRecording(items), SourceOptions())
+    with pytest.raises(DeviceError, match=f"or with {re.escape(flags)}, or"):
+        next(checked(items).items())
 
 
 def test_a_delay_alone_refuses_nothing() -> None:
-    """A run with late scans is worse, not wrong."""
-    source = MemoryRecording([LIES["late scans"][0](item) for item in honest()])
-    assert checked_source(source, SourceOptions()) is source
+    """A run with late scans is worse, not wrong: it is warned of, and can be repaired."""
+    source = checked(map(LIES["late scans"][0], honest()))
+    assert list(source.items())
+    assert "--scan-delay 0.2" in source.report.warnings[0]
+    assert source.repair()
+    assert source.report.sensors["scan_delay"] == pytest.approx(0.2, abs=0.03)
+
+
+@pytest.mark.parametrize("repairs", [True, False])
+def test_what_is_found_is_repaired(repairs: bool) -> None:
+    """From the start or on request: the items are those of the flags, and the report tells what was repaired."""
+    items = list(honest())
+    for name in ("milli-g", "degrees", "mirrored scan", "late scans"):
+        items = [LIES[name][0](item) for item in items]
+    source = checked(items, repairs=repairs)
+    if not repairs:
+        with pytest.raises(DeviceError):
+            next(source.items())
+        assert source.repair()
+    came = list(source.items())
+    report = source.report
+    found = {"imu_accel_unit": "mg", "imu_gyro_unit": "deg/s", "scan_mirrored": True}
+    assert report.sensors == found | {"scan_delay": pytest.approx(0.2, abs=0.03)}
+    facts = " ".join(note for note in report.notes if note.startswith("Repaired: "))
+    assert all(word in facts for word in ("milli-g", "degrees a second", "wrong way round"))
+    assert next(item.linear_acceleration[2] for item in came if isinstance(item, Imu)) == pytest.approx(9.8, abs=1)
 
 
 def test_a_stream_ends_when_its_devices_contradict_each_other() -> None:
     """What came until then is handed on; the reason ends it."""
     stream = MemoryStream()
     stream.send([LIES["milli-g"][0](item) for item in honest()])
-    watched = checked_source(stream, SourceOptions())
-    assert isinstance(watched, Watched)
+    watched = CheckedSource(lambda _: stream, SourceOptions())
     came = []
     with pytest.raises(DeviceError, match="milli-g"):
         came.extend(watched.items())
@@ -252,17 +282,20 @@ def test_a_stream_ends_when_its_devices_contradict_each_other() -> None:
     honest_stream = MemoryStream()
     honest_stream.send(honest())
     honest_stream.close()
-    assert len(list(checked_source(honest_stream, SourceOptions()).items())) == len(honest())
+    assert len(list(CheckedSource(lambda _: honest_stream, SourceOptions()).items())) == len(honest())
 
 
 def test_a_stream_whose_imu_hangs_upside_down_is_warned_of_at_rest_and_ended_by_a_turn() -> None:
     """Within two seconds the report says which way is up; once the scans turn too it is sure."""
     stream = MemoryStream()
     stream.send([LIES["upside down"][0](item) for item in honest()])
-    watched = checked_source(stream, SourceOptions())
+    watched = CheckedSource(lambda _: stream, SourceOptions())
     warned = next(item.stamp_ns for item in watched.items() if watched.report.warnings)
     assert warned - honest()[0].stamp_ns < 2 * SECOND
-    assert "mounted upside down: run again with --imu-rotation 3.1416 0 0" in watched.report.warnings[0]
+    assert (
+        "mounted upside down: run again with --repair, or with --imu-rotation 3.1416 0 0"
+        in watched.report.warnings[0]
+    )
     with pytest.raises(DeviceError, match="upside down"):
         list(watched.items())
     watched.close()

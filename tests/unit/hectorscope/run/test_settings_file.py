@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hectorscope.run.settings import Change, Settings
-from hectorscope.run.settings_file import SettingsError, read_toml, to_toml
+from hectorscope.run.settings_file import SettingsError, read_sensors, read_toml, to_toml
 from slam_core.config import Leaf, SlamConfig, leaves, with_value
 
 
@@ -101,3 +101,29 @@ def test_a_file_of_version_0_1_is_read(tmp_path: Path) -> None:
     settings = read_toml(path)
     assert settings.start == with_value(SlamConfig(), "matcher.degeneracy_threshold", 0.04)
     assert settings.changes == (Change(6, "tracking.unaided_mahalanobis_limit", 3.0),)
+
+
+def test_what_is_stated_of_the_sensors_is_kept(tmp_path: Path) -> None:
+    """Units, signs, angles and delays come back as they were, beside the settings."""
+    stated = {
+        "imu_accel_unit": "mg",
+        "scan_mirrored": True,
+        "imu_rotation": (3.1416, 0.0, 0.0),
+        "scan_delay": 0.11,
+    }
+    path = tmp_path / "config.toml"
+    path.write_text(to_toml(Settings(), stated))
+    assert read_toml(path) == Settings()
+    assert read_sensors(path) == stated
+
+
+@pytest.mark.parametrize(
+    "line",
+    ['imu_accel_unit = "yards"', "scan_mirrored = 1", "imu_rotation = [1.0]", 'scan_topic = "/scan"', "x = 1"],
+)
+def test_a_bad_word_on_the_sensors_is_refused(tmp_path: Path, line: str) -> None:
+    """The entry and its value; nothing of it is passed over."""
+    path = tmp_path / "config.toml"
+    path.write_text(f"[sensors]\n{line}\n")
+    with pytest.raises(SettingsError, match=rf"sensors\.{line.split(maxsplit=1)[0]} = "):
+        read_toml(path)

@@ -1,79 +1,93 @@
 """The kernels are ready before the first scan, and whoever waits for them is told."""
 
-import re
 import subprocess
 import sys
-from collections.abc import Callable
 
 import pytest
 
 from hectorscope.run import warmup
 from tests.conftest import ROOT
 
-# Prints every kernel of ours that is compiled, not loaded, while everything is run once.
+# Prints every function of ours that is compiled, not loaded.
 WATCHED = """
 from tests import conftest
-from numba.core import event
-from hectorscope.run.warmup import warm_up
+from hectorscope.run import warmup
 
-class Compiled(event.Listener):
+class Compiled(warmup.event.Listener):
     def on_start(self, _):
         pass
 
     def on_end(self, compilation):
-        print(compilation.data["dispatcher"].py_func.__qualname__)
+        if warmup.is_ours(compilation):
+            print(compilation.data["dispatcher"].py_func.__qualname__)
 
-event.register("numba:compile", Compiled())
-warm_up()
+warmup.listen("numba:compile", Compiled())
 """
+EVERYTHING = "warmup.load_everything()"
+TOLD = """
+from hectorscope.run import warmup
+from slam_core.slam import HectorSlam
+
+def report(text, share=None):
+    print(text, "" if share is None else share, sep="|", flush=True)
+
+warmup.warm_up(report)
+print("begins", flush=True)
+slam = HectorSlam()
+for stamp_ns in (0, 100_000_000):
+    slam.step(warmup._scan(stamp_ns))
+"""
+COLD_S = 900  # of a busy machine
 
 
-def test_everything_is_run_and_the_waiting_is_told(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The made-up room exercises the whole pipeline; how far that is goes to the terminal and to the page."""
-    monkeypatch.setattr(warmup, "PATIENCE_S", 0.0)
-    monkeypatch.setattr(warmup, "PERIOD_S", 0.001)
-    told: list[str] = []
-    warmup.warm_up(told.append)
-    counts = [re.fullmatch(r"(\d+) of (\d+) kernels compiled \(first start only\)", text) for text in told]
-    numbers = [(int(count[1]), int(count[2])) for count in counts if count]
-    assert len(numbers) == len(told) > 0
-    assert numbers == sorted(numbers)
-    assert 0 < numbers[-1][0] <= numbers[-1][1]
-    assert told[0] in capsys.readouterr().err
+def output(script: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Of a process of its own."""
+    command = [sys.executable, "-c", script]
+    env = {**warmup.os.environ, **environment}
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=COLD_S, text=True, env=env)
 
 
-def test_a_start_in_time_says_nothing(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Who has not waited for long needs no word."""
-    monkeypatch.setattr(warmup, "PATIENCE_S", 600.0)
-    warmup.warm_up()
-    assert capsys.readouterr().err == ""
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> subprocess.CompletedProcess[str]:
+    """What the very first start of all says: to its page on stdout, and on stderr."""
+    return output(TOLD, NUMBA_CACHE_DIR=str(tmp_path_factory.mktemp("cold")))
 
 
-def test_who_waits_has_a_helper(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It runs the filter's kernels to the end when it is left alone, and ends before that with who began it."""
-    helpers = [warmup._helper()]
-    assert helpers[0].wait(300) == 0
-    helpers.append(warmup._helper())
-    helpers[1].communicate()  # closes its input, as the end of this process would
-    assert helpers[1].returncode == 1
+def test_the_first_scan_waits_for_its_own_kernels_only(told: subprocess.CompletedProcess[str]) -> None:
+    """How far that is goes to the terminal and to the page, up to the whole; the match is compiled later."""
+    first, later = told.stdout.split("begins\n")
+    shares = [float(line.split("|")[1]) for line in first.splitlines() if not line.startswith("|")]
+    assert shares == sorted(shares)
+    assert shares[0] == 0.0
+    assert shares[-1] == 1.0
+    assert "match_coarse_to_fine" not in first
+    assert f"of {warmup.FIRST} functions (first start only)" in told.stderr
+    assert "Compiling match_coarse_to_fine (first start only)|" in later
 
-    def helper(begin: Callable[[], subprocess.Popen[bytes]] = warmup._helper) -> subprocess.Popen[bytes]:
-        helpers.append(begin())
-        return helpers[-1]
 
-    monkeypatch.setattr(warmup, "_helper", helper)
-    monkeypatch.setattr(warmup, "PATIENCE_S", 0.0)
-    warmup.warm_up()
-    assert len(helpers) == 3
-    assert helpers[2].returncode is not None
+def test_a_kernel_that_a_run_needs_later_is_told(told: subprocess.CompletedProcess[str]) -> None:
+    """Each is named while it is compiled, and then the words are taken back."""
+    later = told.stdout.split("begins\n")[1].splitlines()
+    assert later
+    assert [line == "|" for line in later] == [False, True] * (len(later) // 2)
+
+
+def test_a_start_that_compiles_nothing_says_nothing() -> None:
+    """Who has not waited needs no word, and nobody helps."""
+    output("from tests import conftest; from hectorscope.run import warmup; warmup.warm_up()")
+    again = output(f"from tests import conftest\n{TOLD.split('slam =', maxsplit=1)[0]}")
+    assert again.stdout == "begins\n"
+    assert again.stderr == ""
+
+
+def test_a_helper_ends_with_who_began_it() -> None:
+    """It stops when its input is closed, which the end of a process does."""
+    helper = warmup.helper()
+    helper.communicate()  # closes its input, as the end of this process would
+    assert helper.returncode == 1
 
 
 def test_the_second_start_compiles_nothing() -> None:
     """Every kernel that Python calls is kept; one that is not would be compiled at each start."""
-    command = [sys.executable, "-c", WATCHED]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=300)
-    again = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=300, text=True)
-    ours = set(again.stdout.split()) - {"impl"}
-    assert not ours
+    output(WATCHED + EVERYTHING)
+    assert not output(WATCHED + EVERYTHING).stdout
