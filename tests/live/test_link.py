@@ -1,5 +1,8 @@
 """The connection to a live server: what cannot work is told at once, what may come back is waited for."""
 
+import base64
+import hashlib
+import re
 import socket
 import threading
 from collections.abc import Callable
@@ -9,6 +12,7 @@ from typing import Any
 import pytest
 
 from hectorscope.inputs import SourceError
+from hectorscope.sources import _foxglove_link
 from hectorscope.sources._foxglove_link import LARGEST_FRAME, Link
 
 
@@ -106,3 +110,42 @@ def test_lost_connection_is_made_again(scripted: Callable[..., Any]) -> None:
     link.close()
     assert statuses[::2] == ["", "", ""]
     assert all("lost the connection" in status for status in statuses[1::2])
+
+
+def stalling(frame: bytes) -> int:
+    """The port of a server that greets every caller like a bridge, sends `frame`, and says nothing any more."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    callers: list[socket.socket] = []
+
+    def answer() -> None:
+        while True:
+            callers.append(listener.accept()[0])
+            key = re.search(rb"Sec-WebSocket-Key: (\S+)", callers[-1].recv(4096))
+            assert key is not None
+            proof = base64.b64encode(hashlib.sha1(key[1] + b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11").digest())
+            callers[-1].sendall(
+                b"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                b"Sec-WebSocket-Protocol: foxglove.sdk.v1\r\nSec-WebSocket-Accept: " + proof + b"\r\n\r\n" + frame
+            )
+
+    threading.Thread(target=answer, daemon=True).start()
+    return int(listener.getsockname()[1])
+
+
+@pytest.mark.parametrize("frame", [b"", b"\x82\x7e\xff\xff" + bytes(100)], ids=["at once", "in a frame"])
+def test_a_link_that_stalls_is_made_again(
+    frame: bytes,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """Silence, also within a frame, counts as a loss after a while; nothing is printed."""
+    monkeypatch.setattr(_foxglove_link, "PING_INTERVAL_S", 0.1)
+    monkeypatch.setattr(_foxglove_link, "PING_TIMEOUT_S", 0.2)
+    link = Link(f"ws://127.0.0.1:{stalling(frame)}")
+    for frames in islice(link.connections(), 2):
+        assert list(frames) == []
+        assert "lost the connection to" in link.status
+    link.close()
+    assert not caplog.records
+    assert "Traceback" not in "".join(capfd.readouterr())

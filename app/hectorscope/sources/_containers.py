@@ -3,20 +3,21 @@
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rosbags import rosbag1, rosbag2
+from rosbags import rosbag2
 from rosbags.interfaces import Connection, MessageDefinitionFormat
 
 from hectorscope.common.paths import absence, exists
 from hectorscope.inputs import SourceError
-from hectorscope.ros.decode import Generation
 from hectorscope.sources._mcap_scan import scan_mcap
 from hectorscope.sources._recording import Channel, Raw, Recording, by_scanning, joined
 from hectorscope.sources._rosbag_index import BagIndex
 from hectorscope.sources._rosbag_scan import scan_rosbag
+from hectorscope.sources._unpacking import check_overlap, temporary_folder, unpack_file, unpacked
 
 SUFFIXES = (".bag", ".active", ".mcap", ".db3")
 _KINDS = {
@@ -25,6 +26,9 @@ _KINDS = {
     ".mcap": ("MCAP file", b"\x89MCAP0\r\n"),
     ".db3": ("rosbag2 SQLite file", b"SQLite format 3\0"),
 }
+ROS1_SUFFIXES = (".bag", ".active")
+LONGEST_METADATA = 2**21  # bytes; hundreds of topics take some 100 KB
+ANCHOR = re.compile(rb"[\s,\[{]&\w")
 LATEST_NS = 2**63  # times are signed numbers of 64 bits
 
 
@@ -40,18 +44,52 @@ def open_recording(path: Path) -> Recording:
 
 
 def _open_folder(path: Path) -> Recording:
-    """A rosbag2 folder; without a usable metadata.yaml, the files in it."""
+    """A rosbag2 folder; packed, or without a usable metadata.yaml, the files in it."""
+    if packed := _files(path, ".zstd"):
+        return _open_packed(path, packed)
     damage = "its metadata.yaml is missing"
     if exists(path / "metadata.yaml"):
         try:
+            _check_metadata(path / "metadata.yaml")
             return _indexed(path, "rosbag2 folder")
         except Exception as error:  # as in _open_file
             damage = _reason(error)
-    within = [file for suffix in (".mcap", ".db3") for file in path.glob(f"*{suffix}")]
-    files = sorted(filter(Path.is_file, within), key=_natural)
+    files = _files(path, ".mcap", ".db3")
     if not files:
         raise SourceError(f"{path} is no rosbag2 folder ({damage}, no .mcap or .db3 file): give a recording")
     return joined(path, [_open_file(file) for file in files], damage)
+
+
+def _open_packed(path: Path, packed: list[Path]) -> Recording:
+    """A folder whose files are packed: they are unpacked elsewhere for as long as the recording is open."""
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(temporary_folder()))
+        for file in packed:
+            unpack_file(file, folder / file.stem)
+        plain = [file for file in _files(path, ".mcap", ".db3") if not exists(folder / file.name)]
+        files = sorted([*_files(folder, ".mcap", ".db3"), *plain], key=_natural)
+        if not files:
+            raise SourceError(f"{path} is no rosbag2 folder (no .mcap.zstd or .db3.zstd file): give a recording")
+        try:
+            recording = joined(path, [_open_file(file) for file in files], "")
+        except SourceError as error:
+            raise SourceError(str(error).replace(str(folder), str(path))) from error
+        stack.callback(recording.close)
+        return replace(recording, container="rosbag2 folder", close=stack.pop_all().close)
+
+
+def _files(folder: Path, *suffixes: str) -> list[Path]:
+    """The files of a folder that end so, part 10 behind part 9."""
+    found = [file for suffix in suffixes for file in folder.glob(f"*{suffix}")]
+    return sorted(filter(Path.is_file, found), key=_natural)
+
+
+def _check_metadata(path: Path) -> None:
+    """ValueError for a description that may stand for much more than it is long."""
+    if path.stat().st_size > LONGEST_METADATA:
+        raise ValueError(f"its metadata.yaml has more than {LONGEST_METADATA} bytes")
+    if ANCHOR.search(path.read_bytes()):
+        raise ValueError("its metadata.yaml repeats itself by anchors")
 
 
 def _open_file(path: Path) -> Recording:
@@ -87,34 +125,42 @@ def _recognise(path: Path) -> str:
 
 def _indexed(path: Path, container: str) -> Recording:
     """By the container's own index."""
-    generation: Generation = "ros1" if path.suffix in (".bag", ".active") else "ros2"
-    readers = _Readers(path, rosbag1.Reader if generation == "ros1" else rosbag2.Reader)
+    return _rosbag(path, container) if path.suffix in ROS1_SUFFIXES else _rosbag2(path, container)
+
+
+def _rosbag(path: Path, container: str) -> Recording:
+    index = BagIndex(path)
+    messages: Counter[Channel] = Counter()
+    for channel, places in index.connections:
+        messages[channel] += len(places)
+    return Recording(path, container, messages, index.span_ns, index.messages)
+
+
+def _rosbag2(path: Path, container: str) -> Recording:
+    readers = _Readers(path)
     with readers.one() as reader:
         messages: Counter[Channel] = Counter()
         for connection in reader.connections:
-            messages[_channel(connection, generation)] += connection.msgcount
+            messages[_channel(connection)] += connection.msgcount
         span_ns = (reader.start_time, reader.end_time - 1)
         if messages.total() and any(
             type(time_ns) is not int or not 0 <= time_ns < LATEST_NS for time_ns in span_ns
         ):
             raise ValueError("its first or last time is none")
-        index = BagIndex(reader) if generation == "ros1" else None
 
     def read(channels: Collection[Channel]) -> Iterator[Raw]:
-        if index is not None:
-            yield from _messages(index, channels, generation)
-            return
         with readers.one() as reader:
-            yield from _messages(reader, channels, generation)
+            yield from _messages(reader, channels, packed=readers.packed)
 
     return Recording(path, container, messages, span_ns, read, close=readers.close)
 
 
 class _Readers:
-    """Open readers of one recording, each for one reading at a time: to open one may take unpacking all of it."""
+    """Open readers of one recording, each for one reading at a time. packed: each message by itself, by zstd."""
 
-    def __init__(self, path: Path, make: Any) -> None:
-        self._path, self._make = path, make
+    def __init__(self, path: Path) -> None:
+        self.packed = False
+        self._path = path
         self._idle: list[Any] = []
         self._closed = False
 
@@ -130,8 +176,13 @@ class _Readers:
                 self.close()
 
     def _opened(self) -> Any:
-        reader = self._make(self._path)
+        reader = rosbag2.Reader(self._path)
         reader.open()
+        for storage in getattr(reader.storage, "storages", [reader.storage]):
+            check_overlap(getattr(storage, "chunks", []))
+        if reader.compression_mode == "message":  # the library would unpack it whatever becomes of it
+            self.packed = True
+            reader.storage.metadata = reader.storage.metadata._replace(compression_mode=None)
         return reader
 
     def close(self) -> None:
@@ -141,19 +192,27 @@ class _Readers:
             self._idle.pop().close()
 
 
-def _messages(container: Any, channels: Collection[Channel], generation: Generation) -> Iterator[Raw]:
-    """Those of some channels, by the container's own `connections` and `messages`."""
-    known = {connection.id: _channel(connection, generation) for connection in container.connections}
-    wanted = [connection for connection in container.connections if known[connection.id] in channels]
+def _messages(reader: Any, channels: Collection[Channel], *, packed: bool) -> Iterator[Raw]:
+    """Those of some channels. packed: each message by itself."""
+    known = {connection.id: _channel(connection) for connection in reader.connections}
+    wanted = [connection for connection in reader.connections if known[connection.id] in channels]
     if wanted:
-        for connection, log_ns, data in container.messages(wanted):
-            yield Raw(known[connection.id], log_ns, data)
+        for connection, log_ns, data in reader.messages(wanted):
+            yield Raw(known[connection.id], log_ns, _message(data) if packed else data)
 
 
-def _channel(connection: Connection, generation: Generation) -> Channel:
+def _message(data: Any) -> Any:
+    """What a packed message holds; what is none stays as it is, to be counted as such."""
+    try:
+        return unpacked("zstd", data)
+    except (RuntimeError, TypeError):
+        return data
+
+
+def _channel(connection: Connection) -> Channel:
     definition, form = connection.msgdef.data, connection.msgdef.format
     is_idl = form == MessageDefinitionFormat.IDL
-    return Channel(connection.topic, connection.msgtype, generation, definition, "idl" if is_idl else "msg")
+    return Channel(connection.topic, connection.msgtype, "ros2", definition, "idl" if is_idl else "msg")
 
 
 def _reason(error: Exception) -> str:

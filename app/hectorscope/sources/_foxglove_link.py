@@ -16,11 +16,13 @@ from websockets.exceptions import (
 from websockets.sync.client import ClientConnection, connect
 from websockets.uri import parse_uri
 
+from hectorscope.common.terminal import silent_logger
 from hectorscope.inputs import SourceError
 from hectorscope.sources._foxglove_wire import SUBPROTOCOLS
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.25, 5.0
 CONNECT_TIMEOUT_S = 5.0
+PING_INTERVAL_S, PING_TIMEOUT_S = 5.0, 10.0  # without an answer the link counts as lost
 # A robot with hundreds of topics sends megabytes of definitions in one frame; nothing honest is larger.
 LARGEST_FRAME = 32 * 2**20
 
@@ -121,10 +123,11 @@ def _connect(uri: str) -> ClientConnection:
         compression=None,  # a robot's processor has better things to do
         proxy=None,  # a robot is a neighbour, not a web site
         open_timeout=CONNECT_TIMEOUT_S,
-        ping_interval=5.0,
-        ping_timeout=10.0,
+        ping_interval=PING_INTERVAL_S,
+        ping_timeout=PING_TIMEOUT_S,
         close_timeout=1.0,
         max_size=LARGEST_FRAME,
+        logger=silent_logger("hectorscope.sources.websockets"),
     )
     if connection.subprotocol is None:
         connection.close()

@@ -49,6 +49,10 @@ class Recording:
     close: Callable[[], None] = lambda: None
 
 
+MOST_KEPT = 2**28  # bytes of messages that wait to be sorted
+OVERHEAD = 250  # bytes that a message takes besides its data
+
+
 def by_scanning(path: Path, container: str, scan: Callable[[], Iterator[Raw]], damage: str) -> Recording:
     """A recording without a usable index: read through once for its contents, and sorted at every reading.
 
@@ -69,16 +73,26 @@ def by_scanning(path: Path, container: str, scan: Callable[[], Iterator[Raw]], d
 
 
 def in_order(raws: Iterable[Raw], late_ns: int) -> Iterator[Raw]:
-    """Messages by time, those of one time as they come; none comes later than `late_ns` after a newer one."""
+    """Messages by time, those of one time as they come; none comes later than `late_ns` after a newer one.
+
+    One that comes behind more than MOST_KEPT bytes stays late.
+    """
     waiting: list[tuple[int, int, Raw]] = []
-    newest_ns = 0
+    newest_ns, kept = 0, 0
     for number, raw in enumerate(raws):
         heapq.heappush(waiting, (raw.log_ns, number, raw))
         newest_ns = max(newest_ns, raw.log_ns)
-        while waiting and waiting[0][0] <= newest_ns - late_ns:
-            yield heapq.heappop(waiting)[-1]
+        kept += _size(raw)
+        while waiting and (waiting[0][0] <= newest_ns - late_ns or kept > MOST_KEPT):
+            oldest = heapq.heappop(waiting)[-1]
+            kept -= _size(oldest)
+            yield oldest
     while waiting:
         yield heapq.heappop(waiting)[-1]
+
+
+def _size(raw: Raw) -> int:
+    return len(raw.data) + OVERHEAD
 
 
 def joined(path: Path, parts: Iterable[Recording], damage: str) -> Recording:

@@ -5,7 +5,6 @@ viser is pinned exactly; tests pin each of these uses. A page that cannot be gua
 
 import contextlib
 import io
-import logging
 import socket
 import threading
 import time
@@ -23,6 +22,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from hectorscope.common.terminal import silent_logger
 from hectorscope.page.viser_private import input_control
 from hectorscope.web.access_control import AccessControl
 from hectorscope.web.messages import admit
@@ -53,7 +53,7 @@ def open_server(listener: socket.socket, access: AccessControl) -> viser.ViserSe
             "create_connection": listening(find),
             "max_size": MAX_MESSAGE,
             "server_header": None,
-            "logger": _silent(),
+            "logger": silent_logger("hectorscope.web.websockets"),
         }
         return websockets.asyncio.server.serve(handler, sock=listener, **options)
 
@@ -77,13 +77,6 @@ def stop_server(server: viser.ViserServer) -> None:
     """Close every connection and the port."""
     with quiet():
         server.stop()
-
-
-def _silent() -> logging.Logger:
-    """For the WebSocket library, which logs a traceback for every request that is not HTTP."""
-    logger = logging.getLogger("hectorscope.web.websockets")
-    logger.setLevel(logging.CRITICAL + 1)
-    return logger
 
 
 def quiet() -> contextlib.AbstractContextManager[Any]:
@@ -116,7 +109,7 @@ def listening(find: Callable[[str], Any]) -> type[ServerConnection]:
         def filtered(self, raw: Any) -> bytes | None:
             try:
                 message = admit(msgspec.msgpack.decode(raw), find) if isinstance(raw, bytes) else None
-            except msgspec.DecodeError:
+            except (msgspec.DecodeError, RecursionError):
                 return None
             if message is None or (message["type"] == "ViewerCameraMessage" and not self.wants_camera()):
                 return None

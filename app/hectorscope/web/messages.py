@@ -1,13 +1,13 @@
-"""Messages that a browser may send: values of controls, within their bounds. Everything else is dropped."""
+"""Messages that a browser may send: values of controls within their bounds, and few more. All else is dropped."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import viser
 
-PASSED = frozenset({"ViewerCameraMessage", "GuiButtonHoldMessage", "CommandTriggerMessage"})
 MAX_TEXT = 1000  # characters in a text field
+MAX_PIXELS = 100_000  # of a window, either way
 
 Find = Callable[[str], Any]
 
@@ -18,12 +18,20 @@ class RefusedError(ValueError):
 
 def admit(message: Any, find: Find) -> dict[str, Any] | None:
     """The message as it may pass, None when it is dropped; `find` gives the control of a uuid, or None."""
-    if isinstance(message, dict) and message.get("type") in PASSED:
-        return message
     try:
-        return checked(message, find)
+        return passed(message) or checked(message, find)
     except RefusedError:
         return None
+
+
+def passed(message: Any) -> dict[str, Any] | None:
+    """A message that is no change of a value, with the fields that viser takes; None for one of another type."""
+    match message:
+        case {"type": str(name), **fields} if name in PASSED:
+            rules = PASSED[name]
+            require(name, fields.keys() == rules.keys())
+            return {"type": name, **{field: rule(fields[field]) for field, rule in rules.items()}}
+    return None
 
 
 def checked(message: Any, find: Find) -> dict[str, Any]:
@@ -47,15 +55,36 @@ def bounded(control: Any, value: Any) -> Any:
 def clamp(value: Any, low: float | None, high: float | None) -> float:
     """A finite number inside [low, high]; None means open."""
     require(value, isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value))
-    number: float = value
+    within: float = value
     if low is not None:
-        number = max(low, number)
-    return number if high is None else min(high, number)
+        within = max(low, within)
+    return within if high is None else min(high, within)
 
 
 def row(value: Any, size: int) -> Iterable[Any]:
     """A list of `size` items."""
     return list(require(value, isinstance(value, list | tuple) and len(value) == size))
+
+
+def numbers(size: int) -> Callable[[Any], list[float]]:
+    """The rule for so many finite numbers."""
+    return lambda value: [number(each) for each in row(value, size)]
+
+
+def number(value: Any) -> float:
+    """A finite number."""
+    return clamp(value, None, None)
+
+
+def pixels(value: Any) -> int:
+    """The size of a window."""
+    return int(clamp(value, 1, MAX_PIXELS))
+
+
+def text(value: Any) -> str:
+    """A short text."""
+    words: str = require(value, isinstance(value, str) and len(value) <= MAX_TEXT)
+    return words
 
 
 def require(value: Any, good: bool) -> Any:
@@ -75,7 +104,7 @@ def vector(control: Any, value: Any) -> list[float]:
 RULES: tuple[tuple[tuple[type, ...], Callable[[Any, Any], Any]], ...] = (
     ((viser.GuiButtonHandle,), lambda _, __: True),
     ((viser.GuiCheckboxHandle,), lambda _, value: require(value, isinstance(value, bool))),
-    ((viser.GuiTextHandle,), lambda _, value: require(value, isinstance(value, str) and len(value) <= MAX_TEXT)),
+    ((viser.GuiTextHandle,), lambda _, value: text(value)),
     (
         (viser.GuiDropdownHandle, viser.GuiButtonGroupHandle),
         lambda control, value: require(value, value in tuple(control.options)),
@@ -94,3 +123,15 @@ RULES: tuple[tuple[tuple[type, ...], Callable[[Any, Any], Any]], ...] = (
     ),
     ((viser.GuiVector2Handle, viser.GuiVector3Handle), vector),
 )
+
+# The fields of the other messages that pass: viser relies on their types.
+PASSED: Mapping[str, Mapping[str, Callable[[Any], Any]]] = {
+    "ViewerCameraMessage": {
+        "wxyz": numbers(4),
+        **dict.fromkeys(("position", "look_at", "up_direction"), numbers(3)),
+        **dict.fromkeys(("fov", "near", "far"), number),
+        **dict.fromkeys(("image_height", "image_width"), pixels),
+    },
+    "GuiButtonHoldMessage": {"uuid": text, "frequency": number},
+    "CommandTriggerMessage": {"uuid": text},
+}

@@ -15,7 +15,7 @@ from rosbags import rosbag1
 
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.ros.recorder import Recorder
-from hectorscope.sources import _rosbag_index, _rosbag_scan
+from hectorscope.sources import _rosbag_index, _rosbag_scan, _unpacking
 from hectorscope.sources.bag import open_bag
 from slam_core.measurements import Imu, LaserScan
 from tests.bags import CONTAINERS, TENTH, kinds, messages_for, open_run, small_run
@@ -95,9 +95,9 @@ def test_a_chunk_unpacks_to_its_limit_only(
             message = ros.scan(i, ranges=np.ones(beams), angle_increment=1e-6)
             writer.write(connection, START + i, ros.store.serialize_ros1(message, connection.msgtype))
     path = tmp_path / "run.bag" if keep == 1.0 else cut(tmp_path / "run.bag", keep)
-    monkeypatch.setattr(_rosbag_scan, "LARGEST_CHUNK", 100_000)
+    monkeypatch.setattr(_unpacking, "LARGEST_CHUNK", 100_000)
     sizes: list[int] = []
-    unpacked = _rosbag_scan.unpacked
+    unpacked = _unpacking.unpacked
 
     def noted(*arguments: Any) -> bytes:
         content = unpacked(*arguments)

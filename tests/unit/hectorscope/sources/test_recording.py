@@ -1,10 +1,13 @@
 """The order of messages whose container has no index."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hectorscope.sources import _recording
 from hectorscope.sources._recording import Channel, Raw, by_scanning
 
 CHANNEL, OTHER = (
@@ -37,3 +40,22 @@ def test_only_late_messages_are_waited_for() -> None:
     begun = 0
     for count, _ in enumerate(recording.read([CHANNEL])):
         assert begun - count <= 8
+
+
+def test_one_that_is_very_late_does_not_keep_all_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A message of the year 1970 at the end of a long file stays late; no more than the limit waits for it."""
+    monkeypatch.setattr(_recording, "MOST_KEPT", 100 * (_recording.OVERHEAD + 10))
+    begun = 0
+
+    def scan() -> Iterator[Raw]:
+        nonlocal begun
+        for i in range(1000):
+            begun += 1
+            yield Raw(CHANNEL, 10 * i if i != 999 else 0, bytes(10))
+
+    recording = by_scanning(Path("run.bag"), "ROS 1 bag", scan, "")
+    begun, times = 0, []
+    for count, raw in enumerate(recording.read([CHANNEL])):
+        assert begun - count <= 102
+        times.append(raw.log_ns)
+    assert len(times) == 1000 and times.count(0) == 2

@@ -3,12 +3,15 @@
 import asyncio
 import itertools
 import socket
+import threading
 from collections.abc import Iterator
 
+import msgspec.msgpack
 import pytest
 import viser
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
+from websockets.typing import Subprotocol
 
 from hectorscope.page.static_files import File
 from hectorscope.web.access_control import AccessControl
@@ -16,6 +19,13 @@ from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.server import listen
 
 TOKEN = "open-sesame"
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    **{name: [0.0, 0.0, 1.0] for name in ("position", "look_at", "up_direction")},
+    **dict.fromkeys(("fov", "near", "far"), 1.0),
+    **dict.fromkeys(("image_height", "image_width"), 600),
+}
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +67,19 @@ def test_the_cookie_opens_the_socket_at_one_path(locked: viser.ViserServer) -> N
 
 
 @pytest.mark.parametrize(
-    "request_", [b"\x00\xff\r\n\r\n", b"POST / HTTP/1.1\r\n\r\n", b"GET / HTTP/1.1\r\nbad header\r\n\r\n"]
+    "request_",
+    [
+        b"\x00\xff\r\n\r\n",
+        b"POST / HTTP/1.1\r\n\r\n",
+        b"GET / HTTP/1.1\r\nbad header\r\n\r\n",
+        b"GET  HTTP/1.1\r\n\r\n",
+        b"GET / HTTP/9.9\r\n\r\n",
+        b"GET /" + b"x" * 20_000 + b" HTTP/1.1\r\n\r\n",
+        b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 500 + b"\r\n",
+        b"GET / HTTP/1.1\r\nHost: \xff\xfe\r\nCookie: \xff\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\nUpgrade: websocket\r\nUpgrade: websocket\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: -5\r\n\r\n",
+    ],
 )
 def test_what_is_not_http_is_refused_without_a_traceback(
     locked: viser.ViserServer, request_: bytes, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]
@@ -71,6 +93,62 @@ def test_what_is_not_http_is_refused_without_a_traceback(
     assert not caplog.records
     assert "Traceback" not in capfd.readouterr().err
     assert knock(locked, "/") == 403
+
+
+BAD_MESSAGES = (
+    b"",
+    b"\xc1",
+    b"\x91" * 60_000,  # a list in a list in a list
+    msgspec.msgpack.encode([1, 2]),
+    msgspec.msgpack.encode({"type": ["ViewerCameraMessage"]}),
+    msgspec.msgpack.encode({**CAMERA, "position": "here"}),
+    msgspec.msgpack.encode({**CAMERA, "wxyz": [None] * 4}),
+    msgspec.msgpack.encode({**CAMERA, "more": 1}),
+    msgspec.msgpack.encode({"type": "GuiButtonHoldMessage", "uuid": [], "frequency": {}}),
+    msgspec.msgpack.encode({"type": "CommandTriggerMessage"}),
+    "text",
+)
+
+
+def test_ill_typed_messages_end_in_no_traceback(
+    locked: viser.ViserServer, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """They are dropped one by one; the camera behind them is taken, and makes the browser a client."""
+    seen = threading.Event()
+    locked.on_client_connect(lambda _: seen.set())
+
+    async def talk() -> bool:
+        address = f"ws://127.0.0.1:{locked.get_port()}/"
+        protocols, cookie = [Subprotocol(f"viser-v{viser.__version__}")], {"Cookie": f"hectorscope={TOKEN}"}
+        async with connect(address, subprotocols=protocols, additional_headers=cookie) as socket_:
+            for message in (*BAD_MESSAGES, msgspec.msgpack.encode(CAMERA)):
+                await socket_.send(message)
+            return await asyncio.to_thread(seen.wait, 30)
+
+    assert asyncio.run(talk())
+    assert not caplog.records
+    assert "Traceback" not in "".join(capfd.readouterr())
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        f"/%0d%0a?token={TOKEN}",
+        f"/https:evil.example?token={TOKEN}",
+        f"//evil.example?token={TOKEN}",
+        f"https://evil.example/?token={TOKEN}",
+        "/?token=%ff%00",
+        "/?token=" + "x" * 4000,
+        "/%ff%fe",
+    ],
+)
+def test_strange_addresses_are_refused(locked: viser.ViserServer, target: str) -> None:
+    """No error within the server, and no way to another site, whoever has the token."""
+    with socket.create_connection(("127.0.0.1", locked.get_port()), timeout=10) as peer:
+        peer.sendall(f"GET {target} HTTP/1.1\r\nHost: 127.0.0.1:{locked.get_port()}\r\n\r\n".encode())
+        reply = b"".join(iter(lambda: peer.recv(4096), b""))
+    assert reply.startswith(b"HTTP/1.1 401 ")
+    assert b"Location" not in reply and b"Set-Cookie" not in reply
 
 
 ABSENT = ""

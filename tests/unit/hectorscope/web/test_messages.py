@@ -79,6 +79,68 @@ def test_everything_else_is_dropped(server: viser.ViserServer, message: Any) -> 
     assert admit(message, lambda name: input_control(server, name)) is None
 
 
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [0, 0, 5],
+    "fov": 1.3,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 600,
+    "image_width": 800,
+    "look_at": [0.0, 0.0, 0.0],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+
+
+def test_the_camera_of_a_browser_passes(server: viser.ViserServer) -> None:
+    """As it is; a window of any size is one that can be."""
+    assert admit(CAMERA, lambda _: None) == CAMERA
+    wide = admit({**CAMERA, "image_width": 1e300}, lambda _: None)
+    assert wide is not None and wide["image_width"] == 100_000
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"wxyz": "abcd"},
+        {"position": [1.0, 2.0]},
+        {"position": [1.0, 2.0, math.nan]},
+        {"look_at": [[1.0], 2.0, 3.0]},
+        {"fov": None},
+        {"far": math.inf},
+        {"image_width": "800"},
+        {"near": True},
+        {"owner": "x"},
+    ],
+)
+def test_an_ill_typed_camera_is_dropped(changes: dict[str, Any]) -> None:
+    """Its fields are taken by the page's library as they are."""
+    assert admit({**CAMERA, **changes}, lambda _: None) is None
+
+
+@pytest.mark.parametrize("field", sorted(CAMERA.keys() - {"type"}))
+def test_a_camera_that_lacks_something_is_dropped(field: str) -> None:
+    """All of its fields, or none."""
+    assert admit({name: value for name, value in CAMERA.items() if name != field}, lambda _: None) is None
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"type": "GuiButtonHoldMessage", "uuid": "x", "frequency": [1]},
+        {"type": "GuiButtonHoldMessage", "uuid": ["x"], "frequency": 1.0},
+        {"type": "CommandTriggerMessage"},
+        {"type": "CommandTriggerMessage", "uuid": {"a": 1}},
+        {"type": ["ViewerCameraMessage"]},
+        {"type": {}},
+    ],
+)
+def test_other_ill_typed_messages_are_dropped(message: Any) -> None:
+    """Lists and maps where viser looks up a text."""
+    assert admit(message, lambda _: None) is None
+
+
 def test_internals_of_a_control_cannot_be_set(server: viser.ViserServer) -> None:
     """A message may change a control's value and nothing else of it."""
     uuid = server.gui.add_slider("s", 0.0, 1.0, 0.1, 0.3)._impl.uuid
