@@ -91,19 +91,18 @@ UNEXPECTED = "Beams that end where the map knows free space: something new, or s
 
 
 def legend_html(snapshot: Snapshot, display: Display) -> str:
-    """What the lines and colours on the map mean, as far as they are there and not switched off."""
+    """What the lines and colours on the map mean, if there; static/dress.js hides those of hidden layers."""
     result = snapshot.result
-    ellipses = {key for _, key, _ in ROWS} - display.hidden
-    coloured = "scan" not in display.hidden and display.points == "residual"
+    coloured = display.points == "residual"
     entries = (
-        ("trajectory" not in display.hidden, f"{line('trajectory')}trajectory"),
-        ("truth" not in display.hidden and len(snapshot.truth) > 0, f"{line('truth', 'hs-dashed')}truth"),
-        (bool(ellipses), f"ellipses of {number(display.ellipse_scale, 4)} σ"),
-        ("position" not in display.hidden and result and result.navigation, f"{ring('position')}position"),
-        (coloured, 'residual 0<i class="hs-ramp"></i>1'),
-        (coloured, f'<span title="{UNEXPECTED}">{ring("unexpected")}unexpected</span>'),
+        (True, "trajectory", f"{line('trajectory')}trajectory"),
+        (len(snapshot.truth) > 0, "truth", f"{line('truth', 'hs-dashed')}truth"),
+        (True, "fused", f"ellipses of {number(display.ellipse_scale, 4)} σ"),
+        (result and result.navigation, "position", f"{ring('position')}position"),
+        (coloured, "scan", 'residual 0<i class="hs-ramp"></i>1'),
+        (coloured, "scan", f'<span title="{UNEXPECTED}">{ring("unexpected")}unexpected</span>'),
     )
-    shown = "".join(f"<span>{entry}</span>" for there, entry in entries if there)
+    shown = "".join(f'<span data-hs-of="{layer}">{entry}</span>' for there, layer, entry in entries if there)
     return f'<div class="hs-legend">{shown}</div>'
 
 

@@ -2,11 +2,9 @@
 
 from collections.abc import Mapping
 
-from viser import GuiButtonHandle, GuiEvent, Icon
-
 from hectorscope.inputs import SourceReport
 from hectorscope.page.scene import Scene
-from hectorscope.panels import _workspace
+from hectorscope.panels import _own, _workspace
 from hectorscope.panels._format import clock, figure, fixed, text
 from hectorscope.panels._handles import put
 from hectorscope.run.settings import Mode
@@ -31,19 +29,12 @@ class StatusPanel:
             gui.add_html(BRAND)
             self._run = gui.add_html("")
             self._losses = gui.add_html("")
-            self._theme = gui.add_button("Light theme", icon=Icon.SUN)
-        self._theme.on_click(self._switch_theme)
+            gui.add_html(_own.tools())
 
     def draw(self, snapshot: Snapshot) -> None:
         """Assign what changed."""
         put(self._run, run_html(snapshot.source, snapshot.playback, snapshot.mode, snapshot.searching))
         put(self._losses, losses_html(snapshot.report, self._scene.failures, snapshot.warnings))
-        label, icon = ("Light theme", Icon.SUN) if self._scene.display.dark else ("Dark theme", Icon.MOON)
-        if self._theme.label != label:
-            self._theme.label, self._theme.icon = label, icon
-
-    def _switch_theme(self, _: GuiEvent[GuiButtonHandle]) -> None:
-        self._scene.show(dark=not self._scene.display.dark)
 
 
 def run_html(source: str, playback: PlaybackStatus, mode: Mode = "map", searching: str = "") -> str:
