@@ -37,7 +37,7 @@ wheel-check: $(VENV)/ready-dev  ## build the wheel, install it in an empty envir
 bench: $(VENV)/ready-bench  ## measure and write docs/performance.md
 	$(BIN)/python -m benchmarks.performance $(ARGS)
 
-screenshots: $(VENV)/ready-dev chromium  ## take the pictures in docs/images
+screenshots: $(VENV)/ready-dev chromium  ## take pictures of every tab, theme and size into build/; ARGS=--docs those of docs/images
 	$(BIN)/python -m benchmarks.screenshots $(ARGS)
 
 docs: $(VENV)/ready-run  ## write docs/configuration.md from the configuration tree

@@ -1,18 +1,11 @@
-// What the scene needs inside the browser: crisp cells, and a camera that each person has for themselves.
-//
-// viser leaves its internals at window.__viserMutable. They are no interface: everything here looks before it
-// touches, and without them the page still shows everything, with blurred cells and viser's own camera.
+// The camera, which each person has for themselves, and the robot, which is seen from far too.
 "use strict";
 
 (() => {
-  const NEAREST = 1003; // THREE.NearestFilter
+  const { own, drawing } = window.hectorscope;
   const MAP = "/floor/map/";
-  const FOCUS = "/floor/focus/"; // boxes around what a camera should show, of size one before their scale
   const GRID = "/floor/grid/lines";
   const ROBOT = "/robot";
-  const POINTS = "/floor/scan/points";
-  const POINT_SIZE = "gl_PointSize = (scale / -world_pos.z)"; // as viser writes it
-  const POINT_PIXELS = "3.0";
   const MAGNIFIED = ["/robot/hull", "/floor/footprint", "/frames/base_footprint", "/frames/base_stabilized", "/frames/base_link"];
   const ROBOT_LENGTH = 0.66; // metres
   const ROBOT_PIXELS = 26;
@@ -21,45 +14,19 @@
   const SMOOTH = 0.25; // seconds of lag of every movement
   const TILT = 0.97; // radians off the vertical
   const NEAR = 18; // metres: following begins no farther than this
+  const KEPT = 1000; // milliseconds between two looks at what to keep of the camera
 
   const viser = () => window.__viserMutable;
-
-  // ------------------------------------------------------------------------------------------- crisp cells
 
   const meshesBelow = (root) =>
     Object.entries(viser()?.nodeRefFromName ?? {})
       .filter(([name, node]) => name.startsWith(root) && node)
       .flatMap(([, node]) => {
         const found = [];
-        node.traverse((child) => (child.isMesh || child.isPoints) && found.push(child));
+        node.traverse((child) => child.isMesh && found.push(child));
         return found;
       });
-  const mapMeshes = () => meshesBelow(MAP);
-
-  // Called before each drawing of a mesh: a new picture never shows a blurred frame.
-  function sharpen(_renderer, _scene, _camera, _geometry, material) {
-    const texture = material.map;
-    if (!texture || texture.magFilter === NEAREST) return;
-    texture.magFilter = NEAREST;
-    texture.anisotropy = 4;
-    texture.needsUpdate = true;
-  }
-
-  function prepare(mesh) {
-    if (mesh.onBeforeRender === sharpen) return;
-    mesh.onBeforeRender = sharpen;
-    mesh.material.depthWrite = false; // what is transparent must not hide what lies below
-  }
-
   // ------------------------------------------------------------------------------------- seen from far away
-
-  // The points of a scan keep a few pixels; transparent is what is drawn after the map instead of cut by it.
-  function widen(_renderer, _scene, _camera, _geometry, material) {
-    if (material.transparent || !material.vertexShader?.includes(POINT_SIZE)) return;
-    material.vertexShader = material.vertexShader.replace(POINT_SIZE, `gl_PointSize = max(${POINT_PIXELS}, scale / -world_pos.z)`);
-    material.transparent = true;
-    material.needsUpdate = true;
-  }
 
   // The robot and its frames are never smaller than can be seen.
   function magnify(page) {
@@ -91,11 +58,15 @@
 
   function corners() {
     const found = [];
-    for (const box of meshesBelow(FOCUS)) {
-      if (!box.parent.visible || (state.top && isAbove(box.parent))) continue;
-      const [right, up, , at] = [0, 1, 2, 3].map((i) => column(box.matrixWorld, i));
+    const floor = viser().nodeRefFromName["/floor"];
+    const { box, places } = window.hectorscope.levels();
+    if (!floor) return found;
+    const [right, up, over, at] = [0, 1, 2, 3].map((i) => column(floor.matrixWorld, i));
+    const point = (x, y, z) => plus(at, plus(times(right, x), plus(times(up, y), times(over, z))));
+    for (const { x, y, z, shown } of places) {
+      if (!shown) continue;
       for (const i of [-0.5, 0.5])
-        for (const j of [-0.5, 0.5]) found.push(plus(at, plus(times(right, i), times(up, j))));
+        for (const j of [-0.5, 0.5]) found.push(point(box.x + x + i * box.width, box.y + y + j * box.height, z));
     }
     return found;
   }
@@ -220,16 +191,10 @@
     for (const kind of ["wheel", "pointermove"]) canvas.addEventListener(kind, touched, { passive: true });
   }
 
-  const isAbove = (level) => level.position.z > 0.1;
-
   // Lowest first: the finest level, the metre grid, the levels above it, and then all that is drawn on the map.
-  // From above, coarser levels of a stack would hide the finest one.
   function order() {
-    for (const mesh of mapMeshes()) {
-      const above = isAbove(mesh.parent?.parent ?? mesh);
-      mesh.renderOrder = above ? -1 : -3;
-      mesh.visible = !(state.top && above);
-    }
+    const { places } = window.hectorscope.levels();
+    places.forEach(({ z }, index) => meshesBelow(`${MAP}level${index}/`).forEach((mesh) => (mesh.renderOrder = z > 0 ? -1 : -3)));
     viser().nodeRefFromName[GRID]?.traverse((child) => (child.renderOrder = -2));
     // A good match has an ellipse smaller than the robot: its rim shines through.
     for (const rim of RIMS.flatMap(meshesBelow)) {
@@ -247,17 +212,54 @@
     const page = viser();
     if (!page?.cameraControl || !page.camera || !page.canvas) return;
     watch(page.canvas);
-    mapMeshes().forEach(prepare);
     state.still += 1;
-    meshesBelow(POINTS).forEach((points) => (points.onBeforeRender = widen));
-    magnify(page);
-    order();
+    restore(page.cameraControl);
     turn(page.cameraControl, share);
     if (state.auto) keepInView(page.cameraControl, page.camera, share);
     if (state.follow) chase(page.cameraControl, share);
     if (state.top && !state.goal) page.cameraControl.maxPolarAngle = 0;
   }
 
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { camera, cameraState: () => ({ ...state }) });
+  // --------------------------------------------------------------------------------------------- kept
+
+  const pose = (controls) => [controls.getPosition(), controls.getTarget()].flatMap(({ x, y, z }) => [x, y, z].map((value) => +value.toFixed(3)));
+
+  // What this browser looked at last time: the way to look at it, and from where, unless that follows the map.
+  let restored = false;
+  function restore(controls) {
+    if (restored || !window.hectorscope.levels().places.length) return;
+    restored = true;
+    const kept = own.get("camera");
+    if (!kept) {
+      if (own.get("layout") === "side") camera("top");
+      return;
+    }
+    if (kept.top) camera("top");
+    Object.assign(state, { auto: kept.auto === true });
+    if (!state.auto) controls.setLookAt(...kept.pose, false);
+    if (kept.follow === true) {
+      camera("follow");
+      state.distance = null;
+    }
+  }
+
+  function keep() {
+    const controls = viser()?.cameraControl;
+    if (!restored || !controls || state.goal) return;
+    const now = { auto: state.auto, follow: state.follow, top: state.top, pose: pose(controls) };
+    const before = own.get("camera");
+    const still = before && ["auto", "follow", "top"].every((key) => before[key] === now[key]);
+    if (!still || (!now.auto && !now.follow && String(before.pose) !== String(now.pose))) own.set("camera", now);
+  }
+  setInterval(keep, KEPT);
+  addEventListener("pagehide", keep);
+  own.listen((key, value) => key === "layout" && value === "side" && camera("top")); // where it is largest
+  document.addEventListener("click", ({ target }) => target.dataset?.hsCamera && camera(target.dataset.hsCamera));
+
+  drawing.push((page) => {
+    magnify(page);
+    order();
+  });
+  Object.assign(window.hectorscope, { camera, cameraState: () => ({ ...state }) });
   requestAnimationFrame(frame);
 })();

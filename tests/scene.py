@@ -31,6 +31,12 @@ def look(page: Page, mode: str) -> None:
     page.wait_for_function(RESTS)
 
 
+def choose_own(page: Page, **choices: Any) -> None:
+    """Choose what this browser has for itself (static/browser.js)."""
+    for name, value in choices.items():
+        page.evaluate("([name, value]) => window.hectorscope.own.set(name, value)", [name, value])
+
+
 def pixel(page: Page, x: float, y: float, z: float = 0.0) -> tuple[int, ...]:
     """The colour that the window shows at a point of the scene."""
     column, row = page.evaluate(PROJECT, [x, y, z])

@@ -1,10 +1,12 @@
 """A real Chromium in front of a real page, without a window and with software graphics."""
 
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize, expect, sync_playwright
 
 from hectorscope.web.server import PageServer
 from tests.page import StillEngine, room_snapshot
@@ -14,7 +16,8 @@ FLAGS = (
     "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
     "--disable-sync",
 )  # fmt: skip
-SIZE = {"width": 1000, "height": 640}
+SIZE: ViewportSize = {"width": 1000, "height": 640}
+KEPT = "localStorage.getItem('hectorscope') ?? localStorage.setItem('hectorscope', %s)"
 READY = "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0'] && !!window.hectorscope"
 PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
 
@@ -37,11 +40,15 @@ def browser(chromium: str) -> Iterator[Browser]:
 
 @pytest.fixture
 def open_page(browser: Browser) -> Iterator[Open]:
-    """`open_page(url, ready=READY)`: a new person's page, once `ready` holds in it; no script of it may fail."""
+    """`open_page(url, ready=READY)`: a new person's page, once `ready` holds in it; no script of it may fail.
+
+    size: of the window. own: what this browser has kept (static/browser.js); without plots the scene is larger.
+    """
     contexts, errors = [], []
 
-    def opened(url: str, ready: str = READY) -> Page:
-        contexts.append(browser.new_context(viewport=SIZE))
+    def opened(url: str, ready: str = READY, size: ViewportSize = SIZE, own: dict[str, Any] | None = None) -> Page:
+        contexts.append(browser.new_context(viewport=size))
+        contexts[-1].add_init_script(KEPT % json.dumps(json.dumps({"plots": "off"} if own is None else own)))
         page = contexts[-1].new_page()
         page.set_default_timeout(PATIENCE)
         page.on("pageerror", lambda error: errors.append(str(error)))

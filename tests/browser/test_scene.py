@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from hectorscope.page.scene import Layout
-from hectorscope.page.theme import DARK, LIGHT, Rgb, for_lines
+from hectorscope.page.theme import DARK, LIGHT, Rgb, Theme, css, for_lines
 from tests.browser.conftest import Open, Show
 from tests.page import LEVELS, room_snapshot
-from tests.scene import PROJECT, is_near, look, names, node, wait_for_pixel
+from tests.scene import PROJECT, choose_own, is_near, look, names, node, wait_for_pixel
 
 pytestmark = pytest.mark.browser
 
 TEXTURES = """Object.entries(window.__viserMutable.nodeRefFromName)
-  .filter(([name]) => name.startsWith('/floor/map/')).flatMap(([, node]) => {
+  .filter(([name]) => /^.floor.map.level.*cells$/.test(name)).flatMap(([, node]) => {
     const found = [];
     node.traverse((child) => child.material?.map && found.push(child.material.map));
     return found;
@@ -34,9 +33,7 @@ def expect(page: Page, place: tuple[float, ...], colour: Rgb) -> None:
 @pytest.mark.parametrize("level", range(LEVELS))
 def test_each_level_shows_its_cells(show: Show, open_page: Open, level: int) -> None:
     """Alone and from above, every level has free, occupied and unknown cells where the map has them."""
-    show.server.scene.show(layout="one", level=level)
-    show.server.scene.show_layer("grid", False)
-    page = open_page(show.url)
+    page = open_page(show.url, own={"layout": "one", "level": level, "layers": {"grid": False}, "plots": "off"})
     page.wait_for_function(f"window.__viserMutable.nodeRefFromName['/floor/map/level{level}']?.visible")
     look(page, "top")
     expect(page, FREE, DARK.free)
@@ -59,20 +56,18 @@ def test_cells_are_crisp(show: Show, open_page: Open) -> None:
 
 def test_levels_stack_without_hiding_the_finest_from_above(show: Show, open_page: Open) -> None:
     """In a stack the levels lie over each other; looked at from above, the finest one is seen."""
-    show.server.scene.show(layout="stacked", gap=0.5)
-    show.server.scene.show_layer("grid", False)
-    page = open_page(show.url)
+    page = open_page(show.url, own={"layers": {"grid": False}, "plots": "off"})
+    page.wait_for_function("window.__viserMutable.nodeRefFromName['/floor/map/level2'].position.z > 0")
     heights = [node(page, f"/floor/map/level{i}")["position"][2] for i in range(LEVELS)]  # type: ignore[index]
-    assert heights == pytest.approx([0.0, 6.0, 12.0])
+    assert heights == pytest.approx([0.0, 6.5, 13.0])  # half of what is shown, 12 m and a margin
     look(page, "top")
     expect(page, FREE, DARK.free)
 
 
 @pytest.mark.parametrize("layout", ["stacked", "side"])
-def test_the_first_view_fits_the_map(show: Show, open_page: Open, layout: Layout) -> None:
+def test_the_first_view_fits_the_map(show: Show, open_page: Open, layout: str) -> None:
     """Who opens the page sees all levels inside the window, at a size that fills it."""
-    show.server.scene.show(layout=layout)
-    page = open_page(show.url)
+    page = open_page(show.url, own={"layout": layout, "plots": "off"})
     look(page, "fit")
     script = """() => {
       const box = window.__viserMutable.canvas.getBoundingClientRect();
@@ -89,23 +84,24 @@ def test_the_first_view_fits_the_map(show: Show, open_page: Open, layout: Layout
 
 
 def test_light_and_dark(show: Show, open_page: Open) -> None:
-    """The theme changes the map in an open page."""
-    show.server.scene.show(layout="one", dark=False)
-    show.server.scene.show_layer("grid", False)
-    page = open_page(show.url)
-    look(page, "top")
-    expect(page, FREE, LIGHT.free)
-    expect(page, WALL, LIGHT.occupied)
-    show.server.scene.show(dark=True)
+    """Each browser has a theme, which changes the map in an open page."""
+    chosen = {"layout": "one", "layers": {"grid": False}, "plots": "off"}
+    page = open_page(show.url, own=chosen | {"theme": "light"})
+    other = open_page(show.url, own=chosen)
+    for each, theme in ((page, LIGHT), (other, DARK)):
+        look(each, "top")
+        expect(each, FREE, theme.free)
+        expect(each, WALL, theme.occupied)
+        expect(each, UNKNOWN, theme.background)
+    choose_own(page, theme="dark")
     expect(page, WALL, DARK.occupied)
 
 
 def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
     """A hidden layer is gone from the picture, the others stay."""
-    show.server.scene.show(layout="one")
-    page = open_page(show.url)
+    page = open_page(show.url, own={"layout": "one", "plots": "off"})
     look(page, "top")
-    show.server.scene.show_layer("map", False)
+    choose_own(page, layers={"map": False})
     page.wait_for_function("!window.__viserMutable.nodeRefFromName['/floor/map'].visible")
     seen = wait_for_pixel(page, WALL, lambda seen: not is_near(seen, DARK.occupied))
     assert not is_near(seen, DARK.occupied)
@@ -113,10 +109,9 @@ def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
 
 
 @pytest.mark.parametrize("colour", [LIGHT.trajectory, DARK.truth, LIGHT.fused])
-def test_lines_have_the_colours_of_the_legend(show: Show, open_page: Open, colour: Rgb) -> None:
-    """The page sends lines through a film curve; what was made for that comes out as the theme says."""
-    show.server.scene.show_layer("map", False)
-    page = open_page(show.url)
+def test_lines_come_through_the_film_curve(show: Show, open_page: Open, colour: Rgb) -> None:
+    """Viser sends lines through a film curve; what was made for that comes out as it should."""
+    page = open_page(show.url, own={"layers": {"map": False}, "plots": "off"})
     ends = np.array([[[-6.0, 3.0, 0.3], [6.0, 3.0, 0.3]]], np.float32)
     show.server.scene.server.scene.add_line_segments(
         "/line", ends, for_lines(colour), thickness=30.0, thickness_units="screen"
@@ -124,6 +119,20 @@ def test_lines_have_the_colours_of_the_legend(show: Show, open_page: Open, colou
     page.wait_for_function("'/line' in window.__viserMutable.nodeRefFromName")
     look(page, "top")
     expect(page, (4.0, 3.0, 0.3), colour)
+
+
+@pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
+def test_lines_and_points_have_the_colours_of_the_legend(show: Show, open_page: Open, theme: Theme) -> None:
+    """The server draws for all in one set of colours; each browser sees those of its own theme."""
+    name = "dark" if theme.dark else "light"
+    hidden = ("map", "grid", "truth", "prior", "match", "fused", "frames")
+    page = open_page(show.url, own={"theme": name, "layers": dict.fromkeys(hidden, False), "plots": "off"})
+    look(page, "top")
+    colour = """(name) => { const found = []; window.__viserMutable.nodeRefFromName[name].traverse(
+      ({material}) => material && found.push(material.color.getHexString('srgb'))); return found[0]; }"""
+    assert page.evaluate(colour, "/trajectory/chunk0") == css(theme.trajectory)[1:]
+    assert page.evaluate(colour, "/robot/hull") == css(theme.robot)[1:]
+    expect(page, (3.0 * np.cos(-1.9), 3.0 * np.sin(-1.9)), theme.unexpected)
 
 
 def test_everybody_sees_the_same(show: Show, open_page: Open) -> None:

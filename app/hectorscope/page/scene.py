@@ -9,62 +9,52 @@ import numpy as np
 import viser
 
 from hectorscope.page import viser_private
-from hectorscope.page.theme import DARK, LIGHT, Theme
+from hectorscope.page.theme import SENT
 from hectorscope.session.commands import Command
 
-Layout = Literal["stacked", "side", "one"]
 Points = Literal["residual", "height", "plain"]
 Camera = Literal["free", "follow", "top", "fit"]
 
 NOTICE_S = 8.0  # seconds that a notice stays
-GAP_RANGE = (0.05, 2.0)  # between stacked levels, times the depth of the map
 ELLIPSE_SCALE_RANGE = (1.0, 2000.0)  # times one sigma
 
 
 @dataclass(frozen=True, slots=True)
 class Display:
-    """How things are shown: shared by every browser, immutable. Views compare it with what they drew last.
+    """How things are drawn for every browser alike, immutable. Views compare it with what they drew last.
 
-    gap: between stacked levels, times the depth of the map. level: the one shown in layout "one", 0 the finest.
+    Theme, layout of the levels, layers and camera are each browser's own: static/ keeps them there.
     ellipse_scale: the ellipses show this many sigmas. ellipse_fit: whether that follows the map and covariances.
-    hidden: keys of the layers switched off.
+    asked: keys of the layers on demand that a browser has asked for.
     """
 
-    layout: Layout = "stacked"
-    gap: float = 0.5
-    level: int = 0
     ellipse_scale: float = 200.0
     ellipse_fit: bool = True
     points: Points = "residual"
-    dark: bool = True
-    hidden: frozenset[str] = frozenset()
+    asked: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         """Bring every value into its range: what comes from a browser is not trusted."""
         put = object.__setattr__
-        put(self, "layout", self.layout if self.layout in get_args(Layout) else "stacked")
         put(self, "points", self.points if self.points in get_args(Points) else "residual")
-        put(self, "gap", float(np.clip(self.gap, *GAP_RANGE)))
-        put(self, "level", max(0, int(self.level)))
         put(self, "ellipse_scale", float(np.clip(self.ellipse_scale, *ELLIPSE_SCALE_RANGE)))
-
-    @property
-    def theme(self) -> Theme:
-        """The colours that go with it."""
-        return DARK if self.dark else LIGHT
 
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """Something that can be shown and hidden: `root` is the scene node that everything of it hangs below.
+    """Something that each browser can show and hide: `root` is the node that everything of it hangs below.
 
-    colour: the field of Theme that a legend shows for it, "" when it has no single colour.
+    colour: the field of Theme that a legend shows for it, "" when it has no single colour. shown: whether a new
+    browser shows it. on_demand: nothing of it is sent until a browser asks. more: other nodes that go with it.
     """
 
     key: str
     title: str
     root: viser.FrameHandle
     colour: str = ""
+    shown: bool = True
+    on_demand: bool = False
+    more: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)
@@ -86,23 +76,18 @@ class Scene:
 
     def __post_init__(self) -> None:
         self.floor = self.server.scene.add_frame("/floor", show_axes=False)
-        self._apply_theme()
+        self.server.gui.configure_theme(
+            dark_mode=SENT.dark, brand_color=SENT.accent, show_logo=False, show_share_button=False
+        )
 
-    @property
-    def theme(self) -> Theme:
-        """The colours now; compare with `is` to notice a change."""
-        return self.display.theme
+    def layer(self, key: str, title: str, *, on_floor: bool = False, **more: Any) -> Layer:
+        """A new layer; `title` is the label of its switch. on_floor: it lies on the plane of the finest level.
 
-    def layer(
-        self, key: str, title: str, *, colour: str = "", on_floor: bool = False, shown: bool = True
-    ) -> Layer:
-        """A new layer; `title` is the label of its switch. on_floor: it lies on the plane of the finest level."""
+        more: other fields of Layer.
+        """
         name = f"{self.floor.name if on_floor else ''}/{key}"
-        root = self.server.scene.add_frame(name, show_axes=False, visible=shown)
-        layer = Layer(key, title, root, colour)
+        layer = Layer(key, title, self.server.scene.add_frame(name, show_axes=False), **more)
         self.layers.append(layer)
-        if not shown:
-            self.show_layer(key, shown)
         return layer
 
     def show(self, **changes: Any) -> None:
@@ -111,17 +96,12 @@ class Scene:
         if unknown := changes.keys() - known:
             raise KeyError(f"Display has no {sorted(unknown)}: choose from {sorted(known)}")
         with self._lock:
-            before, self.display = self.display, replace(self.display, **changes)
-            for layer in self.layers:
-                layer.root.visible = layer.key not in self.display.hidden
-            if before.dark != self.display.dark:
-                self._apply_theme()
+            self.display = replace(self.display, **changes)
 
-    def show_layer(self, key: str, shown: bool) -> None:
-        """Show or hide one layer."""
+    def ask(self, layer: Layer) -> None:
+        """Send a layer on demand from now on: a browser has switched it on."""
         with self._lock:
-            hidden = self.display.hidden
-            self.show(hidden=hidden - {key} if shown else hidden | {key})
+            self.show(asked=self.display.asked | {layer.key})
 
     def camera(self, mode: Camera, client: viser.ClientHandle | None = None) -> None:
         """Point one browser's camera (every browser's when None): each person keeps a view of their own."""
@@ -140,10 +120,3 @@ class Scene:
         """
         for target in [client] if client is not None else list(self.server.get_clients().values()):
             viser_private.run_script(target, script)
-
-    def _apply_theme(self) -> None:
-        theme = self.theme
-        self.server.gui.configure_theme(
-            dark_mode=theme.dark, brand_color=theme.accent, show_logo=False, show_share_button=False
-        )
-        self.server.scene.set_background_image(np.array([[theme.background]], np.uint8), format="png")

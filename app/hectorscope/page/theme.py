@@ -1,9 +1,12 @@
 """One palette for the scene, the plots and the panels.
 
-The line colours are those of Okabe and Ito ("Color Universal Design", 2008), lightened for the dark theme: they
-stay apart for readers with protanopia, deuteranopia and tritanopia, and no meaning hangs on colour alone (truth
-is dashed, every line and ellipse has a name in the legend). Residuals run blue, yellow, vermilion: by hue for most
-readers, by lightness for the rest. Walls carry the strongest contrast of all so that a projector cannot lose them.
+The hues are those of Okabe and Ito ("Color Universal Design", 2008), at lightnesses that keep apart what lies side
+by side: areas by a contrast of 3, text by 4.5, and curves also for readers with protanopia, deuteranopia and
+tritanopia; benchmarks/contrast.py checks it. No meaning hangs on colour alone: truth is dashed, every line and
+ellipse has a name in the legend. Residuals run blue, yellow, vermilion: by hue for most readers, by lightness for
+the rest.
+
+Each browser chooses its theme. What is sent has the colours of SENT; static/dress.js puts on those of the theme.
 """
 
 from dataclasses import dataclass
@@ -19,13 +22,17 @@ Rgb = tuple[int, int, int]
 class Theme:
     """Every colour of the page, sRGB 0-255, by what it means.
 
+    background: unknown cells, and all around the map. surface, field, line: of panels, their fields and rules.
     match, prior, fused, position: the three planar covariances and the position ellipsoid. ramp: small to large
-    residual. unexpected: beams that end in free space. series: for plots of several curves.
+    residual. unexpected: beams that end in free space. veil: opacity of free and occupied cells of a level that
+    lies over others. series: for plots of several curves.
     """
 
     dark: bool
     background: Rgb
     surface: Rgb
+    field: Rgb
+    line: Rgb
     text: Rgb
     muted: Rgb
     grid: Rgb
@@ -43,6 +50,7 @@ class Theme:
     error: Rgb
     ramp: tuple[Rgb, ...]
     unexpected: Rgb
+    veil: tuple[float, float]
     series: tuple[Rgb, ...]
 
     def residual_colours(self, values: NDArray[np.float32]) -> NDArray[np.uint8]:
@@ -94,48 +102,56 @@ def for_line(colour: Rgb) -> NDArray[np.uint8]:
 
 DARK = Theme(
     dark=True,
-    background=(17, 21, 28),
+    background=(10, 13, 18),
     surface=(27, 32, 41),
+    field=(17, 21, 28),
+    line=(46, 53, 65),
     text=(236, 240, 245),
-    muted=(150, 160, 174),
-    grid=(46, 53, 65),
-    free=(52, 61, 76),
-    occupied=(240, 243, 247),
+    muted=(158, 168, 182),
+    grid=(52, 60, 73),
+    free=(84, 96, 113),
+    occupied=(246, 248, 251),
     robot=(240, 228, 66),
     trajectory=(240, 228, 66),
-    truth=(214, 220, 228),
-    match=(255, 178, 48),
-    prior=(90, 170, 250),
-    fused=(36, 200, 150),
-    position=(224, 150, 196),
+    truth=(226, 231, 238),
+    match=(255, 182, 48),
+    prior=(120, 190, 255),
+    fused=(60, 212, 160),
+    position=(250, 176, 216),
     accent=(36, 200, 150),
     warning=(255, 178, 48),
-    error=(255, 110, 60),
-    ramp=((86, 180, 233), (240, 228, 66), (240, 100, 20)),
-    unexpected=(180, 92, 255),
-    series=((90, 170, 250), (255, 178, 48), (36, 200, 150), (224, 150, 196), (240, 228, 66), (255, 110, 60)),
+    error=(255, 118, 70),
+    ramp=((110, 195, 245), (240, 228, 66), (255, 156, 96)),
+    unexpected=(211, 255, 225),
+    veil=(0.16, 0.8),
+    series=((120, 190, 255), (255, 178, 48), (60, 212, 160), (250, 176, 216), (240, 228, 66), (255, 118, 70)),
 )
 
 LIGHT = Theme(
     dark=False,
-    background=(232, 235, 240),
+    background=(142, 148, 158),
     surface=(255, 255, 255),
+    field=(240, 242, 246),
+    line=(206, 212, 221),
     text=(22, 28, 36),
-    muted=(92, 102, 116),
-    grid=(206, 212, 221),
+    muted=(84, 94, 108),
+    grid=(120, 127, 138),
     free=(255, 255, 255),
     occupied=(24, 32, 44),
-    robot=(213, 94, 0),
+    robot=(205, 88, 0),
     trajectory=(94, 60, 153),
-    truth=(70, 78, 90),
-    match=(217, 130, 0),
+    truth=(60, 68, 80),
+    match=(198, 114, 0),
     prior=(0, 114, 178),
     fused=(0, 138, 100),
     position=(184, 84, 146),
-    accent=(0, 138, 100),
-    warning=(186, 104, 0),
-    error=(200, 70, 0),
-    ramp=((0, 114, 178), (230, 170, 0), (205, 70, 0)),
+    accent=(0, 104, 76),
+    warning=(138, 75, 0),
+    error=(190, 60, 0),
+    ramp=((0, 114, 178), (185, 135, 0), (170, 40, 0)),
     unexpected=(165, 75, 250),
-    series=((0, 114, 178), (217, 130, 0), (0, 138, 100), (184, 84, 146), (92, 102, 116), (200, 70, 0)),
+    veil=(0.3, 0.8),
+    series=((0, 114, 178), (198, 114, 0), (0, 138, 100), (184, 84, 146), (84, 94, 108), (170, 40, 0)),
 )
+
+SENT = DARK

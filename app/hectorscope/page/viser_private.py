@@ -1,7 +1,7 @@
 """The private parts of viser that the page's scene and GUI use (those of its server: `web.guarded_server`).
 
 viser is pinned exactly; tests pin each of these uses. Scripts fail soft: without them, and without those in
-static/, the page works with blurred cells and viser's own camera.
+static/, the page works in the dark theme with blurred cells and viser's own camera, but has no plots.
 """
 
 import contextlib

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 DEGREES = 180.0 / math.pi
-LOG_FLOOR = 1e-4  # of a plotted value: zero has no logarithm
+TIME = "time_s"  # the first column of every table
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +18,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves that share an axis; values are multiplied by `factor`. log: by decades, from LOG_FLOOR up.
+    """Curves that share an axis; values are multiplied by `factor`. log: by decades.
 
     angles: radians that go on beyond half a turn instead of jumping.
     """
@@ -80,4 +80,15 @@ PAGES: dict[str, tuple[Chart, ...]] = {
         ),
     ),
 }
-WINDOWS = {"10 s": 10.0, "30 s": 30.0, "2 min": 120.0, "all": math.inf}
+
+# What is sent of SERIES_DTYPE: time, then every column that a chart draws.
+COLUMNS = (
+    TIME,
+    *(
+        c.column
+        for page, charts in PAGES.items()
+        if page != AGAINST_TRUTH
+        for chart in charts
+        for c in chart.curves
+    ),
+)

@@ -1,4 +1,4 @@
-"""Where panels live on the page: a bar at the top, a bar at the bottom, tabs and plots docked at the right.
+"""Where panels live on the page: a bar at the top, a bar at the bottom, tabs docked at the right.
 
 The bars are plain folders that static/hectorscope.css lifts out of the docked panel; without the style sheet they
 are the first things in it.

@@ -1,31 +1,31 @@
-"""How things are shown: layout of the levels, layers, the size of the ellipses, the camera."""
+"""How things are shown: layout of the levels, layers and camera of each browser, and what all browsers share."""
 
 import math
 from collections.abc import Callable
 from typing import Any, cast
 
-from viser import GuiButtonGroupHandle, GuiButtonHandle, GuiEvent, Icon
+from viser import GuiEvent, Icon
 
-from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, GAP_RANGE, Camera, Layer, Scene
-from hectorscope.panels import _workspace
-from hectorscope.panels._controls import Choice, Control, LinearSlider, LogSlider, Switch
+from hectorscope.page import viser_private
+from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, Camera, Layer, Scene
+from hectorscope.panels import _own, _workspace
+from hectorscope.panels._controls import Choice, Control, LogSlider, Switch
 from hectorscope.panels._ellipse_scale import fitted
+from hectorscope.panels._handles import put
 from hectorscope.panels._slider import Scale
-from hectorscope.run.map_images import MapImage
 from hectorscope.session.snapshot import Snapshot
 
 CAMERAS: dict[str, Camera] = {"Top": "top", "Follow": "follow", "Free": "free", "Whole map": "fit"}
 LAYOUTS = {"stacked": "levels stacked", "side": "levels side by side", "one": "one level"}
 POINTS = {"residual": "by residual", "height": "by height", "plain": "plain"}
-GAP = Scale(GAP_RANGE[0], GAP_RANGE[1], 0.05, log=False, integer=False)
-PICTURE = "window.hectorscope?.picture()"
+GAP = (0.05, 2.0, 0.05)
 SIGMAS = Scale(
     math.log10(ELLIPSE_SCALE_RANGE[0]), math.log10(ELLIPSE_SCALE_RANGE[1]), 0.01, log=True, integer=False
 )
 
 
 class DisplayPanel:
-    """Controls of Scene.display, which all browsers share; the camera belongs to each browser alone."""
+    """Each browser's own controls, and those of Scene.display, which all browsers share."""
 
     title = "Display"
     order = 60
@@ -36,32 +36,29 @@ class DisplayPanel:
         self._drawn = scene.display
         self._resolutions: tuple[float, ...] = ()
         gui = scene.server.gui
+        self._levels = gui.add_html(_own.levels_mark(()))
+        gui.add_html(_own.layers_mark([(layer, self._ask(layer)) for layer in scene.layers]))
         with _workspace.tab(scene, self.title, Icon.EYE):
             _workspace.mark(scene, "display")
-            camera = gui.add_button_group(
-                "Camera", tuple(CAMERAS), hint="Moves this browser's camera alone. Keys 1 to 4."
-            )
+            self._own = gui.add_html(own_html(()))
+            boxes = (_own.layer_box(layer.key, layer.title, layer.colour) for layer in scene.layers)
+            names = _own.layer_box("names", "Level names")
+            gui.add_html(f'<div class="hs-own hs-layers">{"".join(boxes)}{names}</div>')
+            gui.add_html(_own.SHARED)
             self._controls = self._add_controls()
-            self._level = gui.add_dropdown(
-                "Level", ("finest",), initial_value="finest", hint="The one level shown."
-            )
-            picture = gui.add_button(
-                "Save a picture", icon=Icon.CAMERA, hint="The scene as this browser shows it, as a PNG file."
-            )
-            with gui.add_folder("Layers"):
-                self._layers = {layer.key: self._add_layer(layer) for layer in scene.layers}
-        camera.on_click(self._point_camera)
-        picture.on_click(self._save_picture)
         for key, name in enumerate(CAMERAS, start=1):
             self._add_hotkey(str(key), name)
-        self._level.on_update(self._choose_level)
+
+    def _ask(self, layer: Layer) -> str:
+        """The hidden button by which a browser asks for a layer on demand."""
+        if not layer.on_demand:
+            return ""
+        button = self._scene.server.gui.add_button(f"Send {layer.title.lower()}", visible=False)
+        button.on_click(lambda _: self._scene.ask(layer))
+        return viser_private.uuid_of(button)
 
     def _add_controls(self) -> dict[str, Control]:
         gui, now = self._scene.server.gui, self._scene.display
-        layout = Choice(
-            gui, "Map", LAYOUTS, now.layout, "How the levels of the pyramid are laid out.", self._setter("layout")
-        )
-        gap = LinearSlider(gui, "Gap", GAP, now.gap, "Times the depth of the map.", self._setter("gap"))
         scale = LogSlider(
             gui,
             "Ellipses (σ)",
@@ -80,23 +77,10 @@ class DisplayPanel:
         points = Choice(
             gui, "Scan", POINTS, now.points, "What colours the scan's endpoints.", self._setter("points")
         )
-        return {"layout": layout, "gap": gap, "ellipse_scale": scale, "ellipse_fit": fit, "points": points}
+        return {"ellipse_scale": scale, "ellipse_fit": fit, "points": points}
 
     def _setter(self, name: str) -> Callable[[GuiEvent[Any]], None]:
         return lambda _: self._scene.show(**{name: self._controls[name].read()})
-
-    def _add_layer(self, layer: Layer) -> Control:
-        shown = layer.key not in self._scene.display.hidden
-        if layer.colour:
-            _workspace.mark(self._scene, f"swatch hs-{layer.colour}")
-        box = Switch(
-            self._scene.server.gui,
-            layer.title,
-            shown,
-            None,
-            lambda e: self._scene.show_layer(layer.key, e.target.value),
-        )
-        return cast(Control, box)
 
     def _add_hotkey(self, key: str, name: str) -> None:
         title = f"Camera: {name.lower()}"
@@ -105,7 +89,11 @@ class DisplayPanel:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the display settings, whoever changed them, and the number of levels."""
-        self._draw_levels(snapshot.maps)
+        resolutions = tuple(image.resolution for image in snapshot.maps)
+        if resolutions and resolutions != self._resolutions:
+            self._resolutions = resolutions
+            put(self._levels, _own.levels_mark(resolutions))
+            put(self._own, own_html(resolutions))
         self._fit_ellipses(snapshot)
         display, before = self._scene.display, self._drawn
         if display == before:
@@ -114,36 +102,29 @@ class DisplayPanel:
         for name, control in self._controls.items():  # what did not change may be under somebody's hand
             if getattr(display, name) != getattr(before, name):
                 control.show(getattr(display, name))
-        for key, box in self._layers.items():
-            if (key in display.hidden) != (key in before.hidden):
-                box.show(key not in display.hidden)
 
     def _fit_ellipses(self, snapshot: Snapshot) -> None:
         now = self._scene.display
         if now.ellipse_fit and (scale := fitted(snapshot, now.ellipse_scale)) != now.ellipse_scale:
             self._scene.show(ellipse_scale=scale)
 
-    def _draw_levels(self, maps: tuple[MapImage, ...]) -> None:
-        resolutions = tuple(image.resolution for image in maps)
-        if resolutions and resolutions != self._resolutions:
-            self._resolutions = resolutions
-            self._level.options = [level_name(r) for r in resolutions]
-        only = self._scene.display.layout == "one"
-        if self._level.visible != only:
-            self._level.visible = only
 
-    def _choose_level(self, event: GuiEvent[Any]) -> None:
-        names = [level_name(r) for r in self._resolutions]
-        if event.client is not None and event.target.value in names:
-            self._scene.show(level=names.index(event.target.value))
-
-    def _point_camera(self, event: GuiEvent[GuiButtonGroupHandle]) -> None:
-        if event.target.value in CAMERAS:
-            self._scene.camera(CAMERAS[event.target.value], event.client)
-
-    def _save_picture(self, event: GuiEvent[GuiButtonHandle]) -> None:
-        if event.client is not None:  # else every browser would save one
-            self._scene.run(PICTURE, event.client)
+def own_html(resolutions: tuple[float, ...]) -> str:
+    """Camera, layout of the levels and the picture: this browser's own."""
+    levels = {str(i): f"{i}: {level_name(r)}" for i, r in enumerate(resolutions)} or {"0": "finest"}
+    cameras = "".join(
+        f'<button type="button" data-hs-camera="{mode}">{name}</button>' for name, mode in CAMERAS.items()
+    )
+    return (
+        f'{_own.OWN}<div class="hs-own">'
+        '<div class="hs-own-row" title="Keys 1 to 4."><span>Camera</span>'
+        f'<div class="hs-group">{cameras}</div></div>'
+        + _own.choice("layout", "Map", LAYOUTS, "How the levels of the pyramid are laid out.")
+        + _own.slider("gap", "Gap", GAP, "Between stacked levels: times the depth of the map.")
+        + _own.choice("level", "Level", levels, "The one level shown.")
+        + '<button type="button" class="hs-wide" data-hs-do="picture"'
+        ' title="The scene as this browser shows it, as a PNG file.">Save a picture</button></div>'
+    )
 
 
 def level_name(resolution: float) -> str:

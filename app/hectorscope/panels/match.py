@@ -100,19 +100,18 @@ def ring(colour: str) -> str:
 
 
 def legend_html(snapshot: Snapshot, display: Display) -> str:
-    """What the lines and colours on the map mean, as far as they are there and not switched off."""
+    """What the lines and colours on the map mean, if there; static/dress.js hides those of hidden layers."""
     result = snapshot.result
-    ellipses = set(ROWS) - display.hidden
-    coloured = "scan" not in display.hidden and display.points == "residual"
+    coloured = display.points == "residual"
     entries = (
-        ("trajectory" not in display.hidden, f"{line('trajectory')}trajectory"),
-        ("truth" not in display.hidden and len(snapshot.truth) > 0, f"{line('truth', 'hs-dashed')}truth"),
-        (bool(ellipses), f"<span {tip('ellipses')}>ellipses of {number(display.ellipse_scale, 4)} σ</span>"),
-        ("position" not in display.hidden and result and result.navigation, f"{ring('position')}position"),
-        (coloured, f'<span {tip("residuals")}>residual 0<i class="hs-ramp"></i>1</span>'),
-        (coloured, f"<span {tip('unexpected')}>{ring('unexpected')}unexpected</span>"),
+        (True, "trajectory", f"{line('trajectory')}trajectory"),
+        (len(snapshot.truth) > 0, "truth", f"{line('truth', 'hs-dashed')}truth"),
+        (True, "fused", f"<span {tip('ellipses')}>ellipses of {number(display.ellipse_scale, 4)} σ</span>"),
+        (result and result.navigation, "position", f"{ring('position')}position"),
+        (coloured, "scan", f'<span {tip("residuals")}>residual 0<i class="hs-ramp"></i>1</span>'),
+        (coloured, "scan", f"<span {tip('unexpected')}>{ring('unexpected')}unexpected</span>"),
     )
-    shown = "".join(f"<span>{entry}</span>" for there, entry in entries if there)
+    shown = "".join(f'<span data-hs-of="{layer}">{entry}</span>' for there, layer, entry in entries if there)
     return f'<div class="hs-legend">{shown}</div>'
 
 

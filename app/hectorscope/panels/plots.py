@@ -1,143 +1,106 @@
-"""Curves over time, one page of them at once: what is not shown is not sent."""
+"""Curves over time: every row of figures is sent to each browser once; static/plots.js draws them.
 
-from itertools import chain
-from typing import Any
+Each browser chooses its charts and their window. viser's own charts know neither: what they show, and how high,
+all browsers share, and each update sends them whole (19 KB for three charts of 300 points; a row of all is 150
+bytes).
+"""
+
+import html
+import json
+from base64 import b64encode
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import GuiUplotHandle, Icon, ViserServer
 
 from hectorscope.page.scene import Scene
-from hectorscope.page.theme import Theme, css
-from hectorscope.panels._curves import AGAINST_TRUTH, LOG_FLOOR, PAGES, WINDOWS, Chart
-from hectorscope.panels._decimate import decimate
-from hectorscope.panels._truth_error import truth_error
+from hectorscope.panels._curves import COLUMNS, PAGES, TIME
+from hectorscope.panels._truth_error import ERROR_COLUMNS, truth_error
 from hectorscope.session.snapshot import Snapshot
 
-POINTS = 300  # of a curve: about one a pixel
-HEIGHT = 132  # pixels of a chart
+BATCH = 4000  # rows sent at once: one who joins a long run gets them over some seconds
+Table = NDArray[np.float32]
 
 
 class PlotsPanel:
-    """A docked panel of its own below the controls, so that curves and settings are seen together."""
+    """Sends what each browser does not have yet."""
 
     title = "Plots"
     order = 40
-    rate = 2.5  # a curve of 30 s moves by four pixels in between; each time it takes 19 KB
+    rate = 5.0
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._drawn: tuple[int, str, str, Theme] | None = None
-        gui = scene.server.gui
-        panel = gui.add_panel()
-        with panel.add_tab(self.title, Icon.CHART_LINE):
-            gui.add_html('<i class="hs-mark hs-plots"></i>')
-            self._page = gui.add_dropdown("Show", tuple(PAGES), initial_value="Covariance")
-            self._window = gui.add_dropdown("Window", tuple(WINDOWS), initial_value="30 s")
-            self._nothing = gui.add_html(NOTHING)
-            self._charts = {
-                page: [ChartPlot(scene.server, c, scene.theme) for c in charts] for page, charts in PAGES.items()
-            }
-        panel.dock_below(gui.main_panel)
+        self._sent: dict[
+            int, dict[str, tuple[object, int]]
+        ] = {}  # by client and table: the run, and the rows of it
+        scene.server.gui.add_html(f'<i class="hs-mark" data-hs-charts="{html.escape(charts_json())}"></i>')
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Send the shown page's curves if there is something new in them."""
-        page, window, theme = self._page.value, self._window.value, self._scene.theme
-        state = (snapshot.sequence, page, window, theme)
-        if state == self._drawn:
-            return
-        if self._drawn is not None and self._drawn[-1] is not theme:
-            self._drawn = None
-            for chart in chain(*self._charts.values()):
-                chart.wear(theme)
-            return
-        self._drawn = state
-        rows = truth_error(snapshot) if page == AGAINST_TRUTH else snapshot.series
-        first = recent(rows, WINDOWS[window])
-        shown = [
-            chart.draw(rows if name == page else None, first)
-            for name, charts in self._charts.items()
-            for chart in charts
-        ]
-        if self._nothing.visible == any(shown):
-            self._nothing.visible = not any(shown)
+        """Send new rows to every browser."""
+        clients = self._scene.server.get_clients()
+        self._sent = {key: sent for key, sent in self._sent.items() if key in clients}
+        for key, client in clients.items():
+            for script in self.news(key, snapshot):
+                self._scene.run(script, client)
 
+    def news(self, client: int, snapshot: Snapshot) -> list[str]:
+        """The scripts that give this browser the rows that it does not have yet, at most BATCH of each table."""
+        truth = (snapshot.epoch, *snapshot.truth_in_map)
+        scripts = (
+            self._added(client, "series", snapshot.epoch, lambda first: series_rows(snapshot, first)),
+            self._added(client, "truth", truth, lambda first: error_rows(snapshot, first)),
+        )
+        return [script for script in scripts if script]
 
-def recent(series: NDArray[np.void], window: float) -> int:
-    """The number of the first row of the last `window` seconds."""
-    if len(series) == 0 or not np.isfinite(window):
-        return 0
-    times = series["time_s"]
-    return int(np.searchsorted(times, times[-1] - window))
-
-
-class ChartPlot:
-    """One chart in the page."""
-
-    def __init__(self, server: ViserServer, chart: Chart, theme: Theme) -> None:
-        self._server, self._chart = server, chart
-        self._handle: GuiUplotHandle = server.gui.add_uplot(
-            (np.ones(1),) * (1 + len(chart.curves)),
-            series_options(chart, theme),
-            title=chart.title,
-            axes=AXES,
-            height=HEIGHT,
-            scales={"x": {"time": False}, "y": {"distr": 3 if chart.log else 1}},
-            padding=(9, 12, 0, 0),
-            cursor={"y": False},
-            visible=False,
+    def _added(self, client: int, table: str, run: object, rows: Callable[[int], Table]) -> str:
+        """The script that adds the rows after those sent; of another run all from the first. Empty without any."""
+        before, first = self._sent.setdefault(client, {}).get(table, (None, 0))
+        first = first if before == run else 0
+        new = rows(first)[:BATCH]
+        if before == run and not len(new):
+            return ""
+        self._sent[client][table] = run, first + len(new)
+        return (
+            f"window.hectorscope?.rows?.('{table}', {first}, '{b64encode(new.astype('<f4').tobytes()).decode()}')"
         )
 
-    def draw(self, series: NDArray[np.void] | None, first: int) -> bool:
-        """Show the rows from `first` on, and whether there are any; None hides the chart."""
-        data = curves(self._chart, series, first) if series is not None else ()
-        with self._server.atomic():
-            if data:
-                self._handle.data = data  # type: ignore[assignment]  # the page takes float32: half the bytes
-            if self._handle.visible != bool(data):
-                self._handle.visible = bool(data)
-        return bool(data)
 
-    def wear(self, theme: Theme) -> None:
-        """Take other colours, hidden until the next `draw`: a chart rebuilt in sight loses its time axis."""
-        with self._server.atomic():
-            self._handle.visible = False
-            self._handle.series = series_options(self._chart, theme)
+def series_rows(snapshot: Snapshot, first: int) -> Table:
+    """(n, columns) of the rows from `first` on, in the order of COLUMNS."""
+    rows = snapshot.series[first:]
+    return np.stack([rows[name] for name in COLUMNS], axis=1).astype(np.float32)
 
 
-def curves(chart: Chart, series: NDArray[np.void], first: int) -> tuple[NDArray[np.float32], ...]:
-    """Time and the curves, thinned, in the chart's unit; nothing when no curve has two finite values."""
-    known = np.any([np.isfinite(series[curve.column][first:]) for curve in chart.curves], axis=0)
-    first += int(np.argmax(known)) if len(known) else 0  # with a gap in front its axis would find no range
-    whole = [series[curve.column] for curve in chart.curves]
-    values = [(np.unwrap(column) if chart.angles else column)[first:] for column in whole]
-    if not any(np.count_nonzero(np.isfinite(column)) > 1 for column in values):
-        return ()
-    x, columns = decimate(series["time_s"][first:], values, POINTS, first)
-    floor = LOG_FLOOR if chart.log else -np.inf
-    return x.astype(np.float32), *(np.maximum(c * chart.factor, floor).astype(np.float32) for c in columns)
+def error_rows(snapshot: Snapshot, first: int) -> Table:
+    """(n, columns) of the errors from pose `first` on as far as the truth covers them, as in ERROR_COLUMNS."""
+    rows = truth_error(snapshot, first)
+    known = np.flatnonzero(np.isfinite(rows["error"]))
+    rows = rows[: known[-1] + 1 if len(known) else 0]
+    return np.stack([rows[name] for name in ERROR_COLUMNS], axis=1).astype(np.float32)
 
 
-def series_options(chart: Chart, theme: Theme) -> tuple[Any, ...]:
-    """Description for uPlot of time and the curves."""
-    return (
-        {"label": "s"},
-        *(
-            {"label": c.name, "stroke": colour(c.colour, theme), "width": 1.5, "points": {"show": False}}
-            for c in chart.curves
-        ),
-    )
+def charts_json() -> str:
+    """The charts of every page, with the tables and columns that their curves are in."""
+    tables = {"series": COLUMNS, "truth": ERROR_COLUMNS}
+    places = {name: (table, i) for table, names in tables.items() for i, name in enumerate(names) if name != TIME}
+    pages = {
+        page: [
+            {
+                "title": chart.title,
+                "factor": chart.factor,
+                "log": chart.log,
+                "angles": chart.angles,
+                "table": places[chart.curves[0].column][0],
+                "curves": [
+                    {"name": c.name, "colour": c.colour, "column": places[c.column][1]} for c in chart.curves
+                ],
+            }
+            for chart in charts
+        ]
+        for page, charts in PAGES.items()
+    }
+    return json.dumps({"widths": {table: len(names) for table, names in tables.items()}, "pages": pages})
 
-
-def colour(name: str | int, theme: Theme) -> str:
-    """A curve's colour as CSS."""
-    return css(theme.series[name % len(theme.series)] if isinstance(name, int) else getattr(theme, name))
-
-
-NOTHING = '<p class="hs-empty">No data yet.</p>'
-AXES: tuple[Any, ...] = (
-    {"size": 22, "font": "11px system-ui, sans-serif", "space": 60, "ticks": {"size": 3}},
-    {"size": 44, "font": "11px system-ui, sans-serif", "space": 24, "ticks": {"size": 3}},
-)
 
 PANEL = PlotsPanel

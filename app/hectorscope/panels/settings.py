@@ -10,7 +10,7 @@ from viser import GuiApi, GuiEvent, Icon
 
 from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
-from hectorscope.panels import _workspace
+from hectorscope.panels import _own, _workspace
 from hectorscope.panels._controls import Choice, by_hand, control_for
 from hectorscope.panels._format import label, text, title, worded
 from hectorscope.panels._handles import put, put_value
@@ -79,7 +79,7 @@ class SettingsPanel:
 
     def _add_head(self, count: int) -> None:
         """The search, what differs from the preset, and what hears the buttons that reset it."""
-        self._gui.add_html(SEARCH.format(count=count))
+        self._gui.add_html(_own.SHARED + SEARCH.format(count=count))
         self._banner = self._gui.add_html(UNCHANGED)
         reset = self._gui.add_text("Reset", "", visible=False)
         self._gui.add_html(f'<i class="hs-mark" data-hs-resets="{viser_private.uuid_of(reset)}"></i>')

@@ -2,11 +2,9 @@
 
 from collections.abc import Mapping
 
-from viser import GuiButtonHandle, GuiEvent, Icon
-
 from hectorscope.inputs import SourceReport
 from hectorscope.page.scene import Scene
-from hectorscope.panels import _workspace
+from hectorscope.panels import _own, _workspace
 from hectorscope.panels._format import clock, figure, fixed, text, tip
 from hectorscope.panels._handles import put
 from hectorscope.panels._message import message
@@ -33,19 +31,12 @@ class StatusPanel:
             gui.add_html(BRAND)
             self._run = gui.add_html("")
             self._losses = gui.add_html("")
-            self._theme = gui.add_button("Light theme", icon=Icon.SUN)
-        self._theme.on_click(self._switch_theme)
+            gui.add_html(_own.tools())
 
     def draw(self, snapshot: Snapshot) -> None:
         """Assign what changed."""
         put(self._run, run_html(snapshot))
         put(self._losses, losses_html(snapshot.report, self._scene.failures, snapshot.warnings))
-        label, icon = ("Light theme", Icon.SUN) if self._scene.display.dark else ("Dark theme", Icon.MOON)
-        if self._theme.label != label:
-            self._theme.label, self._theme.icon = label, icon
-
-    def _switch_theme(self, _: GuiEvent[GuiButtonHandle]) -> None:
-        self._scene.show(dark=not self._scene.display.dark)
 
 
 def run_html(snapshot: Snapshot) -> str:

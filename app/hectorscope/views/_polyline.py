@@ -15,11 +15,20 @@ class Polyline:
     Points closer than `spacing` metres to the last one drawn are left out; the line ends at the newest kept point.
     """
 
-    def __init__(self, scene: viser.SceneApi, root: str, *, spacing: float, pixels: float, dashed: bool = False):
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        root: str,
+        colour: Rgb,
+        *,
+        spacing: float,
+        pixels: float,
+        dashed: bool = False,
+    ) -> None:
         self._scene, self._root = scene, root
         self._spacing, self._pixels, self._dashed = spacing, pixels, dashed
         self._nodes: list[viser.LineSegmentsHandle] = []
-        self._colour: Rgb | None = None
+        self._colour = for_line(colour)
         self._forget()
 
     def _forget(self) -> None:
@@ -30,12 +39,11 @@ class Polyline:
         self._rows = 0
         self._points: list[Float64s] = []  # of the open chunk, its first one ends the chunk before
 
-    def draw(self, positions: Float64s, epoch: int, colour: Rgb) -> None:
+    def draw(self, positions: Float64s, epoch: int) -> None:
         """Bring the line up to date with all `positions` (n, 3); another epoch or fewer rows begin a new line."""
         if epoch != self._epoch or len(positions) < self._rows:
             self._forget()
             self._epoch = epoch
-        self._recolour(colour)
         kept = [self._append(position) for position in positions[self._rows :]]
         self._rows = len(positions)
         if any(kept):
@@ -68,12 +76,5 @@ class Polyline:
     def _node(self, segments: Float32s) -> viser.LineSegmentsHandle:
         name = f"{self._root}/chunk{len(self._nodes)}"
         return self._scene.add_line_segments(
-            name, segments, for_line(self._colour or (0, 0, 0)), thickness=self._pixels, thickness_units="screen"
+            name, segments, self._colour, thickness=self._pixels, thickness_units="screen"
         )
-
-    def _recolour(self, colour: Rgb) -> None:
-        if colour == self._colour:
-            return
-        self._colour = colour
-        for node in self._nodes:
-            node.colors = for_line(colour)

@@ -1,7 +1,7 @@
 """The covariance of each estimate: ellipses of match, prior and fused pose, ellipsoid of the position."""
 
 from hectorscope.page.scene import Scene
-from hectorscope.page.theme import Rgb, Theme, for_line
+from hectorscope.page.theme import SENT, for_line
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._shapes import disc, ellipse, ellipsoid, ring
 from slam_core.results import PlanarGaussian, StepResult
@@ -21,30 +21,30 @@ class CovarianceView:
         self._ellipses = [_Ellipse(scene, key, LIFT * (1 + i)) for i, key in enumerate(TITLES)]
         root = scene.layer("position", "Position (3D)", colour="position", shown=False).root.name
         self._ellipsoid = scene.server.scene.add_icosphere(
-            f"{root}/ellipsoid", radius=1.0, subdivisions=3, opacity=SEE_THROUGH, cast_shadow=False, visible=False
-        )
+            f"{root}/ellipsoid", radius=1.0, subdivisions=3, opacity=SEE_THROUGH, cast_shadow=False, visible=False,
+            color=SENT.position,
+        )  # fmt: skip
         self._drawn: object = None
 
     def draw(self, snapshot: Snapshot) -> None:
         """Scale them to the newest covariances."""
         display = self._scene.display
-        state = (snapshot.sequence, display.ellipse_scale, display.dark)
+        state = (snapshot.sequence, display.ellipse_scale)
         if state == self._drawn:
             return
         self._drawn = state
         planes = gaussians(snapshot.result)
         with self._scene.server.atomic():
             for item in self._ellipses:
-                item.draw(planes.get(item.key), display.ellipse_scale, display.theme)
-            self._draw_position(snapshot.result, display.ellipse_scale, display.theme.position)
+                item.draw(planes.get(item.key), display.ellipse_scale)
+            self._draw_position(snapshot.result, display.ellipse_scale)
 
-    def _draw_position(self, result: StepResult | None, sigmas: float, colour: Rgb) -> None:
+    def _draw_position(self, result: StepResult | None, sigmas: float) -> None:
         state = result.navigation if result else None
         self._ellipsoid.visible = state is not None
         if state is not None:
             self._ellipsoid.scale, self._ellipsoid.wxyz = ellipsoid(state.covariance[3:6, 3:6], sigmas)
             self._ellipsoid.position = state.T_map_base.translation
-            self._ellipsoid.color = colour
 
 
 def gaussians(result: StepResult | None) -> dict[str, PlanarGaussian]:
@@ -65,22 +65,24 @@ class _Ellipse:
     def __init__(self, scene: Scene, key: str, height: float) -> None:
         self.key = key
         nodes = scene.server.scene
+        colour = getattr(SENT, key)
         root = scene.layer(key, TITLES[key], colour=key, on_floor=True).root.name
         self._frame = nodes.add_frame(f"{root}/pose", show_axes=False, visible=False)
         self._height = height
         self._rim = nodes.add_line_segments(
-            f"{root}/pose/rim", ring(), (0, 0, 0), thickness=3.0, thickness_units="screen"
+            f"{root}/pose/rim", ring(), for_line(colour), thickness=3.0, thickness_units="screen"
         )
         self._disc = nodes.add_mesh_simple(
             f"{root}/pose/disc",
             *disc(),
+            color=colour,
             opacity=SEE_THROUGH,
             side="double",
             cast_shadow=False,
             receive_shadow=False,
         )
 
-    def draw(self, gaussian: PlanarGaussian | None, sigmas: float, theme: Theme) -> None:
+    def draw(self, gaussian: PlanarGaussian | None, sigmas: float) -> None:
         """Show `gaussian`, `sigmas` large."""
         self._frame.visible = gaussian is not None
         if gaussian is None:
@@ -88,8 +90,6 @@ class _Ellipse:
         scale, self._frame.wxyz = ellipse(gaussian.covariance[:2, :2], sigmas)
         self._frame.position = (*gaussian.mean[:2], self._height)
         self._rim.scale = self._disc.scale = scale
-        colour: Rgb = getattr(theme, self.key)
-        self._rim.colors, self._disc.color = for_line(colour), colour
 
 
 VIEW = CovarianceView

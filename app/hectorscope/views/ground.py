@@ -1,7 +1,7 @@
 """The ground under it all: a metre grid, and where a new browser looks from."""
 
 from hectorscope.page.scene import Scene
-from hectorscope.page.theme import Theme
+from hectorscope.page.theme import SENT
 from hectorscope.session.snapshot import Snapshot
 
 LOWER = -0.02  # metres: the grid lies below the finest level
@@ -11,15 +11,16 @@ class GroundView:
     """Thin lines every metre, thicker ones every five."""
 
     title = "Grid"
-    rate = 2.0
+    rate = 0.1
 
     def __init__(self, scene: Scene) -> None:
-        self._scene = scene
         nodes = scene.server.scene
         root = scene.layer("grid", "Metre grid", on_floor=True).root.name
-        self._grid = nodes.add_grid(
+        nodes.add_grid(
             f"{root}/lines",
             infinite_grid=True,
+            cell_color=SENT.grid,
+            section_color=SENT.grid,
             cell_size=1.0,
             section_size=5.0,
             cell_thickness=0.6,
@@ -28,7 +29,6 @@ class GroundView:
             shadow_opacity=0.0,
             position=(0.0, 0.0, LOWER),
         )
-        self._theme: Theme | None = None
         nodes.configure_default_lights(enabled=False, cast_shadow=False)  # they wash colours out
         nodes.configure_environment_map(None)
         nodes.add_light_ambient("/light/ambient", intensity=2.0)
@@ -37,13 +37,7 @@ class GroundView:
         camera.position, camera.look_at, camera.fov = (0.0, -22.0, 15.0), (0.0, 0.0, 0.0), 0.7
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Follow the theme."""
-        theme = self._scene.theme
-        if theme is self._theme:
-            return
-        self._theme = theme
-        with self._scene.server.atomic():
-            self._grid.cell_color = self._grid.section_color = theme.grid
+        """Nothing of it changes."""
 
 
 VIEW = GroundView

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hectorscope.page.scene import Scene
-from hectorscope.page.theme import for_line
+from hectorscope.page.theme import SENT, for_line
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._shapes import prism, ring
 from slam_core.geometry import heading, yaw_quaternion
@@ -21,32 +21,29 @@ class RobotView:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         nodes = scene.server.scene
-        self._body = scene.layer("robot", "Robot", colour="robot").root
+        self._body = scene.layer("robot", "Robot", colour="robot", more=(f"{scene.floor.name}/footprint",)).root
         name = self._body.name
         self._hull = nodes.add_mesh_simple(
-            f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True, visible=False
+            f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True, visible=False, color=SENT.robot
         )
         nodes.add_cylinder(
             f"{name}/hull/laser", radius=0.07, height=0.1, color=LASER_COLOUR, position=(0.08, 0.0, 0.21)
         )
         self._ring = nodes.add_line_segments(
-            f"{scene.floor.name}/footprint", ring(32) * 0.45, (0, 0, 0), thickness=2.0, thickness_units="screen",
-            visible=False,
+            f"{scene.floor.name}/footprint", ring(32) * 0.45, for_line(SENT.robot), thickness=2.0,
+            thickness_units="screen", visible=False,
         )  # fmt: skip
-        self._drawn: object = None
+        self._drawn = -1
 
     def draw(self, snapshot: Snapshot) -> None:
         """Move it to the newest pose."""
-        theme, result = self._scene.theme, snapshot.result
-        state = (snapshot.sequence, theme.dark, self._body.visible)
-        if state == self._drawn:
+        result = snapshot.result
+        if snapshot.sequence == self._drawn:
             return
-        self._drawn = state
+        self._drawn = snapshot.sequence
         with self._scene.server.atomic():
             self._hull.visible = result is not None
-            self._ring.visible = result is not None and self._body.visible
-            self._hull.color = theme.robot
-            self._ring.colors = for_line(theme.robot)
+            self._ring.visible = result is not None
             if result is not None:
                 T = result.T_map_base
                 self._body.position, self._body.wxyz = T.translation, T.rotation

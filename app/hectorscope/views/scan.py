@@ -3,6 +3,7 @@
 import numpy as np
 
 from hectorscope.page.scene import Display, Scene
+from hectorscope.page.theme import SENT
 from hectorscope.session.snapshot import Snapshot
 from slam_core.config import ScanConfig
 from slam_core.geometry import transform_points
@@ -40,7 +41,7 @@ class ScanView:
     def draw(self, snapshot: Snapshot) -> None:
         """Send a new scan, or the same one in other colours."""
         display, result = self._scene.display, snapshot.result
-        state = (snapshot.epoch, result.index if result else None, display.points, display.dark)
+        state = (snapshot.epoch, result.index if result else None, display.points)
         if state == self._drawn:
             return
         self._drawn = state
@@ -62,7 +63,7 @@ def point_colours(result: StepResult, display: Display, config: ScanConfig) -> n
 
     By residual, beams that end where the map knows free space have a colour of their own: new, or on the move.
     """
-    theme, count = display.theme, len(result.points)
+    theme, count = SENT, len(result.points)
     if display.points == "height":
         span = max(config.z_max - config.z_min, 1e-6)
         return theme.residual_colours((result.heights - config.z_min) / span)

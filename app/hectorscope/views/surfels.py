@@ -4,10 +4,8 @@ import numpy as np
 import viser
 
 from hectorscope.page.scene import Scene
-from hectorscope.page.theme import for_lines
 from hectorscope.run.map_images import MapImage
 from hectorscope.session.snapshot import Snapshot
-from hectorscope.views._levels import placements
 from slam_core.mapping.surfels import pieces
 from slam_core.measurements import Float32s
 
@@ -23,17 +21,19 @@ class SurfelsView:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._layer = scene.layer("surfels", "Surfels", colour="accent", on_floor=True, shown=False)
+        self._layer = scene.layer(
+            "surfels", "Surfels", colour="accent", on_floor=True, shown=False, on_demand=True
+        )
         self._lines: viser.LineSegmentsHandle | None = None
         self._drawn: object = None
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send the lines of a map that changed."""
         display, maps = self._scene.display, snapshot.maps
-        if self._layer.key in display.hidden:
+        if self._layer.key not in display.asked:
             return
-        finest = maps[0] if maps and placements(display, maps)[0].shown else None
-        state = (snapshot.epoch, finest and finest.revision, display.dark)
+        finest = maps[0] if maps else None
+        state = (snapshot.epoch, finest and finest.revision)
         if state == self._drawn:
             return
         self._drawn = state
@@ -42,15 +42,13 @@ class SurfelsView:
             self._show(segments, colours)
 
     def _encoded(self, finest: MapImage | None) -> tuple[Float32s, np.ndarray]:
-        """Segments (n, 2, 3), and the colours of their ends."""
+        """Segments (n, 2, 3), and greys that say how much they count; static/dress.js colours them."""
         if finest is None:
             return np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8)
         ends, counts = pieces(finest.surfels, finest.resolution, finest.x, finest.y)
         segments = np.concatenate([ends, np.full((len(ends), 2, 1), LIFT, np.float32)], axis=2)
-        theme = self._scene.theme
-        none, whole = np.array(theme.free), np.array(theme.accent)
-        colours = for_lines(none + counts[:, None] * (whole - none))
-        return segments, np.repeat(colours[:, None], 2, axis=1)
+        grey = np.rint(255.0 * counts).astype(np.uint8)
+        return segments, np.broadcast_to(grey[:, None, None], (len(grey), 2, 3)).copy()
 
     def _show(self, segments: Float32s, colours: np.ndarray) -> None:
         if self._lines is not None:

@@ -1,6 +1,7 @@
 """Where the robot was, as estimated at the time."""
 
 from hectorscope.page.scene import Scene
+from hectorscope.page.theme import SENT
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._polyline import Polyline
 
@@ -12,13 +13,12 @@ class TrajectoryView:
     rate = 10.0
 
     def __init__(self, scene: Scene) -> None:
-        self._scene = scene
         root = scene.layer("trajectory", "Trajectory", colour="trajectory").root.name
-        self._line = Polyline(scene.server.scene, root, spacing=0.03, pixels=2.5)
+        self._line = Polyline(scene.server.scene, root, SENT.trajectory, spacing=0.03, pixels=2.5)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Add what was driven since."""
-        self._line.draw(snapshot.trajectory[:, 1:4], snapshot.epoch, self._scene.theme.trajectory)
+        self._line.draw(snapshot.trajectory[:, 1:4], snapshot.epoch)
 
 
 VIEW = TrajectoryView

@@ -1,6 +1,7 @@
 """Where the robot really was, if the recording knows: dashed, carried into the map by its first pose."""
 
 from hectorscope.page.scene import Scene
+from hectorscope.page.theme import SENT
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._polyline import Polyline
 from slam_core.geometry import yaw_quaternion
@@ -15,14 +16,16 @@ class TruthView:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._root = scene.layer("truth", "Truth", colour="truth").root
-        self._line = Polyline(scene.server.scene, self._root.name, spacing=0.2, pixels=2.0, dashed=True)
+        self._line = Polyline(
+            scene.server.scene, self._root.name, SENT.truth, spacing=0.2, pixels=2.0, dashed=True
+        )
 
     def draw(self, snapshot: Snapshot) -> None:
         """Add what was driven since."""
         x, y, z, yaw = snapshot.truth_in_map
         with self._scene.server.atomic():
             self._root.position, self._root.wxyz = (x, y, z), yaw_quaternion(yaw)
-            self._line.draw(snapshot.truth[:, 1:4], snapshot.epoch, self._scene.theme.truth)
+            self._line.draw(snapshot.truth[:, 1:4], snapshot.epoch)
 
 
 VIEW = TruthView

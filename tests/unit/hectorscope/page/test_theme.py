@@ -1,10 +1,9 @@
-"""The palette keeps what it promises: contrast, and differences that colour-blind readers see."""
-
-from itertools import combinations
+"""Colours along the ramp, in style sheets, and through the film curve. Contrasts: benchmarks/contrast.py."""
 
 import numpy as np
 import pytest
 
+from benchmarks.contrast import linear
 from hectorscope.page.theme import (
     AFTER_CURVE,
     BEFORE_CURVE,
@@ -22,26 +21,6 @@ from hectorscope.page.theme import (
 THEMES = pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
 LINES = ("match", "prior", "fused", "position")
 
-# How linear sRGB looks without one kind of cone (Machado, Oliveira and Fernandes 2009, severity 1).
-SEEN_BY = {
-    "all": np.eye(3),
-    "protanopia": np.array(
-        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
-    ),
-    "deuteranopia": np.array(
-        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
-    ),
-    "tritanopia": np.array(
-        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]
-    ),
-}
-TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
-
-
-def linear(colour: Rgb) -> np.ndarray:
-    c = np.array(colour) / 255.0
-    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
-
 
 def filmed(colour: Rgb) -> np.ndarray:
     """What the page shows of a line of that colour: three.js's ACES film curve."""
@@ -49,56 +28,6 @@ def filmed(colour: Rgb) -> np.ndarray:
     over, under = (np.polyval(series, light) for series in (OVER, UNDER))
     light = np.clip(AFTER_CURVE @ (over / under), 0.0, 1.0)
     return 255.0 * np.where(light > 0.0031308, 1.055 * light ** (1 / 2.4) - 0.055, 12.92 * light)
-
-
-def contrast(a: Rgb, b: Rgb) -> float:
-    """WCAG contrast ratio."""
-    low, high = sorted(float(linear(c) @ TO_XYZ[1]) for c in (a, b))
-    return (high + 0.05) / (low + 0.05)
-
-
-def lab(colour: Rgb, eye: np.ndarray) -> np.ndarray:
-    """CIE Lab of a colour as that eye sees it."""
-    xyz = TO_XYZ @ np.clip(eye @ linear(colour), 0.0, 1.0) / np.array([0.9505, 1.0, 1.089])
-    f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
-    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
-
-
-@THEMES
-def test_walls_stand_out(theme: Theme) -> None:
-    """Occupied against free has more contrast than text needs, also on a pale projector."""
-    assert contrast(theme.occupied, theme.free) > 7.0
-
-
-@THEMES
-@pytest.mark.parametrize("name", [*LINES, "trajectory", "truth", "unexpected"])
-def test_lines_are_seen_on_the_map(theme: Theme, name: str) -> None:
-    """Every line has the contrast that graphics need against free space."""
-    assert contrast(getattr(theme, name), theme.free) > 2.9
-
-
-@THEMES
-def test_text_is_read(theme: Theme) -> None:
-    """Texts, also the muted ones, have the contrast that small text needs."""
-    assert contrast(theme.text, theme.surface) > 7.0
-    assert contrast(theme.muted, theme.surface) > 4.5
-
-
-@THEMES
-@pytest.mark.parametrize("eye", SEEN_BY)
-def test_estimates_are_told_apart(theme: Theme, eye: str) -> None:
-    """The colours of match, filter, fused and position differ clearly for every kind of colour vision."""
-    for a, b in combinations(LINES, 2):
-        difference = lab(getattr(theme, a), SEEN_BY[eye]) - lab(getattr(theme, b), SEEN_BY[eye])
-        assert np.linalg.norm(difference) > 12.0, (a, b)
-
-
-@THEMES
-@pytest.mark.parametrize("eye", SEEN_BY)
-def test_residuals_are_told_apart(theme: Theme, eye: str) -> None:
-    """Small, middle and large residuals, and surprises, differ clearly for every kind of colour vision."""
-    for a, b in combinations([*theme.ramp, theme.unexpected], 2):
-        assert np.linalg.norm(lab(a, SEEN_BY[eye]) - lab(b, SEEN_BY[eye])) > 20.0
 
 
 @THEMES

@@ -42,16 +42,6 @@ def test_it_draws_whatever_a_run_shows(panel: type[Panel], scene: Scene) -> None
 
 
 @PANELS
-def test_it_draws_in_both_themes(panel: type[Panel], scene: Scene) -> None:
-    """The theme may change while nothing moves."""
-    made, snapshot = panel(scene), room_snapshot()
-    for dark in (True, False, True):
-        scene.show(dark=dark)
-        made.draw(snapshot)
-        made.draw(snapshot)
-
-
-@PANELS
 def test_it_sends_nothing_when_nothing_changed(panel: type[Panel], scene: Scene) -> None:
     """Drawing the same snapshot again costs no bytes."""
     made, snapshot = panel(scene), room_snapshot()

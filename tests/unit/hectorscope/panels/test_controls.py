@@ -240,12 +240,10 @@ def test_a_speed_that_was_just_chosen_stays(scene: Scene) -> None:
 
 
 def test_a_display_setting_that_was_just_chosen_stays(scene: Scene) -> None:
-    """While another one changes, and its layer's box too."""
-    scene.layer("scan", "Scan")
+    """While another one changes."""
     panel = DisplayPanel(scene)
-    layout, box = panel._controls["layout"], panel._layers["scan"]
-    layout._list._impl.value = "one level"  # type: ignore[attr-defined]
-    box._box._impl.value = False  # type: ignore[attr-defined]
-    scene.show(gap=1.0)
+    points = panel._controls["points"]
+    points._list._impl.value = "by height"  # type: ignore[attr-defined]
+    scene.show(ellipse_fit=False)
     panel.draw(Snapshot())
-    assert (layout.read(), box.read()) == ("one", False)
+    assert points.read() == "height"

@@ -14,7 +14,8 @@ def test_the_style_sheet_has_todays_palette() -> None:
 
 def test_every_colour_that_the_page_uses_is_defined() -> None:
     """No --hs- variable of the style sheet or of a read-out is missing from the palette."""
-    style = (resource_folder("static") / "hectorscope.css").read_text(encoding="utf-8")
+    sheets = ("hectorscope.css", "layout.css")
+    style = "".join((resource_folder("static") / name).read_text(encoding="utf-8") for name in sheets)
     used = style + match.legend_html(room_snapshot(), Display())
     defined = palette_css() + style
     names = set(re.findall(r"var\(--hs-([a-z-]+)\)", used))

@@ -1,49 +1,92 @@
-"""What the charts send to the browser."""
+"""What the plots send to the browsers."""
 
+import base64
+import json
+import re
 from dataclasses import replace
 
 import numpy as np
 
 from hectorscope.page.scene import Scene
-from hectorscope.panels._curves import AGAINST_TRUTH, PAGES
+from hectorscope.panels._curves import COLUMNS, PAGES, TIME
 from hectorscope.panels._truth_error import truth_error
-from hectorscope.panels.plots import PlotsPanel, curves
+from hectorscope.panels.plots import BATCH, PlotsPanel, charts_json, error_rows, series_rows
 from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.session.snapshot import Snapshot
 from tests.page import room_snapshot
 
-
-def test_a_chart_begins_with_its_first_value():
-    """The first scan has no match: with a gap in front, the browser would find no range for the axis."""
-    (chart,) = [chart for page in PAGES.values() for chart in page if chart.title == "Mean residual"]
-    series = np.zeros(50, SERIES_DTYPE)
-    series["time_s"], series["residual"] = np.arange(50), np.linspace(0.1, 0.2, 50)
-    series["residual"][:3] = np.nan
-    time, *values = curves(chart, series, 0)
-    assert time[0] == 3.0
-    assert len(time) == 47
-    assert all(np.isfinite(value).all() for value in values)
+SCRIPT = re.compile(r"window\.hectorscope\?\.rows\?\.\('(\w+)', (\d+), '([^']*)'\)")
 
 
-def test_a_heading_goes_on_beyond_half_a_turn():
-    """From 179 to 181 degrees the curve rises by two, and where it stands does not depend on the window."""
-    (chart,) = [chart for page in PAGES.values() for chart in page if chart.title == "Yaw, °"]
-    series = np.zeros(30, SERIES_DTYPE)
-    series["time_s"] = np.arange(30)
-    series["yaw"] = np.angle(np.exp(1j * np.radians(150.0 + 5.0 * np.arange(30))))
-    for first in (0, 20):
-        _, yaw = curves(chart, series, first)
-        np.testing.assert_allclose(yaw, 150.0 + 5.0 * np.arange(30)[first:], rtol=1e-5)
+class Browser:
+    """Puts together what it is sent, as static/plots.js does."""
+
+    def __init__(self, client: int) -> None:
+        self.client, self.received = client, 0
+        self.tables: dict[str, np.ndarray] = {}
+
+    def take(self, panel: PlotsPanel, snapshot: Snapshot) -> None:
+        """Add the rows that the panel has for this browser."""
+        for script in panel.news(self.client, snapshot):
+            match = SCRIPT.fullmatch(script)
+            assert match is not None
+            table, first, content = match.groups()
+            width = json.loads(charts_json())["widths"][table]
+            news = np.frombuffer(base64.b64decode(content), "<f4").reshape(-1, width)
+            before = self.tables.get(table, np.empty((0, width), np.float32))
+            self.tables[table] = np.concatenate([before[: int(first)], news])
+            self.received += len(news)
 
 
-def test_the_error_against_the_truth_is_a_curve(scene: Scene) -> None:
-    """In the plane, in heading and in height, where the truth covers the run; a run without a truth says so."""
+def run_of(rows: int, epoch: int = 0) -> Snapshot:
+    """A run of so many scans, whose columns are all different."""
+    series = np.zeros(rows, SERIES_DTYPE)
+    for i, name in enumerate(SERIES_DTYPE.names or ()):
+        series[name] = i + np.arange(rows)
+    series[TIME] = 0.1 * np.arange(rows)
+    return replace(room_snapshot(), series=series, epoch=epoch, truth=np.empty((0, 8)))
+
+
+def test_every_row_is_sent_once(scene: Scene) -> None:
+    """Each browser gets what it has not: one who joins the whole run in batches, a run begun again anew."""
+    panel, one, two = PlotsPanel(scene), Browser(1), Browser(2)
+    for rows in (10, 10, 25):
+        one.take(panel, run_of(rows))
+    assert one.received == 25
+    whole = run_of(2 * BATCH + 70)
+    for _ in range(3):
+        two.take(panel, whole)
+    one.take(panel, whole)
+    np.testing.assert_array_equal(two.tables["series"], series_rows(whole, 0))
+    np.testing.assert_array_equal(one.tables["series"], series_rows(whole, 0)[: 25 + BATCH])
+    one.take(panel, run_of(5, epoch=1))
+    assert len(one.tables["series"]) == 5
+
+
+def test_charts_name_their_columns() -> None:
+    """What the page reads at the place of a curve is the column of that curve."""
+    described = json.loads(charts_json())
+    assert list(described["pages"]) == list(PAGES)
+    rows = series_rows(run_of(3), 0)
+    for page, charts in PAGES.items():
+        for chart, sent in zip(charts, described["pages"][page], strict=True):
+            assert (sent["title"], sent["factor"]) == (chart.title, chart.factor)
+            for curve, told in zip(chart.curves, sent["curves"], strict=True):
+                if sent["table"] == "series":
+                    np.testing.assert_array_equal(rows[:, told["column"]], run_of(3).series[curve.column])
+    assert COLUMNS[0] == TIME
+
+
+def test_the_error_against_the_truth_is_a_curve() -> None:
+    """In the plane, in heading and in height, where the truth covers the run; without one there are no rows."""
     snapshot = room_snapshot()
     half = np.radians(1.0)
     truth = snapshot.truth.copy()
     truth[10:, 1] += 0.03
     truth[10:, 2] += 0.04
     truth[:, 4], truth[:, 7] = np.cos(half), np.sin(half)
-    rows = truth_error(replace(snapshot, truth=truth[:30], truth_in_map=np.array([0.0, 0.0, 0.0, 0.0])))
+    covered = replace(snapshot, truth=truth[:30], truth_in_map=np.zeros(4))
+    rows = truth_error(covered)
     there = snapshot.truth[:30, 1:3] - snapshot.trajectory[:30, 1:3]
     np.testing.assert_allclose(rows["error"][:10], np.hypot(*there[:10].T), atol=1e-12)
     there[10:] += [0.03, 0.04]
@@ -51,23 +94,6 @@ def test_the_error_against_the_truth_is_a_curve(scene: Scene) -> None:
     np.testing.assert_allclose(rows["error_yaw"][:30], -2.0 * half)
     assert np.isnan(rows["error"][30:]).all()
     assert np.isnan(rows["error_z"]).all()
-    panel = PlotsPanel(scene)
-    panel._page.value = AGAINST_TRUTH
-    panel.draw(snapshot)
-    assert not panel._nothing.visible
-    panel.draw(replace(snapshot, sequence=2, truth=np.empty((0, 8))))
-    assert panel._nothing.visible
-
-
-def test_a_page_without_a_curve_says_so(scene: Scene) -> None:
-    """As of biases where there is no filter; the note goes with the first curve."""
-    panel, full = PlotsPanel(scene), room_snapshot()
-    panel._page.value = "Biases"
-    panel.draw(full)
-    assert not panel._nothing.visible
-    series = full.series.copy()
-    for name in series.dtype.names or ():
-        if "bias" in name:
-            series[name] = np.nan
-    panel.draw(replace(full, sequence=full.sequence + 1, series=series))
-    assert panel._nothing.visible
+    assert len(error_rows(covered, 0)) == 30
+    np.testing.assert_array_equal(error_rows(covered, 12), error_rows(covered, 0)[12:])
+    assert len(error_rows(replace(snapshot, truth=np.empty((0, 8))), 0)) == 0

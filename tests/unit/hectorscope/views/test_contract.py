@@ -11,11 +11,6 @@ from tests.page import restarted, room_snapshot, without_filter
 
 VIEWS = pytest.mark.parametrize("view", view_classes(), ids=lambda view: view.__name__)
 SETTINGS: list[dict[str, Any]] = [
-    {"layout": "side"},
-    {"layout": "one", "level": 2},
-    {"layout": "one", "level": 99},
-    {"layout": "stacked", "gap": 1.5},
-    {"dark": False},
     {"points": "height"},
     {"points": "plain", "ellipse_scale": 1000.0},
 ]
@@ -27,10 +22,10 @@ def messages(scene: Scene) -> int:
 
 
 def whole(view: type[View], scene: Scene) -> View:
-    """The view with all of its layers switched on."""
+    """The view with all of its layers asked for."""
     made = view(scene)
     for layer in scene.layers:
-        scene.show_layer(layer.key, True)
+        scene.ask(layer)
     return made
 
 
@@ -45,7 +40,7 @@ def test_it_draws_whatever_a_run_shows(view: type[View], scene: Scene) -> None:
 
 @VIEWS
 def test_it_follows_every_setting(view: type[View], scene: Scene) -> None:
-    """Every layout, theme and colouring can be chosen while nothing moves."""
+    """Every size and colouring can be chosen while nothing moves."""
     made, snapshot = whole(view, scene), room_snapshot()
     made.draw(snapshot)
     for change in SETTINGS:

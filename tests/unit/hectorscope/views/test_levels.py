@@ -1,44 +1,14 @@
-"""Where levels lie, and how their images grow."""
-
-from itertools import pairwise
+"""How the images of levels grow, and where their walls are."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hectorscope.page.scene import Display, Scene
+from hectorscope.page.scene import Scene
 from hectorscope.run.map_images import MapImage
-from hectorscope.views._levels import AISLE, bulk, placements
+from hectorscope.views._levels import bulk
 from hectorscope.views.levels import BLOCK, LevelsView, aligned
-from tests.page import RESOLUTION, room_maps, room_snapshot
-
-
-def test_a_stack_rises_by_the_gap() -> None:
-    """Half a map's depth (12 m) apart; the finest level stays at the robot, only those above are veiled."""
-    places = placements(Display(layout="stacked", gap=0.5), room_maps())
-    assert [(p.z, p.veiled, p.shown) for p in places] == [
-        (0.0, False, True),
-        (6.0, True, True),
-        (12.0, True, True),
-    ]
-
-
-def test_side_by_side_leaves_an_aisle() -> None:
-    """Levels do not overlap; the finest one stays."""
-    maps = room_maps()
-    places = placements(Display(layout="side"), maps)
-    edges = [(m.x + p.x, m.x + p.x + m.cells.shape[1] * m.resolution) for m, p in zip(maps, places, strict=True)]
-    assert places[0].x == 0.0
-    assert [b[0] - a[1] for a, b in pairwise(edges)] == pytest.approx([AISLE, AISLE])
-
-
-@pytest.mark.parametrize("asked, shown", [(0, 0), (1, 1), (2, 2), (9, 2)])
-def test_one_level_alone(asked: int, shown: int) -> None:
-    """Exactly one level is shown, at the robot's height; a level that is not there gives the coarsest."""
-    places = placements(Display(layout="one", level=asked), room_maps())
-    assert [i for i, place in enumerate(places) if place.shown] == [shown]
-    assert {place.z for place in places} == {0.0}
+from tests.page import RESOLUTION, room_snapshot
 
 
 @given(st.integers(-300, 300), st.integers(-300, 300), st.integers(1, 150), st.integers(1, 150), st.integers(0, 2))

@@ -21,9 +21,9 @@ def drawn(line: Polyline) -> np.ndarray:
 
 def test_chunks_make_one_line(scene: Scene) -> None:
     """However the rows arrive, the segments join without a gap from the first row to the last."""
-    line, path = Polyline(scene.server.scene, "/line", spacing=0.05, pixels=1.0), straight(3 * CHUNK + 17)
+    line, path = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0), straight(3 * CHUNK + 17)
     for rows in (1, 2, CHUNK, CHUNK + 1, CHUNK + 2, len(path)):
-        line.draw(path[:rows], 0, COLOUR)
+        line.draw(path[:rows], 0)
     segments = drawn(line)
     assert np.allclose(segments[:, 0], path[:-1])
     assert np.allclose(segments[:, 1], path[1:])
@@ -32,38 +32,38 @@ def test_chunks_make_one_line(scene: Scene) -> None:
 
 def test_only_the_last_chunk_is_sent_again(scene: Scene) -> None:
     """A row more leaves full chunks untouched."""
-    line, path = Polyline(scene.server.scene, "/line", spacing=0.05, pixels=1.0), straight(2 * CHUNK + 9)
-    line.draw(path[:-1], 0, COLOUR)
+    line, path = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0), straight(2 * CHUNK + 9)
+    line.draw(path[:-1], 0)
     full = [node.points.copy() for node in line._nodes[:-1]]
-    line.draw(path, 0, COLOUR)
+    line.draw(path, 0)
     assert all(np.array_equal(a, node.points) for a, node in zip(full, line._nodes, strict=False))
 
 
 def test_standing_still_adds_nothing(scene: Scene) -> None:
     """Poses closer than the spacing are left out."""
-    line = Polyline(scene.server.scene, "/line", spacing=0.05, pixels=1.0)
-    line.draw(straight(1000, step=1e-4), 0, COLOUR)
+    line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0)
+    line.draw(straight(1000, step=1e-4), 0)
     assert len(drawn(line)) == 1
 
 
 def test_a_new_epoch_begins_a_new_line(scene: Scene) -> None:
     """After a restart nothing of the old line is left, also when the new one is longer."""
-    line = Polyline(scene.server.scene, "/line", spacing=0.05, pixels=1.0)
-    line.draw(straight(CHUNK + 50), 0, COLOUR)
-    line.draw(straight(2 * CHUNK) + np.array([0, 5, 0]), 1, COLOUR)
+    line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0)
+    line.draw(straight(CHUNK + 50), 0)
+    line.draw(straight(2 * CHUNK) + np.array([0, 5, 0]), 1)
     assert (drawn(line)[:, :, 1] == 5).all()
 
 
 def test_dashes_leave_out_every_second_segment(scene: Scene) -> None:
     """A dashed line draws half of it."""
-    line = Polyline(scene.server.scene, "/line", spacing=0.05, pixels=1.0, dashed=True)
-    line.draw(straight(21), 0, COLOUR)
+    line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0, dashed=True)
+    line.draw(straight(21), 0)
     assert len(drawn(line)) == 10
 
 
-def test_colours_follow_the_theme(scene: Scene) -> None:
-    """All chunks take a new colour, old ones too."""
-    line = Polyline(scene.server.scene, "/line", spacing=0.05, pixels=1.0)
-    line.draw(straight(CHUNK + 50), 0, COLOUR)
-    line.draw(straight(CHUNK + 50), 0, (9, 9, 9))
-    assert all((node.colors == for_line((9, 9, 9))).all() for node in line._nodes)
+def test_all_chunks_have_the_colour(scene: Scene) -> None:
+    """The first and those that follow, as the film curve needs it."""
+    line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0)
+    line.draw(straight(CHUNK + 50), 0)
+    assert len(line._nodes) == 2
+    assert all((node.colors == for_line(COLOUR)).all() for node in line._nodes)

@@ -20,6 +20,12 @@ def with_surfels(snapshot: Snapshot, count: int = 3) -> Snapshot:
     return replace(snapshot, maps=(replace(finest, surfels=words), *snapshot.maps[1:]))
 
 
+def asked(scene: Scene) -> None:
+    """As after a browser has switched them on."""
+    (layer,) = scene.layers
+    scene.ask(layer)
+
+
 def drawn(view: SurfelsView) -> int:
     """How many lines are on the page."""
     return len(view._lines.points) if view._lines is not None and view._lines.visible else 0
@@ -30,31 +36,27 @@ def test_nothing_is_sent_until_somebody_asks(scene: Scene) -> None:
     view, snapshot = SurfelsView(scene), with_surfels(room_snapshot())
     view.draw(snapshot)
     assert view._lines is None
-    scene.show_layer("surfels", True)
+    asked(scene)
     view.draw(snapshot)
     assert drawn(view) == 3
 
 
 def test_the_lines_follow_the_map(scene: Scene) -> None:
-    """More of them, another run without any, a layout without the finest level, and back again."""
+    """More of them, another run without any, and none where there is no map."""
     view, snapshot = SurfelsView(scene), with_surfels(room_snapshot())
-    scene.show_layer("surfels", True)
+    asked(scene)
     counts = []
     more = with_surfels(replace(snapshot, maps=tuple(replace(m, revision=2) for m in snapshot.maps)), 5)
     for each in (Snapshot(), snapshot, more, restarted(snapshot)):
         view.draw(each)
         counts.append(drawn(view))
-    for level in (1, 0):
-        scene.show(layout="one", level=level)
-        view.draw(more)
-        counts.append(drawn(view))
-    assert counts == [0, 3, 5, 0, 0, 5]
+    assert counts == [0, 3, 5, 0]
 
 
 def test_they_lie_where_their_cells_are(scene: Scene) -> None:
     """Across the cells of the third row, from the map's corner on."""
     view, snapshot = SurfelsView(scene), with_surfels(room_snapshot())
-    scene.show_layer("surfels", True)
+    asked(scene)
     view.draw(snapshot)
     assert view._lines is not None
     finest = snapshot.maps[0]

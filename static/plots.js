@@ -1,0 +1,216 @@
+// The plots of this browser: any charts, side by side below the scene or over the whole window, with one cursor over
+// all of them and the timeline. The server sends rows of figures (panels/plots.py); a click on a chart goes there.
+"use strict";
+
+(() => {
+  const { own } = window.hectorscope;
+  const PATIENCE = 100; // milliseconds between two drawings of new rows
+  const TIMELINE = "div:has(> div > .hs-bar-transport) .mantine-Slider-root";
+  const WINDOWS = { 10: "10 s", 30: "30 s", 120: "2 min", 1e9: "all" };
+  const tables = {};
+  let pages = null;
+  let figures = [];
+  let at = null; // seconds, where the cursor is
+  let due = 0;
+
+  // ---------------------------------------------------------------------------------------------- rows
+
+  // A table of rows of floats, the first of them the time. Rows from `first` on take the place of those there.
+  function rows(name, first, base64) {
+    const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+    const news = new Float32Array(bytes.buffer);
+    const table = (tables[name] ??= { values: new Float32Array(4096), width: 0, count: 0 });
+    table.width = described()?.widths[name] ?? table.width;
+    if (!table.width) return;
+    const begin = first * table.width;
+    const end = begin + news.length;
+    if (end > table.values.length) {
+      const larger = new Float32Array(2 * end);
+      larger.set(table.values.subarray(0, begin));
+      table.values = larger;
+    }
+    table.values.set(news, begin);
+    table.count = end / table.width;
+    due = Math.max(due, performance.now() + PATIENCE);
+  }
+
+  function described() {
+    if (pages) return pages;
+    const found = document.querySelector("[data-hs-charts]")?.dataset.hsCharts;
+    if (found) pages = JSON.parse(found);
+    return pages;
+  }
+
+  // ----------------------------------------------------------------------------------------------- page
+
+  const area = document.createElement("section");
+  area.className = "hs-plots";
+  area.setAttribute("aria-label", "Plots");
+  area.innerHTML = `<div class="hs-grip" title="Drag to change the height"></div><header><div class="hs-pages"></div>
+    <select data-hs-own="window" aria-label="Window" title="How much of the past is shown">${Object.entries(WINDOWS)
+      .map(([value, name]) => `<option value="${value}">${name}</option>`).join("")}</select>
+    <button type="button" class="hs-tool" data-hs-own="plots" data-hs-value='"full"' title="Plots over the whole window" aria-label="Plots over the whole window">
+      <svg viewBox="0 0 24 24"><path d="M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5"/></svg></button>
+    <button type="button" class="hs-tool hs-close" title="No plots · G" aria-label="No plots"><svg viewBox="0 0 24 24"><path d="M6 6l12 12M18 6 6 18"/></svg></button>
+    </header><div class="hs-charts"></div><p class="hs-empty">No data yet.</p>`;
+  const [tabs, charts, nothing] = [".hs-pages", ".hs-charts", ".hs-empty"].map((part) => area.querySelector(part));
+  area.querySelector(".hs-close").addEventListener("click", () => own.set("plots", "off"));
+  document.body.append(area);
+
+  function choosePage(name) {
+    const chosen = own.get("pages");
+    own.set("pages", chosen.includes(name) ? chosen.filter((page) => page !== name) : [...chosen, name]);
+  }
+
+  function build() {
+    const names = Object.keys(described()?.pages ?? {});
+    tabs.replaceChildren(...names.map((name) => {
+      const tab = Object.assign(document.createElement("button"), { type: "button", textContent: name });
+      tab.setAttribute("aria-pressed", String(own.get("pages").includes(name)));
+      tab.addEventListener("click", () => choosePage(name));
+      return tab;
+    }));
+    const wanted = names.filter((name) => own.get("pages").includes(name));
+    figures = wanted.flatMap((name) => pages.pages[name]).map(figure);
+    charts.replaceChildren(...figures.map(({ element }) => element));
+    draw();
+  }
+
+  function figure(chart) {
+    const element = document.createElement("figure");
+    element.innerHTML = `<figcaption><b></b></figcaption><div class="hs-canvas"><canvas role="img"></canvas><i class="hs-cursor" hidden></i></div>`;
+    element.querySelector("b").textContent = chart.title;
+    const values = chart.curves.map((curve) => {
+      const entry = document.createElement("span");
+      const dot = Object.assign(document.createElement("i"), { className: "hs-dot" });
+      dot.style.background = colour(curve);
+      const value = document.createElement("output");
+      entry.append(dot, Object.assign(document.createElement("small"), { className: "hs-label", textContent: curve.name }), value);
+      element.querySelector("figcaption").append(entry);
+      return { dot, value };
+    });
+    const canvas = element.querySelector("canvas");
+    canvas.setAttribute("aria-label", chart.title);
+    const made = { chart, element, canvas, values, cursor: element.querySelector(".hs-cursor"), shape: null };
+    canvas.addEventListener("pointermove", (event) => point(timeAt(made, event)));
+    canvas.addEventListener("pointerleave", () => point(null));
+    canvas.addEventListener("click", (event) => seek(timeAt(made, event)));
+    return made;
+  }
+
+  function colour({ colour: name }) {
+    const style = getComputedStyle(document.documentElement);
+    const series = style.getPropertyValue("--hs-series").trim().split(/\s+/);
+    return typeof name === "number" ? series[name % series.length] : style.getPropertyValue(`--hs-${name}`).trim();
+  }
+
+  // ----------------------------------------------------------------------------------------------- time
+
+  // All charts show the same stretch of time: up to the newest row.
+  function span() {
+    const { values, width, count } = tables.series ?? { count: 0 };
+    if (count < 2) return null;
+    const end = values[(count - 1) * width];
+    const begin = Math.max(values[0], end - own.get("window"));
+    return end > begin ? [begin, end] : null;
+  }
+
+  function timeAt({ shape }, event) {
+    const stretch = span();
+    if (!shape || !stretch) return null;
+    const share = (event.offsetX - shape.left) / (shape.right - shape.left);
+    return stretch[0] + Math.min(Math.max(share, 0), 1) * (stretch[1] - stretch[0]);
+  }
+
+  function timeline() {
+    const track = document.querySelector(TIMELINE);
+    const end = Number(track?.querySelector("[role=slider]")?.getAttribute("aria-valuemax"));
+    return track && end > 0 ? { box: track.getBoundingClientRect(), end, still: track.matches("[data-disabled]") || !!track.querySelector("[data-disabled]") } : null;
+  }
+
+  function seek(seconds) {
+    const uuid = document.querySelector("[data-hs-timeline]")?.dataset.hsTimeline;
+    if (seconds === null || !uuid || timeline()?.still !== false) return;
+    window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid, updates: { value: seconds } });
+  }
+
+  const marker = Object.assign(document.createElement("i"), { className: "hs-timeline-cursor", hidden: true });
+  document.body.append(marker);
+
+  // The cursor stands at a time in every chart and on the timeline; null takes it away.
+  function point(seconds) {
+    at = seconds;
+    charts.classList.toggle("hs-pointing", seconds !== null);
+    const line = seconds === null ? null : timeline();
+    marker.hidden = !line;
+    if (line) Object.assign(marker.style, { left: `${line.box.left + (Math.min(seconds, line.end) / line.end) * line.box.width}px`, top: `${line.box.top}px`, height: `${line.box.height}px` });
+    figures.forEach(read);
+  }
+
+  document.addEventListener("pointermove", (event) => {
+    const over = event.target.closest?.(TIMELINE);
+    if (over) {
+      const { box, end } = timeline() ?? {};
+      if (box) point((end * Math.min(Math.max(event.clientX - box.left, 0), box.width)) / box.width);
+    } else if (at !== null && !event.target.closest?.(".hs-canvas")) point(null);
+  });
+
+  // ---------------------------------------------------------------------------------------------- charts
+
+  const { rowAt, plot, shown } = window.hectorscope.charts;
+
+  // The figures at the cursor, or the newest ones.
+  function read({ chart, cursor, values, shape }) {
+    const [table, stretch] = [tables[chart.table], span()];
+    const inside = at !== null && stretch && shape && stretch[0] <= at && at <= stretch[1];
+    cursor.hidden = !inside;
+    if (inside) cursor.style.left = `${shape.left + ((at - stretch[0]) / (stretch[1] - stretch[0])) * (shape.right - shape.left)}px`;
+    const row = !table?.count ? -1 : inside ? rowAt(table, at) : table.count - 1;
+    chart.curves.forEach((curve, i) => {
+      const value = row < 0 ? NaN : table.values[row * table.width + curve.column] * chart.factor;
+      const text = shown(value);
+      if (values[i].value.textContent !== text) values[i].value.textContent = text;
+    });
+  }
+
+  function draw() {
+    const stretch = span();
+    let any = false;
+    for (const made of figures) {
+      const there = !!stretch && !!tables[made.chart.table] && plot.any(tables[made.chart.table], made.chart, stretch);
+      made.element.hidden = !there;
+      any ||= there;
+    }
+    nothing.hidden = any;
+    if (own.get("plots") === "off" || !stretch) return;
+    for (const made of figures) {
+      if (made.element.hidden) continue;
+      made.chart.curves.forEach((curve, i) => (made.values[i].dot.style.background = colour(curve)));
+      made.shape = plot.draw(made.canvas, tables[made.chart.table], made.chart, stretch, made.chart.curves.map(colour));
+      read(made);
+    }
+  }
+
+  // New rows are drawn some times a second, and not while nobody sees them.
+  setInterval(() => {
+    if (!figures.length && described() && own.get("pages").length) build();
+    if (!due || performance.now() < due || document.hidden) return;
+    due = 0;
+    draw();
+  }, PATIENCE);
+  own.listen((name) => {
+    if (name === "pages") build();
+    else if (["window", "theme", "plots", "height", "present"].includes(name)) requestAnimationFrame(draw);
+  });
+  new ResizeObserver(() => requestAnimationFrame(draw)).observe(charts);
+
+  const grip = area.querySelector(".hs-grip");
+  grip.addEventListener("pointerdown", (event) => {
+    grip.setPointerCapture(event.pointerId);
+    const [from, height] = [event.clientY, own.get("height")];
+    grip.onpointermove = ({ clientY }) => own.set("height", Math.min(Math.max(height + from - clientY, 120), innerHeight - 240));
+  });
+  grip.addEventListener("pointerup", () => (grip.onpointermove = null));
+
+  Object.assign(window.hectorscope, { rows, plotted: () => ({ span: span(), at, tables }) });
+})();

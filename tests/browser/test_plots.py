@@ -1,0 +1,139 @@
+"""The plots, as a person reads them."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page, expect
+
+from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.session.commands import Seek
+from hectorscope.session.snapshot import PlaybackStatus, Snapshot
+from tests.browser.conftest import Open, Show
+from tests.page import room_snapshot
+
+pytestmark = pytest.mark.browser
+
+DESK = {"width": 1280, "height": 800}
+ROWS, END_S = 400, 60.0
+EVERY = ["Covariance", "Match", "Error against truth", "Attitude", "Biases", "Motion", "Time spent"]
+FIGURE = ".hs-plots figure:visible"
+PATIENCE_S = 60.0
+BESIDE = np.array([0, 0, 0.1, 0, 0, 0, 0, 0])  # metres, as the truth lies
+BOXES = "() => [...document.querySelectorAll('.hs-canvas')].map((e) => JSON.stringify(e.getBoundingClientRect()))"
+
+
+def driven() -> Snapshot:
+    """Forty seconds of a recording of sixty, with figures in every column and a truth."""
+    series = np.zeros(ROWS, SERIES_DTYPE)
+    for i, name in enumerate(SERIES_DTYPE.names or ()):
+        series[name] = 0.01 * (i + 1) * (2.0 + np.sin(0.05 * np.arange(ROWS) + i))
+    series["time_s"] = 0.1 * np.arange(1, ROWS + 1)
+    path = np.zeros((ROWS, 8))
+    path[:, 0], path[:, 1], path[:, 4] = series["time_s"], np.linspace(-6.0, 0.0, ROWS), 1.0
+    playback = PlaybackStatus(state="paused", time_ns=40 * 10**9, end_ns=round(END_S * 1e9))
+    return replace(room_snapshot(), series=series, trajectory=path, truth=path + BESIDE, playback=playback)
+
+
+def opened(show: Show, open_page: Open, **own: object) -> Page:
+    """The page on a desk, once the charts are drawn."""
+    show.engine.show(driven())
+    page = open_page(show.url, size=DESK, own={"plots": "below", **own})
+    page.wait_for_function(f"window.hectorscope.plotted().tables.series?.count === {ROWS}")
+    expect(page.locator(FIGURE).first).to_be_visible()
+    return page
+
+
+def inside(page: Page) -> int:
+    """How many charts lie in the window as a whole."""
+    count: int = page.evaluate("""() => [...document.querySelectorAll('.hs-plots figure')].filter((e) => {
+      const box = e.getBoundingClientRect(), room = document.querySelector('.hs-charts').getBoundingClientRect();
+      const across = box.left >= room.left && box.right <= room.right + 1;
+      return box.width > 100 && across && box.bottom <= room.bottom + 1;
+    }).length""")
+    return count
+
+
+def test_charts_lie_side_by_side_below_the_scene(show: Show, open_page: Open) -> None:
+    """Five at once on a desk, below the scene and the panels, and none is cut off."""
+    page = opened(show, open_page)
+    titles = page.locator(f"{FIGURE} b")
+    expect(titles).to_have_text(["σ x, mm", "σ y, mm", "σ ψ, °", "Position in the plane, mm", "Heading, °"])
+    assert inside(page) == 5
+    tops = page.evaluate(
+        "[...document.querySelectorAll('.hs-plots figure:not([hidden])')].map((e) => e.offsetTop)"
+    )
+    assert len(set(tops)) == 1
+    bottom = page.evaluate("document.querySelector('canvas[data-engine]').getBoundingClientRect().bottom")
+    assert bottom <= page.evaluate("document.querySelector('.hs-plots').getBoundingClientRect().top")
+
+
+def test_charts_fill_the_window_and_go_away(show: Show, open_page: Open) -> None:
+    """All of them over the whole window, in several columns, and none at all; each browser has its own."""
+    page, other = opened(show, open_page, pages=EVERY), opened(show, open_page)
+    page.keyboard.press("x")
+    expect(page.locator("html")).to_have_attribute("data-hs-plots", "full")
+    expect(page.locator(FIGURE)).to_have_count(18)
+    page.wait_for_function("document.querySelector('.hs-plots').getBoundingClientRect().height > 650")
+    assert inside(page) >= 9
+    page.keyboard.press("g")
+    expect(page.locator(".hs-plots")).to_be_hidden()
+    expect(other.locator(".hs-plots")).to_be_visible()
+    expect(other.locator(FIGURE)).to_have_count(5)
+    other.get_by_role("button", name="Attitude").click()
+    expect(other.locator(f"{FIGURE} b", has_text="Roll and pitch")).to_be_visible()
+    other.reload()
+    expect(other.locator(f"{FIGURE} b", has_text="Roll and pitch")).to_be_visible()
+
+
+def test_one_cursor_is_in_every_chart_and_on_the_timeline(show: Show, open_page: Open) -> None:
+    """At the time under the pointer, with the values there; nothing moves as it comes and goes."""
+    page = opened(show, open_page, window=1e9)
+    before = page.evaluate(BOXES)
+    box = page.locator(".hs-canvas canvas").first.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
+    expect(page.locator(".hs-cursor:visible")).to_have_count(5)
+    at = page.evaluate("window.hectorscope.plotted().at")
+    assert 15.0 < at < 30.0
+    row = int(at / 0.1) - 1
+    shown = float(page.locator(f"{FIGURE} output").first.inner_text())
+    assert shown == pytest.approx(1e3 * driven().series["match_sigma_x"][row], rel=0.02)
+    track = page.locator("div:has(> div > .hs-bar-transport) .mantine-Slider-root").bounding_box()
+    marker = page.locator(".hs-timeline-cursor").bounding_box()
+    assert track is not None and marker is not None
+    assert marker["x"] + 1 == pytest.approx(track["x"] + at / END_S * track["width"], abs=2.0)
+    assert page.evaluate(BOXES) == before
+    page.mouse.move(track["x"] + 0.5 * track["width"], track["y"] + 0.5 * track["height"])
+    page.wait_for_function(f"Math.abs(window.hectorscope.plotted().at - {END_S / 2}) < 0.2")
+    expect(page.locator(".hs-cursor:visible")).to_have_count(5)
+    page.mouse.move(300, 200)
+    expect(page.locator(".hs-cursor:visible")).to_have_count(0)
+    assert page.evaluate(BOXES) == before
+
+
+def test_a_click_on_a_chart_goes_there(show: Show, open_page: Open) -> None:
+    """The run is sent to the time under the pointer."""
+    page = opened(show, open_page, window=1e9)
+    canvas = page.locator(".hs-canvas canvas").nth(1)
+    box = canvas.bounding_box()
+    assert box is not None
+    canvas.click(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
+    at = page.evaluate("window.hectorscope.plotted().at")
+    ends = time.monotonic() + PATIENCE_S
+    while not show.engine.sent and time.monotonic() < ends:
+        page.evaluate("0")
+    (command,) = show.engine.sent
+    assert isinstance(command, Seek)
+    assert command.time_ns == pytest.approx(at * 1e9, abs=0.2e9)
+
+
+def test_a_run_begun_again_has_new_curves(show: Show, open_page: Open) -> None:
+    """Rows of the run before are gone, and rows that come later are added."""
+    page = opened(show, open_page)
+    again = replace(driven(), sequence=2, epoch=1)
+    count = "window.hectorscope.plotted().tables.series.count"
+    for rows in (20, 35):
+        show.engine.show(replace(again, sequence=rows, series=again.series[:rows]))
+        page.wait_for_function(f"{count} === {rows}")
