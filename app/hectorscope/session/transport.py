@@ -146,7 +146,9 @@ class Transport:
     def state(self, scans: int) -> PlaybackState:
         """The one word for all this, after so many scans."""
         playing: PlaybackState = "playing" if scans else "loading"
-        if self.live and self._clock() - self._passed_at > SILENCE_S:
+        if self.preparing:
+            playing = "loading"
+        elif self.live and self._clock() - self._passed_at > SILENCE_S:
             playing = "waiting"
         choices: list[tuple[bool, PlaybackState]] = [
             (bool(self.failure), "failed"),
