@@ -139,7 +139,7 @@ def test_what_a_stream_lost_comes_back_as_if_nothing_had_been(
     assert back.report.dropped == 0
     if not isinstance(command, ConfigureAll):
         assert back.trajectory[rows, 1:].tobytes() == reference_by_hand[rows, 1:].tobytes()
-    assert any("Undone" in entry.text or "undone" in entry.text for entry in back.log)
+    assert any(entry.text.startswith("Undone: ") for entry in back.log)
 
 
 def test_nothing_is_asked_where_nothing_is_lost(drive: list[Item]):
@@ -201,6 +201,7 @@ def test_a_change_of_the_whole_run_can_be_taken_back(drive: list[Item]):
         nothing = after(engine, Undo())
     assert back.config == values.config == there.config
     assert back.trajectory.tobytes() == values.trajectory.tobytes() == there.trajectory.tobytes()
+    assert values.log[-1].text == "Undone: all. 3 settings are as before"
     assert "nothing to undo" in nothing.log[-1].text
 
 

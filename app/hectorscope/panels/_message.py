@@ -8,6 +8,7 @@ from hectorscope.run.wording import verdict_text
 from hectorscope.session.snapshot import Snapshot
 
 Kind = Literal["error", "warning", "busy"]
+CONFIRMING = "A pose was found again; further scans have to confirm it."
 SYMBOLS: dict[Kind, str] = {"error": "✕", "warning": "!", "busy": "…"}
 
 
@@ -29,10 +30,12 @@ def _messages(snapshot: Snapshot) -> Iterator[Message]:
     playback = snapshot.playback
     if playback.state == "failed":
         yield Message("error", "The run has stopped", playback.detail)
+    if playback.state == "loading" and playback.detail and playback.detail != snapshot.report.waiting:
+        yield Message("busy", "Getting ready", playback.detail)
     if playback.live:
         yield from _of_stream(snapshot)
-    if playback.state in ("loading", "seeking") and playback.detail:
-        yield Message("busy", "Getting ready" if playback.state == "loading" else "Please wait", playback.detail)
+    if playback.state == "seeking":
+        yield Message("busy", "Please wait", playback.detail)
     yield from _of_pose(snapshot)
     if playback.live and playback.state == "playing" and playback.detail:
         yield Message("busy", "Please wait", playback.detail)
@@ -65,5 +68,4 @@ def _of_pose(snapshot: Snapshot) -> Iterator[Message]:
     if snapshot.searching:
         yield Message("warning", "The robot is not found in the map yet", snapshot.searching)
     if result is not None and result.tracking == "lost":
-        why = verdict_text(result.verdict)
-        yield Message("error", "Tracking lost", f"{why}. The map is not written until the pose is found again.")
+        yield Message("error", "Tracking lost", verdict_text(result.verdict) or CONFIRMING)

@@ -55,7 +55,7 @@ def settings_change(
         old=old,
         rebuilds=needs_restart(before.start, after.start),
         throughout=throughout,
-        by_hand=tuple(name for name in nearest_preset(was)[1] if title and name in old),
+        by_hand=tuple(name for name in nearest_preset(was)[1] if name in old) if title else (),
     )
 
 

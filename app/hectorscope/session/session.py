@@ -95,9 +95,9 @@ class Session:
             self.transport.resume(before.stand)
             self._show_anew()
             self.log(f"Undone: {what}. The run goes on with its map of {before.scans} scans")
-        elif change := self.change(ConfigureAll(f"undone: {what}", before.values)):
+        elif change := self.change(ConfigureAll(what, before.values)):
             self.run.configure(change.after, self.now_ns)
-            self.log(change.text)
+            self.log(f"Undone: {what}. {len(change.old)} settings are as before")
 
     def _drop(self, kept: Kept) -> None:
         if isinstance(kept, KeptRun):
@@ -147,7 +147,7 @@ class Session:
             self._rebuild(change)
         else:
             if change.by_hand:
-                self.undone.push(change.text, KeptValues(change.old))
+                self.undone.push(change.text.split(":")[0], KeptValues(change.old))
             self.run.configure(change.after, self.now_ns)
         self._publisher.log(entry)
 

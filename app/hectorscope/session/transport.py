@@ -147,7 +147,7 @@ class Transport:
     def state(self, scans: int) -> PlaybackState:
         """The one word for all this, after so many scans."""
         playing: PlaybackState = "playing" if scans and not self.preparing else "loading"
-        if self.live and self._clock() - self._passed_at > SILENCE_S:
+        if self.live and not self.preparing and self._clock() - self._passed_at > SILENCE_S:
             playing = "waiting"
         choices: list[tuple[bool, PlaybackState]] = [
             (bool(self.failure), "failed"),

@@ -40,6 +40,7 @@ def stream(state: PlaybackState, report: SourceReport = UP, *, scans: int = 0, d
         (stream("failed", DOWN, detail="IMU in degrees"), "error", "The run has stopped", "IMU in degrees"),
         (stream("playing", scans=9, detail="Catching up: 40"), "busy", "Please wait", "Catching up: 40"),
         (Snapshot(playback=PlaybackStatus("loading", detail="3 of 5")), "busy", "Getting ready", "3 of 5"),
+        (stream("loading", detail="48 of 119"), "busy", "Getting ready", "48 of 119"),
         (Snapshot(playback=PlaybackStatus("seeking", detail="Up to 9 s")), "busy", "Please wait", "Up to 9 s"),
         (replace(room_snapshot(), searching="Two places"), "warning", "not found in the map", "Two places"),
     ],
@@ -52,7 +53,7 @@ def test_the_scene_says_what_is_the_matter(snapshot: Snapshot, kind: Kind, title
 
 
 def test_a_lost_pose_is_told_with_its_reason() -> None:
-    """And that the map is left alone meanwhile."""
+    """Why the matches are rejected, or that a pose found again is not confirmed yet."""
     snapshot = room_snapshot()
     assert snapshot.result is not None
     verdict = Verdict("lost", Rejection("inlier_ratio", 0.2, 0.9), accepted=False)
@@ -60,6 +61,10 @@ def test_a_lost_pose_is_told_with_its_reason() -> None:
     assert told is not None
     assert told.title == "Tracking lost"
     assert "20% of its points lie on walls" in told.detail
+    found = Verdict("lost", confirmed=False)
+    told = message(replace(snapshot, result=snapshot.result._replace(verdict=found)))
+    assert told is not None
+    assert "further scans have to confirm it" in told.detail
 
 
 def test_nothing_is_told_while_all_is_well() -> None:

@@ -98,6 +98,16 @@ def test_a_silent_stream_is_waited_for(clock: Clock):
     assert transport.state(2) == "playing"
 
 
+def test_a_stream_is_not_waited_for_before_the_program_is_ready(clock: Clock):
+    """While the kernels are loaded nothing is asked of the robot yet."""
+    transport = Transport(live=True, clock=clock)
+    transport.preparing = "48 of 119"
+    clock.now += 5.0
+    assert transport.state(0) == "loading"
+    transport.preparing = ""
+    assert transport.state(0) == "waiting"
+
+
 def test_speed_is_kept_within_its_limits(clock: Clock):
     """Slower than 0.1x is 0.1x; inf is allowed."""
     transport = recording(clock)
