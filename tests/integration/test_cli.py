@@ -331,9 +331,11 @@ def test_an_interruption_is_clean(tmp_path: Path):
     assert "Traceback" not in errors
 
 
-def test_a_page_is_served_until_interrupted(bag: Path):
-    """The command prints its address, answers there, and ends cleanly at Ctrl-C."""
-    command = [sys.executable, "-u", "-m", "hectorscope.cli.main", "view", str(bag), "--port", "0"]
+@pytest.mark.parametrize("recording", ["bag", "lying_bag"])
+def test_a_page_is_served_until_interrupted(recording: str, request: pytest.FixtureRequest):
+    """The command prints its address, answers there, and ends cleanly at Ctrl-C; also for a refused recording."""
+    path = request.getfixturevalue(recording)
+    command = [sys.executable, "-u", "-m", "hectorscope.cli.main", "view", str(path), "--port", "0"]
     page = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert page.stdout is not None
     line = page.stdout.readline()

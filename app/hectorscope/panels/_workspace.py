@@ -25,8 +25,8 @@ def bar(scene: Scene, name: str) -> GuiFolderHandle:
 
 
 def over_scene(scene: Scene, name: str) -> GuiFolderHandle:
-    """A folder that the style sheet shows in the middle of the scene, if the window is wide enough."""
-    folder = scene.server.gui.add_folder(name.capitalize())
+    """A folder that the style sheet shows in the middle of the scene; in a narrow window it comes first."""
+    folder = scene.server.gui.add_folder(name.capitalize(), order=-1.0)
     with folder:
         mark(scene, f"over hs-over-{name}")
     return folder
