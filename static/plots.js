@@ -9,6 +9,7 @@
   const WINDOWS = { 10: "10 s", 30: "30 s", 120: "2 min", 1e9: "all" };
   const tables = {};
   let pages = null;
+  let heard = null; // the element that the pages are read from
   let figures = [];
   let at = null; // seconds, where the cursor is
   let due = 0;
@@ -35,9 +36,13 @@
   }
 
   function described() {
-    if (pages) return pages;
-    const found = document.querySelector("[data-hs-charts]")?.dataset.hsCharts;
-    if (found) pages = JSON.parse(found);
+    const mark = document.querySelector("[data-hs-charts]");
+    if (mark && mark !== heard) {
+      heard = mark;
+      pages = JSON.parse(mark.dataset.hsCharts);
+      // Now the page can take rows. With each connection the mark is a new one, and what was sent may be lost.
+      window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid: mark.dataset.hsAsk, updates: { value: true } });
+    }
     return pages;
   }
 
@@ -193,7 +198,7 @@
 
   // New rows are drawn some times a second, and not while nobody sees them.
   setInterval(() => {
-    if (!figures.length && described() && own.get("pages").length) build();
+    if (described() && !tabs.childElementCount) build();
     if (!due || performance.now() < due || document.hidden) return;
     due = 0;
     draw();

@@ -12,7 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from viser import GuiButtonHandle, GuiEvent
 
+from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
 from hectorscope.panels._curves import COLUMNS, PAGES, TIME
 from hectorscope.panels._truth_error import ERROR_COLUMNS, truth_error
@@ -34,15 +36,26 @@ class PlotsPanel:
         self._sent: dict[
             int, dict[str, tuple[object, int]]
         ] = {}  # by client and table: the run, and the rows of it
-        scene.server.gui.add_html(f'<i class="hs-mark" data-hs-charts="{html.escape(charts_json())}"></i>')
+        gui = scene.server.gui
+        ask = gui.add_button("Send the curves", visible=False)
+        ask.on_click(self._begin)
+        uuid = viser_private.uuid_of(ask)
+        gui.add_html(f'<i class="hs-mark" data-hs-charts="{html.escape(charts_json())}" data-hs-ask="{uuid}"></i>')
+
+    def _begin(self, event: GuiEvent[GuiButtonHandle]) -> None:
+        """A page is ready: it gets all rows, as those sent before may be lost."""
+        if event.client is not None:
+            self._sent[event.client.client_id] = {}
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Send new rows to every browser."""
+        """Send new rows to every browser that has asked."""
         clients = self._scene.server.get_clients()
-        self._sent = {key: sent for key, sent in self._sent.items() if key in clients}
-        for key, client in clients.items():
+        for key in list(self._sent):
+            if key not in clients:
+                del self._sent[key]
+                continue
             for script in self.news(key, snapshot):
-                self._scene.run(script, client)
+                self._scene.run(script, clients[key])
 
     def news(self, client: int, snapshot: Snapshot) -> list[str]:
         """The scripts that give this browser the rows that it does not have yet, at most BATCH of each table."""
