@@ -52,14 +52,18 @@ class BagSource:
     def report(self) -> SourceReport:
         """Counters of the latest reading; what is wrong with the file is among the notes."""
         report = self._converter.report
-        refused = tuple(f"{channel.topic} is not used: {reason}" for channel, reason in self._refused.items())
-        report = replace(report, warnings=(*report.warnings, *refused))
+        report = replace(report, warnings=(*report.warnings, *self.refused))
         damage = self._failure or self.recording.damage
         if not damage:
             return report
         return replace(
             report, notes=(f"{self.name} is cut off or damaged ({damage}): read as far as it goes", *report.notes)
         )
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """The topics whose messages cannot be decoded, a sentence each."""
+        return tuple(f"{channel.topic} is not used: {reason}" for channel, reason in self._refused.items())
 
     @property
     def damage(self) -> str:
@@ -150,8 +154,10 @@ def _open(uri: str, options: SourceOptions) -> BagSource:
     """The recording at a path; SourceError if it cannot be used for mapping."""
     source = open_bag(Path(uri), options)
     if source.roles.scan is None:
-        held = ", ".join(f"{topic.name} ({topic.msgtype})" for topic in source.topics)
-        raise SourceError(f"{uri} has no laser scan (sensor_msgs/LaserScan): it holds {held}")
+        held = ", ".join(f"{topic.name} ({topic.msgtype})" for topic in source.topics) or "nothing of use"
+        raise SourceError(
+            "; ".join([f"{uri} has no laser scan (sensor_msgs/LaserScan): it holds {held}", *source.refused])
+        )
     if not source.has_scans:
         because = f" ({source.damage})" if source.damage else ""
         raise SourceError(f"{uri}: no scan of {source.roles.scan} can be read{because}: record it again")
