@@ -20,6 +20,7 @@ Types = dict[str, Any]
 
 LONGEST_DEFINITION = 200_000  # characters
 LONGEST_ARRAY = 10_000  # values of a fixed number; the standard types have 36 at most
+MOST_FIELDS = 10_000  # of a type with all that it is made of; the standard types have some ten
 
 
 class BadDefinition(Exception):
@@ -107,19 +108,28 @@ def _try(decode: Decode, msgtype: str) -> None:
         raise BadDefinition(f"its definition of {msgtype} cannot be used ({type(error).__name__})") from error
 
 
-def _check_size(types: Types, msgtype: str, above: tuple[str, ...] = ()) -> None:
-    """BadDefinition for types in a circle, and for lists whose length says nothing about the bytes they take."""
+def _check_size(types: Types, msgtype: str, above: tuple[str, ...] = ()) -> int:
+    """The number of fields with those of nested types.
+
+    BadDefinition for types in a circle or of too many fields, and for lists whose length says nothing about the
+    bytes they take.
+    """
     if msgtype in above:
         raise BadDefinition(f"its definition of {above[0]} contains itself")
+    count = 0
     for name, (node, value) in types[msgtype][1]:
         if node is Nodetype.ARRAY and int(value[1]) > LONGEST_ARRAY:
             raise BadDefinition(f"its definition has {value[1]} values of {name}, more than {LONGEST_ARRAY}")
+        count += 1
         nested = _nested((node, value))
         if nested not in types:
             continue  # a number, or a type that is found to be missing elsewhere
         if node is Nodetype.SEQUENCE and not types[nested][1]:
             raise BadDefinition(f"its definition has a list {name} of nothing")
-        _check_size(types, nested, (*above, msgtype))
+        count += _check_size(types, nested, (*above, msgtype))
+        if count > MOST_FIELDS:
+            raise BadDefinition(f"its definition of {(*above, msgtype)[0]} has more than {MOST_FIELDS} fields")
+    return count
 
 
 def _check(store: Typestore, standard: Typestore, msgtype: str, own: str = "", path: str = "") -> None:

@@ -52,15 +52,19 @@ class BagSource:
     def report(self) -> SourceReport:
         """Counters of the latest reading; what is wrong with the file is among the notes."""
         report = self._converter.report
-        refused = tuple(f"{channel.topic} is not used: {reason}" for channel, reason in self._refused.items())
         scans = next((topic.messages for topic in self.topics if topic.name == self.roles.scan), None)
-        report = replace(report, warnings=(*report.warnings, *refused), scans=scans)
+        report = replace(report, warnings=(*report.warnings, *self.refused), scans=scans)
         damage = self._failure or self.recording.damage
         if not damage:
             return report
         return replace(
             report, notes=(f"{self.name} is cut off or damaged ({damage}): read as far as it goes", *report.notes)
         )
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """The topics whose messages cannot be decoded, a sentence each."""
+        return tuple(f"{channel.topic} is not used: {reason}" for channel, reason in self._refused.items())
 
     @property
     def damage(self) -> str:
@@ -151,8 +155,10 @@ def _open(uri: str, options: SourceOptions) -> BagSource:
     """The recording at a path; SourceError if it cannot be used for mapping."""
     source = open_bag(Path(uri), options)
     if source.roles.scan is None:
-        held = ", ".join(f"{topic.name} ({topic.msgtype})" for topic in source.topics)
-        raise SourceError(f"{uri} has no laser scan (sensor_msgs/LaserScan): it holds {held}")
+        held = ", ".join(f"{topic.name} ({topic.msgtype})" for topic in source.topics) or "nothing of use"
+        raise SourceError(
+            "; ".join([f"{uri} has no laser scan (sensor_msgs/LaserScan): it holds {held}", *source.refused])
+        )
     if not source.has_scans:
         because = f" ({source.damage})" if source.damage else ""
         raise SourceError(f"{uri}: no scan of {source.roles.scan} can be read{because}: record it again")

@@ -82,6 +82,10 @@ PARTS = {
 }
 
 
+# Each is made of two of the next: the first of 2^40 numbers.
+WIDE = {f"Wide{i}": f"my/Wide{i + 1} a\nmy/Wide{i + 1} b\n" for i in range(40)} | {"Wide40": "float64 x\n"}
+
+
 def imu_definition(**changes: str) -> str:
     """The definition of an Imu, with other text for some of its types (by their last name)."""
     texts = {name: changes.get(name.rpartition("/")[2], text) for name, text in PARTS.items()}
@@ -100,9 +104,10 @@ def imu_definition(**changes: str) -> str:
         ({"Imu": PARTS["sensor_msgs/Imu"] + "string[2000000000] more\n"}, "2000000000 values of more"),
         ({"Imu": PARTS["sensor_msgs/Imu"] + "my/Void[] more\n", "Void": ""}, "a list more of nothing"),
         ({"Imu": PARTS["sensor_msgs/Imu"] + "my/Loop more\n", "Loop": "my/Loop[] again\n"}, "contains itself"),
+        ({"Imu": PARTS["sensor_msgs/Imu"] + "my/Wide0 more\n", **WIDE}, "more than 10000 fields"),
         ({"Imu": PARTS["sensor_msgs/Imu"] + "# " + 300_000 * "x"}, "too long"),
     ],
-    ids=["missing", "string", "list", "nested", "array", "nothing", "cycle", "long"],
+    ids=["missing", "string", "list", "nested", "array", "nothing", "cycle", "wide", "long"],
 )
 def test_a_definition_that_contradicts_its_name_is_refused(changes: dict[str, str], reason: str) -> None:
     """With the field, before any message is decoded by it."""

@@ -237,6 +237,24 @@ def test_a_bag_without_a_scan(tmp_path: Path, name: str) -> None:
     )
 
 
+def test_a_scan_whose_definition_is_refused_is_named(tmp_path: Path) -> None:
+    """The message has the reason why it is not used, where no other scan is there."""
+    ros, path = Messages(), tmp_path / "run.mcap"
+    definition, _ = ros.store.generate_msgdef("sensor_msgs/msg/LaserScan")
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start(profile="ros2")
+        spoilt = definition.replace("float32 angle_min", "string angle_min").encode()
+        schema = writer.register_schema("sensor_msgs/msg/LaserScan", "ros2msg", spoilt)
+        channel = writer.register_channel("/scan", "cdr", schema)
+        writer.add_message(channel, log_time=START, data=bytes(20), publish_time=START)
+        writer.finish()
+    assert refusal(path) == (
+        f"{path} has no laser scan (sensor_msgs/LaserScan): it holds nothing of use; /scan is not used: "
+        "its definition of sensor_msgs/msg/LaserScan has angle_min of another kind"
+    )
+
+
 def test_an_unknown_topic(tmp_path: Path) -> None:
     """The message lists the topics that would do."""
     path = write_bag(tmp_path / "run.mcap", small_run(Messages()))
