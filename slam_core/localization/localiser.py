@@ -153,6 +153,7 @@ class Localiser:
                 rejection = tracker.check(match.fit, distance, tracking)
         if not (rejection or (doubtful and distance > limit)):
             return stabilised, match, tracker.accept(match.fit, None)
+        self._pyramid.cover(stabilised.points, prior.mean)
         start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
         start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
         for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
