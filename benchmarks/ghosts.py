@@ -66,7 +66,7 @@ def watched(scene: Scene, items: Iterable[Item], config: SlamConfig) -> tuple["W
     pipeline, watch = Pipeline(Settings(config)), Watch(scene)
     for result in steps(pipeline, items):
         if result.index % EVERY == 0:
-            watch.look(result, pipeline.slam.map.levels[0])
+            watch.look(result, pipeline.slam.map.whole())
     return watch, pipeline
 
 
@@ -99,9 +99,8 @@ class Watch:
         self._sight += (t - self._last) * self._visible(t)
         self._sight[taken] = 0.0
         self._last = t
-        left, low = self._first - level.corner
-        rows, columns = self._static.shape
-        occupied = level.log_odds[low : low + rows, left : left + columns] > 0
+        (left, low), (rows, columns) = self._first.tolist(), self._static.shape
+        occupied = level.gather((low, low + rows, left, left + columns)) > 0
         stale = occupied & ~taken & ~self._static
         self._ghosts |= stale & (self._sight > SIGHT_S)
         if stale.any():

@@ -92,7 +92,7 @@ def watched(world: World, items: Iterable[Item], config: SlamConfig) -> tuple["P
     pipeline, panes = Pipeline(Settings(config)), Panes(world)
     for result in steps(pipeline, items):
         if result.index % EVERY == 0:
-            panes.look(pipeline.slam.map.levels[0])
+            panes.look(pipeline.slam.map.whole())
     return panes, pipeline
 
 

@@ -69,7 +69,7 @@ def judge(name: str, pyramid: Pyramid, seen: list[SEEN], elsewhere: list[SEEN]) 
         begin = time.perf_counter()
         taken += locate(pyramid, scan, SlamConfig()).match is not None
         foreign_seconds.append(time.perf_counter() - begin)
-    row0, row1, column0, column1 = pyramid.levels[0].known
+    row0, row1, column0, column1 = pyramid.bounds()
     size = (column1 - column0) * pyramid.levels[0].resolution, (row1 - row0) * pyramid.levels[0].resolution
     return Finding(name, size, found, wrong, len(seen), taken, len(elsewhere), seconds, foreign_seconds)
 

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.correlative import count_hits
 from slam_core.mapping.grid import GridLevel
-from slam_core.mapping.pyramid import Pyramid
+from slam_core.mapping.tiled_map import TiledMap
+from slam_core.mapping.tiles import Box, Kind
 from slam_core.measurements import LaserScan, Transform
 from slam_core.results import Fit
 
@@ -68,18 +69,17 @@ def room_scan(
     )  # fmt: skip
 
 
-def same_map(a: Pyramid, b: Pyramid) -> bool:
-    """Whether both hold the same in every cell and surfel of every level, however far each of them reaches."""
-    return all(_known_cells(x) == _known_cells(y) for x, y in zip(a.levels, b.levels, strict=True))
+def same_map(a: TiledMap, b: TiledMap) -> bool:
+    """Whether both hold the same in every cell and surfel of every level, wherever the windows lie."""
+    return all(_known_cells(a, level) == _known_cells(b, level) for level in range(len(a.levels)))
 
 
-def _known_cells(level: GridLevel) -> tuple[list[int], bytes, bytes, bytes]:
+def _known_cells(pyramid: TiledMap, level: int) -> tuple[Box, list[bytes]]:
     """The known box in the lattice and what is in it; nothing may be outside."""
-    row0, row1, column0, column1 = level.known
-    box = level.log_odds[row0:row1, column0:column1]
-    assert np.count_nonzero(level.log_odds) == np.count_nonzero(box)
-    assert np.count_nonzero(level.cells != UNKNOWN) == np.count_nonzero(box)
-    place = [*(level.corner + np.array([column0, row0])).tolist(), *box.shape]
-    surfels = level.surfels[row0:row1, column0:column1]
-    assert np.count_nonzero(level.surfels) == np.count_nonzero(surfels)
-    return place, box.tobytes(), level.cells[row0:row1, column0:column1].tobytes(), surfels.tobytes()
+    box, grid = pyramid.bounds(level), pyramid.levels[level]
+    row0, row1, column0, column1 = grid.known
+    for array, unknown in ((grid.log_odds, 0), (grid.cells, UNKNOWN), (grid.surfels, 0)):
+        known = array[row0:row1, column0:column1]
+        assert np.count_nonzero(array != unknown) == np.count_nonzero(known != unknown)
+    kinds: tuple[Kind, ...] = ("log_odds", "cells") if level else ("log_odds", "cells", "surfels")
+    return box, [pyramid.gather(level, box, kind).tobytes() for kind in kinds]

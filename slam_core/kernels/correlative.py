@@ -30,29 +30,31 @@ def count_hits(cells, corner, inverse, points, pose):
 def cells_at(rows, columns, corner, inverse, ends, pose, edge, where):
     """The cells of endpoints (2n,) at a pose into `where` (n,), -1 within `edge` cells of the edge and beyond it.
 
-    Without a branch.
+    Without a branch. Places are rounded in the lattice, as they are in every window.
     """
     c, s = math.cos(pose[2]) * inverse, math.sin(pose[2]) * inverse
-    shift_u, shift_v = pose[0] * inverse - corner[0], pose[1] * inverse - corner[1]
-    first, last_u, last_v = np.float64(edge), np.float64(columns - edge), np.float64(rows - edge)
+    shift_u, shift_v, left, low = pose[0] * inverse, pose[1] * inverse, np.int32(corner[0]), np.int32(corner[1])
+    first_u, last_u = np.float64(corner[0] + edge), np.float64(corner[0] + columns - edge)
+    first_v, last_v = np.float64(corner[1] + edge), np.float64(corner[1] + rows - edge)
     for i in range(len(where)):
         x, y = np.float64(get(ends, 2 * i)), np.float64(get(ends, 2 * i + 1))
         u, v = c * x - s * y + shift_u, s * x + c * y + shift_v
-        inside = (u >= first) & (u < last_u) & (v >= first) & (v < last_v)
-        put(where, i, np.int32(v) * np.int32(columns) + np.int32(u) if inside else np.int32(-1))
+        inside = (u >= first_u) & (u < last_u) & (v >= first_v) & (v < last_v)
+        column, row = np.int32(np.floor(u)) - left, np.int32(np.floor(v)) - low
+        put(where, i, row * np.int32(columns) + column if inside else np.int32(-1))
 
 
 @njit(cache=True, error_model="numpy")
-def score(cells, origin_x, origin_y, inverse, points, poses, out):
+def score(cells, corner, inverse, points, poses, out):
     """Mean of M over the endpoints at each pose (m, 3), into `out` (m,); 0.5 off the map."""
-    rows, columns = cells.shape
+    (rows, columns), left, low = cells.shape, corner[0], corner[1]
     for k in range(len(poses)):
         c, s = math.cos(poses[k, 2]) * inverse, math.sin(poses[k, 2]) * inverse
-        shift_u, shift_v = (poses[k, 0] - origin_x) * inverse, (poses[k, 1] - origin_y) * inverse
+        shift_u, shift_v = poses[k, 0] * inverse, poses[k, 1] * inverse
         total = np.int64(0)
         for i in range(len(points)):
             u = c * points[i, 0] - s * points[i, 1] + shift_u
             v = s * points[i, 0] + c * points[i, 1] + shift_v
-            inside = 0.0 <= u < columns and 0.0 <= v < rows
-            total += cells[int(v), int(u)] if inside else UNKNOWN
+            inside = left <= u < left + columns and low <= v < low + rows
+            total += cells[int(np.floor(v)) - low, int(np.floor(u)) - left] if inside else UNKNOWN
         out[k] = total / (WHOLE * len(points))

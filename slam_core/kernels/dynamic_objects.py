@@ -71,16 +71,17 @@ def _polar(away, n, distances, places):
 
 
 @njit(cache=True, error_model="numpy")
-def clear_passed(grid, corner, resolution, known, laser, beams, clearing):
+def clear_passed(grid, corner, resolution, known, laser, beams, clearing, tiles):
     """Lower every occupied cell that is passed to the cap at most and by the free step, and remove its surfel.
 
-    grid: log_odds, cells, and surfels, as many as cells or none at all. clearing: the fields of `Clearing`.
-    known: row0, row1, column0, column1 (half open). beams: as of `by_bearing`. A cell is
+    grid: log_odds, cells, and surfels, as many as cells or none at all. clearing, tiles: the fields of `Clearing`
+    and `Tiles`. known: row0, row1, column0, column1 (half open). beams: as of `by_bearing`. A cell is
     passed if beams of its bearing end `behind` metres behind it, and none of them, nor of those beside it, ends
     close by: a wall that is met at a slant, or an edge. Returns how many were.
     """
     (log_odds, cells, surfels), (lengths, begin, longest, box) = grid, beams
     behind, most, free = clearing
+    revisions, shift, revision = tiles
     (left, right), (low, high) = cells_of(box, corner, resolution)
     first, row = max(known[2], left), max(known[0], low)
     last, end = max(first, min(known[3], right + 1)), min(known[1], high + 1)
@@ -101,6 +102,7 @@ def clear_passed(grid, corner, resolution, known, laser, beams, clearing):
                 value = min(log_odds[v, u], most) + free
                 log_odds[v, u] = value
                 cells[v, u] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
+                revisions[v >> shift, u >> shift] = revision
                 if len(surfels) > 0:
                     surfels[v, u] = NONE
                 passed += 1

@@ -99,12 +99,13 @@ def heading_bounds(pool, points, inverse, headings, box, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def best_places(pictures, points, headings, box, share, state, found, work):
+def best_places(pictures, corner, points, headings, box, share, state, found, work):
     """The best place of every block and heading that scores `least` and `share` of the best of all, or more.
 
     box: of blocks, first row, first column, rows, columns. state: (5,) where to go on: place in the order of
     headings, row in the box, least, best, count; -1 when there are too many. found: (count, 4) score, heading,
-    row, column. Stops when the cells looked at exceed `work`; returns how many these were.
+    row, column in the lattice, where pictures begin at `corner`, row and column. Stops when the cells looked at
+    exceed `work`; returns how many these were.
     """
     cells, pool, inverse = pictures
     block = pool.shape[0]
@@ -134,6 +135,8 @@ def best_places(pictures, points, headings, box, share, state, found, work):
                 done += block * block * len(points) // 4
                 if score >= least:
                     found[count, 1] = h
+                    found[count, 2] += corner[0]
+                    found[count, 3] += corner[1]
                     count += 1
                     best = max(best, score)
                     least = max(least, math.ceil(share * best))
@@ -176,24 +179,24 @@ def _keep(found, count, least):
 
 
 @njit(cache=True, error_model="numpy")
-def agreement(cells, points, laser, inverse, column, row, psi, slack):
+def agreement(cells, first, points, laser, inverse, column, row, psi, slack):
     """Twice the sum over the beams of the cell that each ends in; one that crosses an occupied cell counts half.
 
     points: (n, 2) endpoints, laser: (2,), in metres in the frame whose origin lies at `column` and `row`, parts of
     a cell included, and whose heading is psi. Crossings in the last `slack` cells of a beam do not count.
+    first: row and column of cells[0, 0], not below 0. What lies off the cells is 0.
     """
-    rows, columns = cells.shape
     c, s = math.cos(psi) * inverse, math.sin(psi) * inverse
     u0, v0 = c * laser[0] - s * laser[1] + column, s * laser[0] + c * laser[1] + row
     total = 0
     for k in range(len(points)):
         u, v = c * points[k, 0] - s * points[k, 1] + column, s * points[k, 0] + c * points[k, 1] + row
-        value = 2 * _cell(cells, rows, columns, u, v)
+        value = 2 * _cell(cells, first, u, v)
         if value:
             long = math.hypot(u - u0, v - v0)
             for step in range(1, int(long - slack)):
                 t = step / long
-                if _cell(cells, rows, columns, u0 + t * (u - u0), v0 + t * (v - v0)) == WALL:
+                if _cell(cells, first, u0 + t * (u - u0), v0 + t * (v - v0)) == WALL:
                     value //= 2
                     break
         total += value
@@ -201,5 +204,8 @@ def agreement(cells, points, laser, inverse, column, row, psi, slack):
 
 
 @njit(inline="always")
-def _cell(cells, rows, columns, u, v):
-    return np.int64(cells[int(v), int(u)]) if 0.0 <= u < columns and 0.0 <= v < rows else 0
+def _cell(cells, first, u, v):
+    (row, column), (rows, columns) = first, cells.shape
+    if not (column <= u < column + columns and row <= v < row + rows):
+        return np.int64(0)
+    return np.int64(cells[int(v) - row, int(u) - column])

@@ -11,7 +11,7 @@ from slam_core.kernels import INNER
 from slam_core.kernels.bilinear import WHOLE
 from slam_core.kernels.memory import alias_scope, prefetch
 from slam_core.kernels.ray_tracing import trace_rays
-from slam_core.kernels.structures import Steps
+from slam_core.kernels.structures import Steps, Tiles
 
 OCCUPIED = np.uint8(2)
 BEHIND = np.uint8(3)
@@ -65,18 +65,19 @@ def cell_box(points, corner, resolution):
 
 
 @njit(cache=True, error_model="numpy")
-def write_scan(grid, corner, resolution, start, hits, empty, steps):
+def write_scan(grid, corner, resolution, start, hits, empty, steps, tiles):
     """Change every cell of one scan: endpoints by the occupied step, the cells before them by the free step.
 
     A cell behind an endpoint that no beam marks takes the free step too, but not below `behind`; 0: none does.
 
     grid: log_odds, cells, marks. steps: the fields of `Steps`. marks: bytes, rows as many as the map's, of whole
-    cache lines and no shorter, all 0 before and after.
+    cache lines and no shorter, all 0 before and after. tiles: the fields of `Tiles`; those that change take the
+    revision.
     start, hits, empty: (2,) laser, (n, 2) ends, (m, 2) ends of beams that hit nothing, in metres.
     Returns row0, row1, column0, column1 (half open) around all that was touched.
     """
     log_odds, _, marks = grid
-    steps = Steps(*steps)
+    steps, tiles = Steps(*steps), Tiles(*tiles)
     rows, columns = log_odds.shape
     laser = cells_of(start.reshape(1, 2), corner, resolution)
     ends, cleared = cells_of(hits, corner, resolution), cells_of(empty, corner, resolution)
@@ -92,9 +93,9 @@ def write_scan(grid, corner, resolution, start, hits, empty, steps):
     free, occupied = np.float32(steps.free), np.float32(steps.occupied)
     narrow = free, occupied, np.float32(steps.low), np.float32(steps.high), np.float32(steps.behind)
     if columns >= BLOCK:
-        _change(grid, (row0, row1, column0, column1), narrow)
+        _change(grid, (row0, row1, column0, column1), narrow, tiles)
     else:
-        _change_narrow(grid, (row0, row1, column0, column1), narrow)
+        _change_narrow(grid, (row0, row1, column0, column1), narrow, tiles)
     return row0, row1, column0, column1
 
 
@@ -144,7 +145,7 @@ def _span(size, laser, ends, cleared):
 
 
 @njit(fastmath={"contract"}, **INNER)
-def _change(grid, box, steps):
+def _change(grid, box, steps, tiles):
     """Change the marked cells of a box and take the marks away; blocks without a mark are skipped.
 
     A loop over a whole block becomes a few instructions for all of its cells, as nothing in it is a call and LLVM
@@ -159,6 +160,7 @@ def _change(grid, box, steps):
     for row in range(row0, row1):
         for block in range(column0 // BLOCK, (column1 + BLOCK - 1) // BLOCK):
             if _any(words, row * stride // 8 + block * WORDS):
+                _note(tiles, words, row * stride // 8 + block * WORDS, row, block * BLOCK)
                 first = min(block * BLOCK, last)
                 i, j = row * columns + first, row * stride + first
                 ahead = min(i + AHEAD * columns, len(odds) - BLOCK)
@@ -174,12 +176,14 @@ def _change(grid, box, steps):
 
 
 @njit(fastmath={"contract"}, **INNER)
-def _change_narrow(grid, box, steps):
+def _change_narrow(grid, box, steps, tiles):
     """The same for a map of which no row holds a block."""
     (log_odds, cells, marks), (row0, row1, column0, column1) = grid, box
     free, occupied, low, high, behind = steps
     for row in range(row0, row1):
         for column in range(column0, column1):
+            if marks[row, column] != NO_MARK:
+                tiles.revisions[row >> tiles.shift, column >> tiles.shift] = tiles.revision
             value = _changed(log_odds[row, column], marks[row, column], free, occupied, low, high, behind)
             log_odds[row, column], cells[row, column] = value, probability_in_parts(value)
             marks[row, column] = NO_MARK
@@ -192,6 +196,20 @@ def _any(words, first):
     for k in range(WORDS):
         marked |= get_mark(words, first + k)
     return marked != 0
+
+
+@njit(inline="always")
+def _note(tiles, words, first, row, column):
+    """The tiles in which a marked block from `column` on changes; those that share a word of marks all do."""
+    row, shift = row >> tiles.shift, tiles.shift
+    if shift >= 5:
+        tiles.revisions[row, column >> shift] = tiles.revision
+        return
+    for k in range(WORDS):
+        if get_mark(words, first + k) != 0:
+            last = min((column + 8 * k + 7) >> shift, tiles.revisions.shape[1] - 1)
+            for tile in range((column + 8 * k) >> shift, last + 1):
+                tiles.revisions[row, tile] = tiles.revision
 
 
 @njit(inline="always")

@@ -90,6 +90,14 @@ class Steps(NamedTuple):
     behind: float
 
 
+class Tiles(NamedTuple):
+    """revisions: of each tile, when it changed last. shift: a tile is 2^shift cells long. revision: the next."""
+
+    revisions: Int64s
+    shift: int
+    revision: int
+
+
 class Clearing(NamedTuple):
     """Of dynamic-object removal: metres behind a cell at which a passing beam ends; cap and step in log-odds."""
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import TrackingConfig
-from slam_core.localization.global_search import Region
+from slam_core.localization.search_parts import Region
 from slam_core.measurements import Float64s
 from slam_core.results import Fit, PlanarGaussian, Verdict
 

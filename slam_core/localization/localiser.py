@@ -8,8 +8,8 @@ from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
-from slam_core.localization.global_search import apart
 from slam_core.localization.motion_hypotheses import best_match
+from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.tracking import Tracker, exceeds_basin, mahalanobis_distance, search_window
 from slam_core.mapping.pyramid import Pyramid
@@ -154,6 +154,7 @@ class Localiser:
                 rejection = tracker.check(match.fit, distance, tracking)
         if not (rejection or (doubtful and distance > limit)):
             return stabilised, match, tracker.accept(None)
+        self._pyramid.cover(stabilised.points, prior.mean)
         start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
         start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
         for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):

@@ -6,15 +6,9 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.global_search import (
-    LOOSE,
-    PlaceSearch,
-    Region,
-    agreement,
-    apart,
-    judged,
-    search_of,
-)
+from slam_core.localization.global_search import LOOSE, GlobalSearch, agreement
+from slam_core.localization.place_search import apart
+from slam_core.localization.search_parts import Region
 from slam_core.localization.tracking import search_window
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
@@ -28,13 +22,13 @@ GIVEN_START = np.diag([0.5, 0.5, 0.3]) ** 2.0
 # The same of a place found in an earlier scan, moved by what is known of the motion since.
 MOVED = np.diag([0.5, 0.5, 0.3]) ** 2.0
 BUDGET = 4e7  # looks at a cell a second of the recording: some 40 ms
+AT_ONCE = 2e7  # of these in one step: what was not used is not saved up for longer
 
 
 class _Running(NamedTuple):
-    """A search that has not ended: the scan that is sought, when, and the pose (3,) that was predicted for it."""
+    """A search that has not ended: when its scan was made, and the pose (3,) that was predicted for it."""
 
-    search: PlaceSearch
-    scan: StabilisedScan
+    search: GlobalSearch
     time_ns: int
     pose: Float64s
 
@@ -54,7 +48,7 @@ class Relocaliser:
         self._given = start
         self._searched_ns: int | None = None
         self._running: _Running | None = None
-        self._budget, self._budget_ns = BUDGET, 0
+        self._budget, self._budget_ns = AT_ONCE, 0
 
     def start(
         self, pyramid: Pyramid, scan: StabilisedScan, time_ns: int, config: SlamConfig
@@ -115,16 +109,16 @@ class Relocaliser:
         region: Region | None,
         config: SlamConfig,
     ) -> MatchResult | None:
-        running = self._running or _Running(search_of(pyramid, scan, config, region), scan, time_ns, pose)
+        running = self._running or _Running(GlobalSearch(pyramid, scan, config, region), time_ns, pose)
         passed_s, self._budget_ns = max(0.0, (time_ns - self._budget_ns) * 1e-9), time_ns
-        self._budget = min(BUDGET, self._budget + BUDGET * passed_s)
+        self._budget = min(AT_ONCE, self._budget + BUDGET * passed_s)
         if self._budget > 0.0:
             self._budget -= running.search.advance(self._budget)
         if not running.search.finished:
             self._running, self.failure = running, SearchFailure("pending")
             return None
         self._running = None
-        result = judged(pyramid, running.scan, running.search.places(), config)
+        result = running.search.result()
         self.failure = result.failure
         if result.match is None or running.time_ns == time_ns:
             return result.match
@@ -139,5 +133,6 @@ class Relocaliser:
 
     @staticmethod
     def _near(given: PlanarGaussian, pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> MatchResult:
+        pyramid.cover(scan.points, given.mean)
         start = find_pose(pyramid.levels[-1], scan.points, given.mean, search_window(given, config.tracking))
         return coarse_to_fine(pyramid, scan.points, start, config.matcher)

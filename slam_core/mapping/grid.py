@@ -7,9 +7,13 @@ from numpy.typing import NDArray
 
 from slam_core.kernels.bilinear import UNKNOWN, WHOLE
 from slam_core.kernels.dynamic_objects import clear_passed, ends_in_free_space
-from slam_core.kernels.map_update import derive_cells, write_scan
+from slam_core.kernels.map_update import write_scan
 from slam_core.kernels.surfels import write_surfels
-from slam_core.measurements import Float32s, Float64s
+from slam_core.mapping.tiles import TILE, Box, Key, Kind, around, common, derived, part, square
+from slam_core.measurements import Float32s, Float64s, Int64s
+
+Taken = tuple[Float32s, NDArray[np.uint16] | None, NDArray[np.uint32] | None]
+"""Of a tile on a level: log-odds, cells if they do not follow from those, surfels if there are any."""
 
 
 class GridLevel:
@@ -18,29 +22,58 @@ class GridLevel:
     origin: (2,) lower left corner of the window in map coordinates, in whole cells. Row 0 is the lowest y.
     corner: (2,) column and row in the lattice of the window's cell [0, 0].
     log_odds: (rows, columns), 0 unknown. cells: the same as M of eq. (4), in parts of 2^16, 2^15 unknown.
-    known: row0, row1, column0, column1 (half open) around every cell that was ever touched.
+    bounds: row0, row1, column0, column1 (half open) in the lattice around every cell of the level that was ever
+    touched, in this window or another one; None before the first.
     surfels: where in each cell a surface lies, as `kernels.surfels` packs it, 0 for none; no rows if not kept.
+    tile: cells on a side of a tile, a power of 2. revisions: of each tile of the window, when it changed last.
     """
 
     BYTES = 7  # of memory a cell: four in log_odds, two in cells, one mark
     SURFEL_BYTES = 4
 
     def __init__(
-        self, resolution: float, shape: tuple[int, int], origin: Float64s, *, surfels: bool = False
+        self,
+        resolution: float,
+        shape: tuple[int, int],
+        origin: Float64s,
+        *,
+        surfels: bool = False,
+        tile: int = TILE,
     ) -> None:
         self.resolution = resolution
-        self.corner: NDArray[np.int64] = np.rint(origin / resolution).astype(np.int64)
+        self.corner: Int64s = np.rint(origin / resolution).astype(np.int64)
         self.log_odds: Float32s = np.zeros(shape, np.float32)
         self.cells: NDArray[np.uint16] = np.full(shape, UNKNOWN)
         self.surfels: NDArray[np.uint32] = np.zeros(shape if surfels else (0, 0), np.uint32)
+        self.tile = tile
+        self.revisions = _no_revisions(shape, tile)
+        self.bounds: Box | None = None
         self._marks = _no_marks(shape)
-        self.known = (0, 0, 0, 0)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns."""
         rows, columns = self.log_odds.shape
         return rows, columns
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the cells and what belongs to them."""
+        return self.log_odds.nbytes + self.cells.nbytes + self.surfels.nbytes + self._marks.nbytes
+
+    @property
+    def box(self) -> Box:
+        """The window's rows and columns in the lattice."""
+        (column, row), (rows, columns) = self.corner.tolist(), self.shape
+        return row, row + rows, column, column + columns
+
+    @property
+    def known(self) -> Box:
+        """The part of `bounds` in the window: row0, row1, column0, column1 (half open) of its own."""
+        if self.bounds is None:
+            return 0, 0, 0, 0
+        (column, row), (row0, row1, column0, column1) = self.corner.tolist(), common(self.box, self.bounds)
+        return row0 - row, row1 - row, column0 - column, column1 - column
 
     @property
     def probability(self) -> Float32s:
@@ -63,18 +96,23 @@ class GridLevel:
         v = np.floor(np.asarray(y, np.float64) / self.resolution).astype(np.int64) - self.corner[1]
         return u, v
 
-    def grow(self, below: int, above: int, left: int, right: int) -> None:
-        """Add so many unknown rows and columns on each side; every cell keeps its place in the map."""
-        sides = ((below, above), (left, right))
-        self.log_odds = np.pad(self.log_odds, sides)
-        self.cells = np.pad(self.cells, sides, constant_values=UNKNOWN)
-        if len(self.surfels):
-            self.surfels = np.pad(self.surfels, sides)
-        self._marks = _no_marks(self.shape)
-        self.corner = self.corner - (left, below)
-        row0, row1, column0, column1 = self.known
-        if row1:
-            self.known = (row0 + below, row1 + below, column0 + left, column1 + left)
+    def move(self, corner: Int64s, shape: tuple[int, int]) -> None:
+        """Another window, by whole tiles: what it holds already stays, all else in it is unknown."""
+        down, right = (corner - self.corner)[::-1].tolist()
+        tiles = down // self.tile, right // self.tile
+        everywhere = 0, self.revisions.shape[0], 0, self.revisions.shape[1]
+        self.revisions = _moved(self.revisions, tiles, _no_revisions(shape, self.tile), everywhere)
+        same, known = shape == self.shape, self.known
+        for name, unknown in (("log_odds", 0), ("cells", UNKNOWN), ("surfels", 0)):
+            array = getattr(self, name)
+            if len(array) and same:
+                _shift(array, (down, right), unknown, known[:2])
+            elif len(array):
+                blank = np.full(shape, unknown, array.dtype) if unknown else np.zeros(shape, array.dtype)
+                setattr(self, name, _moved(array, (down, right), blank, known))
+        if not same:
+            self._marks = _no_marks(shape)
+        self.corner = corner
 
     def update(
         self,
@@ -84,23 +122,27 @@ class GridLevel:
         steps: tuple[float, float],
         caps: tuple[float, float],
         behind: float = 0.0,
+        revision: int = 1,
     ) -> None:
         """Write one scan: every touched cell changes once, ends by the occupied step, ways by the free step.
 
         start: (2,) laser. ends: (n, 2) endpoints. cleared: (m, 2) ends of beams that hit nothing. Map metres.
         steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds. behind: how low the cells
-        behind the ends may sink by this; 0 leaves them alone.
+        behind the ends may sink by this; 0 leaves them alone. revision: of the tiles that change.
         """
-        grid = self.log_odds, self.cells, self._marks
+        grid, tiles = (self.log_odds, self.cells, self._marks), (self.revisions, self._shift, revision)
         changes = *steps, *caps, behind
-        touched = write_scan(grid, self.corner, self.resolution, start, ends, cleared, changes)
-        row0, row1, column0, column1 = self.known if self.known[1] else touched
-        self.known = (
-            min(row0, touched[0]),
-            max(row1, touched[1]),
-            min(column0, touched[2]),
-            max(column1, touched[3]),
-        )
+        touched = write_scan(grid, self.corner, self.resolution, start, ends, cleared, changes, tiles)
+        self._touch(touched)
+
+    def _touch(self, box: Box) -> None:
+        """A box of the window is known from now on."""
+        (column, row), (row0, row1, column0, column1) = self.corner.tolist(), box
+        self.bounds = around(self.bounds, (row0 + row, row1 + row, column0 + column, column1 + column))
+
+    @property
+    def _shift(self) -> int:
+        return self.tile.bit_length() - 1
 
     def place_surfaces(self, points: Float32s, start: Float64s, ends: Float64s, psi: float) -> None:
         """Take one scan's ends into the surfels.
@@ -110,20 +152,39 @@ class GridLevel:
         """
         write_surfels(self.surfels, self.corner, self.resolution, points, start, ends, psi)
 
-    def put(
-        self, corner: NDArray[np.int64], log_odds: Float32s, surfels: NDArray[np.uint32] | None = None
-    ) -> None:
-        """Set a rectangle of cells (rows, columns) whose first is at a lattice corner; it must lie within.
+    def gather(self, box: Box, kind: Kind = "log_odds") -> NDArray[Any]:
+        """An array of the level in a box of the lattice, (rows, columns); unknown off the window; a copy."""
+        kept = getattr(self, kind)
+        out = np.full((box[1] - box[0], box[3] - box[2]), UNKNOWN if kind == "cells" else 0, kept.dtype)
+        here = common(box, self.box)
+        out[part(here, box)] = kept[part(here, self.box)]
+        return out
 
-        surfels: as many, if this level keeps them.
-        """
-        (column, row), (rows, columns) = (corner - self.corner).tolist(), log_odds.shape
-        box = slice(row, row + rows), slice(column, column + columns)
+    def seen(self) -> list[Key]:
+        """The tiles of the window in which something was seen."""
+        column, row = (self.corner // self.tile).tolist()
+        return [(column + x, row + y) for y, x in np.argwhere(self.revisions > 0).tolist()]
+
+    def take(self, key: Key) -> Taken:
+        """Copies of a tile of the window."""
+        box = self._box_of(key)
+        log_odds, cells = self.log_odds[box].copy(), self.cells[box]
+        surfels = self.surfels[box] if len(self.surfels) else np.zeros((0, 0), np.uint32)
+        follow = np.array_equal(derived(log_odds), cells)
+        return log_odds, None if follow else cells.copy(), surfels.copy() if surfels.any() else None
+
+    def put(self, key: Key, taken: Taken, revision: int) -> None:
+        """Set a tile of the window."""
+        box = self._box_of(key)
+        log_odds, cells, surfels = taken
         self.log_odds[box] = log_odds
-        derive_cells(self.log_odds[box], self.cells[box])
-        if surfels is not None and len(self.surfels):
-            self.surfels[box] = surfels
-        self.known = (row, row + rows, column, column + columns)
+        self.cells[box] = derived(log_odds) if cells is None else cells
+        if len(self.surfels):
+            self.surfels[box] = 0 if surfels is None else surfels
+        self.revisions[box[0].start // self.tile, box[1].start // self.tile] = revision
+
+    def _box_of(self, key: Key) -> tuple[slice, slice]:
+        return part(square(key, self.tile), self.box)
 
     def clear(
         self,
@@ -132,14 +193,16 @@ class GridLevel:
         behind: float,
         most: float,
         free: float,
+        revision: int = 1,
     ) -> int:
         """Take `most` log-odds at most and the step `free` from every occupied cell that beams pass.
 
-        laser: (2,) map metres. beams: their ends `by_bearing`. behind: metres. Returns how many.
+        laser: (2,) map metres. beams: their ends `by_bearing`. behind: metres. revision: of the tiles that change.
+        Returns how many cells did.
         """
         grid, window = (self.log_odds, self.cells, self.surfels), (self.corner, self.resolution, self.known)
         clearing = np.float32(behind), np.float32(most), np.float32(free)
-        return int(clear_passed(grid, *window, laser, beams, clearing))
+        return int(clear_passed(grid, *window, laser, beams, clearing, (self.revisions, self._shift, revision)))
 
     def unexpected(self, points: Float32s, pose: Float64s, apart: float) -> NDArray[np.bool_]:
         """Which points (n, 2) of a scan at `pose` (3,) lie in free space, `apart` metres from what is occupied."""
@@ -147,12 +210,6 @@ class GridLevel:
         around = round(apart / self.resolution)
         ends_in_free_space(self.cells, self.corner, self.resolution, points, pose, around, found)
         return found
-
-    def classes(self) -> NDArray[np.uint8]:
-        """The known box as 0 unknown, 1 free, 2 occupied; a copy."""
-        row0, row1, column0, column1 = self.known
-        box = self.log_odds[row0:row1, column0:column1]
-        return (box < 0).astype(np.uint8) + 2 * (box > 0).astype(np.uint8)
 
     def occupancy(self) -> NDArray[np.int8]:
         """The whole level as an OccupancyGrid: -1 unknown, else probability in percent."""
@@ -164,6 +221,37 @@ class GridLevel:
         other = GridLevel.__new__(GridLevel)
         other.__dict__.update({k: v.copy() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()})
         return other
+
+
+def _shift(array: NDArray[Any], by: tuple[int, int], unknown: Any, known: tuple[int, int]) -> None:
+    """Move the view of an array (rows, columns) on by rows and columns, in place. known: its rows, half open.
+
+    In memory that is one shift of these rows; strips beside them are left over.
+    """
+    (rows, columns), (down, right), (first, last) = array.shape, by, known
+    low, high = max(first - down, 0), min(last - down, rows)
+    if low >= high or abs(right) >= columns:
+        array[first:last] = unknown
+        return
+    flat, behind = array.reshape(-1), down * columns + right
+    begin, end = max(low * columns, -behind), min(high * columns, array.size - behind)
+    flat[begin:end] = flat[begin + behind : end + behind]
+    array[first : min(last, low)] = unknown
+    array[max(first, high) : last] = unknown
+    array[low:high, columns - right if right > 0 else 0 : columns if right > 0 else -right] = unknown
+
+
+def _moved(array: NDArray[Any], by: tuple[int, int], blank: NDArray[Any], box: Box) -> NDArray[Any]:
+    """`blank` with what a box of an array has of it. by: rows and columns from the array's first to its own."""
+    high, wide = blank.shape
+    there = common(box, (by[0], by[0] + high, by[1], by[1] + wide))
+    blank[part(there, (by[0], 0, by[1], 0))] = array[part(there, (0, 0, 0, 0))]
+    return blank
+
+
+def _no_revisions(shape: tuple[int, int], tile: int) -> Int64s:
+    rows, columns = shape
+    return np.zeros((-(-rows // tile), -(-columns // tile)), np.int64)
 
 
 def _no_marks(shape: tuple[int, int]) -> NDArray[np.uint8]:

@@ -47,6 +47,7 @@ class Mapper:
 
         unaided: only matches observe the motion, so that scans which fit worse than usual may be distorted.
         """
+        self._pyramid.cover(scan.points, pose)
         unexpected = self._pyramid.unexpected(scan.points, pose)
         if not (self._writes and verdict.accepted and verdict.confirmed):
             return MapUpdate(unexpected, False)

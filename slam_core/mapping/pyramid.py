@@ -1,4 +1,7 @@
-"""Section IV-C: several grids, each half the resolution of the one below, all updated with the same scan."""
+"""Section IV-C: several grids, each half the resolution of the one below, all updated with the same scan.
+
+The map is endless and kept in tiles. The grids are a window on it around the robot, on which the kernels work.
+"""
 
 import math
 from collections.abc import Sequence
@@ -8,50 +11,48 @@ from numpy.typing import NDArray
 
 from slam_core.config import ConfigError, MapConfig
 from slam_core.kernels.dynamic_objects import by_bearing
-from slam_core.kernels.map_update import cell_box
+from slam_core.kernels.map_update import BLOCK, cell_box
 from slam_core.kernels.planar import transform_points
 from slam_core.kernels.surfaces import between
 from slam_core.mapping.grid import GridLevel
-from slam_core.measurements import Float32s, Float64s
+from slam_core.mapping.tiled_map import TiledMap
+from slam_core.mapping.tiles import TILE, Box, SavedCells, common
+from slam_core.measurements import Float32s, Float64s, Int64s
 
 # Beams end this many of the coarsest cells within the edge: interpolation reads one neighbour.
 MARGIN = 2
-# Growing a side adds at least this part of the map's length there, which keeps growing rare.
-GROWTH = 0.25
-# Cells on a side at most: float32 holds the place of each, on which the kernels rely.
-LONGEST_SIDE = 1 << 24
+# Metres between what a scan sees from its predicted pose and the edge of the window: a search goes up to 5 m.
+NEAR = 5.0
+# Tiles by which the window is larger on each side than it must be: so far the robot goes before the window moves.
+SLACK = 2
+# Cells from the map's start to a window's furthest edge: float32 holds the place of each, on which kernels rely.
+FURTHEST = 1 << 23
+TILE_BYTES = 11 * TILE * TILE  # of a tile at most, with all its levels: the room that is kept for one
 # A beam passes a cell if it ends this many metres behind it; a cell that is passed keeps so much of its log-odds.
 BEHIND = 0.5
 CLEARED_CAP = 4.0
 # A beam is no surprise if it ends this many metres from an occupied cell.
 APART = 0.15
 
-SavedCells = tuple[NDArray[np.int64], Float32s, NDArray[np.uint32] | None]
-"""Of a level the lattice corner, the log-odds, and the surfels if there are any."""
 
+class Pyramid(TiledMap):
+    """The map that scans are written into.
 
-class Pyramid:
-    """levels: finest first; they share the corner at `origin`. updates: scans written so far.
-
-    revision: grows with every change of a cell.
+    The window moves with the robot, and grows to the range of the laser and some more. What is in a cell does not
+    depend on where the window lies.
+    updates: scans written so far.
     stopped_at: the limit in megabytes that keeps the map from growing to where beams went; 0 for none.
-    ConfigError if the first map is larger than that limit.
+    ConfigError if the first window is larger than that limit.
     """
 
     def __init__(self, config: MapConfig) -> None:
         check_room(config)
-        # Lengths are whole cells of the coarsest level, so that all levels cover the same area.
-        self._block = 2 ** (config.levels - 1)
-        size = _whole(config.size, self._block)
-        start = np.array([config.start_x, config.start_y])
-        origin = -config.resolution * self._block * np.rint(start * size / self._block)
-        self.levels = tuple(
-            GridLevel(config.resolution * 2**i, (size >> i,) * 2, origin, surfels=i == 0)
-            for i in range(config.levels)
-        )
+        super().__init__(config.resolution, config.levels, _first_window(config))
+        self._step = _step(config.levels)
         self.updates = 0
-        self.revision = 0
         self.stopped_at = 0.0
+        self._limit = config.limit
+        self._reach = 0.0  # metres, of the furthest endpoint that the window was made for
 
     def update(
         self, points: Float32s, cleared: Float32s, laser: Float64s, pose: Float64s, config: MapConfig
@@ -64,17 +65,21 @@ class Pyramid:
         walls = between(points, self.levels[0].resolution, config.wall_gap)
         n = len(points) + len(walls)
         placed = transform_points(pose, np.concatenate([laser[None], points, walls, cleared]))
+        self._limit = config.limit
         if config.grow:
-            self._make_room(placed, config.limit)
+            self._make_room(placed, pose)
+        before = self._revisions() if self.stored and self._is_full else None
         start, ends, free = placed[0], placed[1 : 1 + n], placed[1 + n :]
         steps = (log_odds(config.factor_free), log_odds(config.factor_occupied))
         caps = (config.log_odds_min, config.log_odds_max)
         for i, level in enumerate(self.levels):
             behind = 0.0 if i else log_odds(config.factor_behind)
-            level.update(start, ends, free, steps, caps, behind)
+            level.update(start, ends, free, steps, caps, behind, self.revision + 1)
         self.levels[0].place_surfaces(points, start, ends[: len(points)], pose[2])
         self.updates += 1
         self.revision += 1
+        if before is not None:
+            self._forget(before)
 
     def clear(self, points: Float32s, laser: Float64s, pose: Float64s, config: MapConfig) -> None:
         """Clear, with one scan at `pose` (3,), occupied cells that beams pass: what was there has moved.
@@ -85,70 +90,126 @@ class Pyramid:
         start = transform_points(pose, laser[None])[0]
         beams = by_bearing(start, transform_points(pose, points))
         free = log_odds(config.factor_free)
-        passed = [level.clear(start, beams, BEHIND + level.resolution, CLEARED_CAP, free) for level in self.levels]
+        passed = [
+            level.clear(start, beams, BEHIND + level.resolution, CLEARED_CAP, free, self.revision + 1)
+            for level in self.levels
+        ]
         self.revision += any(passed)
 
     def unexpected(self, points: Float32s, pose: Float64s) -> NDArray[np.bool_]:
         """(n,) which points (n, 2) of a scan at `pose` (3,) end in free space: new or moving objects."""
         return self.levels[0].unexpected(points, pose, APART)
 
-    def _make_room(self, points: Float64s, limit: float) -> None:
-        """Grow every level by the same area, so that points (n, 2) lie within; not beyond `limit` megabytes."""
-        finest = self.levels[0]
+    def cover(self, points: Float32s, pose: Float64s) -> None:
+        """Move the window to what a scan meets within NEAR of a pose (3,). points: (n, 2) of the scan, metres.
+
+        To be called before cells are read there. While nothing is stored, all that is known is in the window.
+        """
+        if not self.stored or not len(points):
+            return
+        reach = math.sqrt(float(np.einsum("ij,ij->i", points, points).max()))
+        around = self._around(pose, reach + NEAR)
+        if around is None:
+            return
+        row0, row1, column0, column1 = known = common(around, _wider(self.bounds(), TILE))
+        if row0 < row1 and column0 < column1 and common(self.levels[0].box, known) != known:
+            self._centre(pose, reach)
+
+    def _make_room(self, placed: Float64s, pose: Float64s) -> None:
+        """Have points (n, 2) of a scan at `pose` (3,) lie in the window, as far as `map.limit` allows."""
+        if self._holds(placed):
+            return
+        if self.stored or not self._is_full:
+            self._centre(pose, math.sqrt(float(np.square(placed - pose[:2]).sum(axis=1).max())))
+        self.stopped_at = 0.0 if self._holds(placed) else self._limit
+
+    def _holds(self, points: Float64s) -> bool:
+        """Whether points (n, 2) lie in the window, MARGIN of the coarsest cells from its edge."""
+        finest, margin = self.levels[0], MARGIN << (len(self.levels) - 1)
         rows, columns = finest.shape
         row0, row1, column0, column1 = cell_box(points, finest.corner, finest.resolution)
-        below, above = self._missing(row0, row1, rows)
-        left, right = self._missing(column0, column1, columns)
-        if not (below or above or left or right):
+        high, wide = rows - margin, columns - margin
+        return bool(margin <= row0 and row1 <= high and margin <= column0 and column1 <= wide)
+
+    def _around(self, pose: Float64s, reach: float) -> Box | None:
+        """The cells of the finest level up to `reach` metres from a pose (3,); None beyond all measure."""
+        column, row, half = (float(n) / self.levels[0].resolution for n in (pose[0], pose[1], reach))
+        if not max(abs(column), abs(row)) + half < FURTHEST:  # as it is for what is no number
+            return None
+        row0, column0 = math.floor(row - half), math.floor(column - half)
+        return row0, math.floor(row + half) + 1, column0, math.floor(column + half) + 1
+
+    def _centre(self, pose: Float64s, reach: float) -> None:
+        """Move the window around a pose (3,); it grows to endpoints `reach` metres away, up to half the limit."""
+        around = self._around(pose, max(self._reach, reach) + NEAR)
+        if around is None:
             return
-        high, wide = rows + below + above, columns + left + right
-        fits = max(high, wide) <= LONGEST_SIDE and megabytes(high * wide, len(self.levels)) <= limit
-        self.stopped_at = 0.0 if fits else limit
-        if not self.stopped_at:
-            for i, level in enumerate(self.levels):
-                level.grow(below >> i, above >> i, left >> i, right >> i)
-
-    def _missing(self, first: int, end: int, size: int) -> tuple[int, int]:
-        """How many of the finest cells to add before and behind `size` of them, to reach first and last."""
-        margin = MARGIN * self._block
-        lacking = margin - first, end + margin - size
-        before, behind = (_whole(max(n, int(GROWTH * size)), self._block) if n > 0 else 0 for n in lacking)
-        return before, behind
-
-    def probability(self, level: int = 0) -> Float32s:
-        """M of eq. (4) on a level, 0 the finest: (rows, columns), row 0 the lowest y, 0.5 unknown; a copy."""
-        return self.levels[level].probability
+        self._reach = max(self._reach, reach)
+        step = self._step
+        largest = math.isqrt(int(0.5 * self._limit / megabytes((step * TILE) ** 2, len(self.levels))))
+        needed = math.ceil((around[1] - around[0]) / TILE) + 2 * max(SLACK, step)
+        side = step * min(math.ceil(needed / step), largest)
+        now, window = self.window, []
+        for i in (0, 2):
+            length, middle = max(now[i + 1] - now[i], side), (around[i] + around[i + 1]) / (2 * TILE)
+            first = step * math.floor((middle - length / 2) / step + 0.5)
+            window += [first, first + length]
+        if (box := (window[0], window[1], window[2], window[3])) != now:
+            self.move(box)
 
     @property
-    def empty(self) -> bool:
-        """Whether no cell was ever touched."""
-        return not self.levels[0].known[1]
+    def _is_full(self) -> bool:
+        """Whether there would be no room for all tiles of the window, were they known and stored."""
+        rows, columns = self.levels[0].shape
+        return self.nbytes + rows * columns // TILE**2 * TILE_BYTES > self._limit * 1e6
 
-    def restore(self, cells: Sequence[SavedCells], limit: float) -> bool:
-        """Put saved cells into an empty pyramid, finest level first.
+    def _forget(self, before: Int64s) -> None:
+        """Take the tiles of the window out that were not known `before`: there is no room for them."""
+        row, _, column, _ = self.window
+        for y, x in np.argwhere((before == 0) & (self._revisions() > 0)).tolist():
+            for level in self.levels:
+                blank = np.zeros((level.tile, level.tile), np.float32)
+                level.put((column + x, row + y), (blank, None, None), 0)
+            self.stopped_at = self._limit
 
-        The map grows to take them in; False, and nothing is put, if that needs more than `limit` megabytes.
+    def probability(self, level: int = 0) -> Float32s:
+        """M of eq. (4) on a level, 0 the finest: (rows, columns) of `whole`, row 0 the lowest y; a copy.
+
+        0.5 is unknown.
         """
-        ends = []
-        for level, (corner, values, _) in zip(self.levels, cells, strict=True):
-            ends += [level.resolution * (corner + 0.5), level.resolution * (corner + values.shape[::-1] - 0.5)]
-        self._make_room(np.array(ends), limit)
-        if self.stopped_at:
-            return False
-        for level, (corner, values, surfels) in zip(self.levels, cells, strict=True):
-            level.put(corner, values, surfels)
-        return True
+        return self.whole(level).probability
 
-    def copy(self) -> "Pyramid":
-        """An independent copy."""
-        other = Pyramid.__new__(Pyramid)
-        other.__dict__.update(self.__dict__, levels=tuple(level.copy() for level in self.levels))
-        return other
+    def restore(self, pieces: Sequence[SavedCells], limit: float) -> bool:
+        """Put saved cells into an empty pyramid; False if that needs more than `limit` megabytes."""
+        if any(max(map(abs, piece.box)) << piece.level >= FURTHEST for piece in pieces):
+            return False
+        self._restore(pieces)
+        return self.nbytes <= 1e6 * limit
+
+
+def _first_window(config: MapConfig) -> Box:
+    """The tiles around `map.size` cells with the start where it is asked for."""
+    step, ends = _step(config.levels), []
+    for start in (config.start_y, config.start_x):
+        first, last = -start * config.size / TILE, (1.0 - start) * config.size / TILE
+        ends += [step * math.floor(first / step), step * math.ceil(last / step)]
+    row0, row1, column0, column1 = ends
+    return row0, row1, column0, column1
+
+
+def _step(levels: int) -> int:
+    """Tiles by which windows move. The update derives cells by blocks, which must not depend on the window."""
+    return max(1, (BLOCK << (levels - 1)) // TILE)
+
+
+def _wider(box: Box, by: int) -> Box:
+    return box[0] - by, box[1] + by, box[2] - by, box[3] + by
 
 
 def check_room(config: MapConfig) -> None:
-    """ConfigError if the first map takes more memory than the map may."""
-    needed = megabytes(config.size**2, config.levels)
+    """ConfigError if the first window takes more memory than the map may."""
+    row0, row1, column0, column1 = _first_window(config)
+    needed = megabytes((row1 - row0) * (column1 - column0) * TILE**2, config.levels)
     if needed > config.limit:
         raise ConfigError(
             f"the first map of {config.size} x {config.size} cells takes {needed:.0f} MB, map.limit is"
@@ -157,14 +218,9 @@ def check_room(config: MapConfig) -> None:
 
 
 def megabytes(cells: int, levels: int) -> float:
-    """Memory of a pyramid with so many cells on its finest level."""
+    """Memory of a window with so many cells on its finest level."""
     shares = math.fsum(0.25**i for i in range(levels))
     return (GridLevel.BYTES * shares + GridLevel.SURFEL_BYTES) * cells / 1e6
-
-
-def _whole(n: int, block: int) -> int:
-    """`n` rounded up to a multiple of `block`."""
-    return -(-n // block) * block
 
 
 def log_odds(probability: float) -> float:

@@ -68,6 +68,5 @@ def _lattice(shifts: Float64s, turns: Float64s) -> Float64s:
 
 def _scores(level: GridLevel, cells: NDArray[np.uint16], points: Float32s, poses: Float64s) -> Float64s:
     out = np.empty(len(poses))
-    x, y = float(level.origin[0]), float(level.origin[1])
-    kernels.score(cells, x, y, 1.0 / level.resolution, points, poses, out)
+    kernels.score(cells, level.corner, 1.0 / level.resolution, points, poses, out)
     return out

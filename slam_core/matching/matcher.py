@@ -42,6 +42,7 @@ def coarse_to_fine(
     beams (config.coarse_beams). A match far from the prediction is compared with one that starts there
     (config.prior_restart_sigmas). At last the endpoints are matched with the surfels (config.surfel_weight).
     """
+    pyramid.cover(points, start)
     levels = pyramid.levels
     residuals = np.empty(len(points), np.float32)
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0

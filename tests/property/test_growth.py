@@ -52,3 +52,4 @@ def test_levels_stay_aligned_on_one_corner(seed, levels, size):
             assert (level.corner * 2**i == finest.corner).all()
             assert tuple(n * 2**i for n in level.shape) == finest.shape
             assert level.log_odds.shape == level.cells.shape
+            assert all(n % level.tile == 0 for n in level.box)

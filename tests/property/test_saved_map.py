@@ -1,5 +1,7 @@
 """A map that is saved and loaded is the same map."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -36,10 +38,30 @@ def test_loading_undoes_saving(
     assert same_map(pyramid, again)
 
 
-def _write(pyramid: Pyramid, rng: np.random.Generator, config: MapConfig) -> None:
-    """One scan of noise and of a wall, somewhere."""
+def test_a_map_of_kilometres_is_saved_in_parts(tmp_path: Path):
+    """What was seen, and not the box around it; loading gives every cell back."""
+    rng, config = np.random.default_rng(4), MapConfig(size=128)
+    pyramid = Pyramid(config)
+    for x, y in ((0.0, 0.0), (900.0, 20.0), (900.0, 800.0)):
+        _write(pyramid, rng, config, np.array([x, y]))
+    levels = saved_levels(pyramid)
+    assert len(levels) > 6
+    assert sum(level.log_odds.size for level in levels) < 0.01 * np.prod(np.diff(pyramid.bounds())[::2])
+    (tmp_path / "map.npz").write_bytes(to_npz(levels))
+    again = load_map(tmp_path, config).pyramid(config)
+    assert again.bounds() != pyramid.bounds()  # of whole tiles
+    for level in range(3):
+        for box, log_odds in pyramid.pieces(level):
+            assert again.gather(level, box).tobytes() == log_odds.tobytes()
+    assert set(again.changed_since(0)) == set(pyramid.changed_since(0))
+
+
+def _write(pyramid: Pyramid, rng: np.random.Generator, config: MapConfig, place: np.ndarray | None = None) -> None:
+    """One scan of noise and of a wall, somewhere, or at a place (2,)."""
     points, cleared = (rng.uniform(-6, 6, (n, 2)).astype(np.float32) for n in (40, 5))
     wall = np.linspace(rng.uniform(-6, 6, 2), rng.uniform(-6, 6, 2), 60, dtype=np.float32)
     points = np.concatenate([points, wall])
     pose = rng.uniform([-15, -15, -3], [15, 15, 3])
+    if place is not None:
+        pose[:2] = place
     pyramid.update(points, cleared, rng.uniform(-0.2, 0.2, 2), pose, config)

@@ -13,7 +13,7 @@ from typing import Any
 from hectorscope.common.registry import members
 from hectorscope.inputs import Source, SourceError, SourceReport
 from hectorscope.run.headless import Progress, run_headless
-from hectorscope.run.map_images import map_images
+from hectorscope.run.map_images import FILE, map_images
 from hectorscope.run.metrics import metrics as run_metrics  # a module of this package has the name
 from hectorscope.run.metrics import truth_errors
 from hectorscope.run.pipeline import Pipeline
@@ -21,6 +21,7 @@ from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap, saved_levels
+from slam_core.mapping.pyramid import Pyramid
 
 if sys.platform != "win32":
     import fcntl
@@ -97,24 +98,28 @@ def _names() -> list[str]:
 
 
 def collected(pipeline: Pipeline, figures: dict[str, Any], report: SourceReport | None = None) -> Run:
-    """The results so far; the run may go on, and they stay as they are. report: of the source."""
+    """The results so far without the map; the run may go on, and they stay as they are. report: of the source."""
     return Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
-        map_images(pipeline.slam.map),
+        (),
         pipeline.settings,
         figures,
-        saved_levels(pipeline.slam.map, copied=True),
-        report.sensors if report else {},
-        pipeline.navigation,
+        sensors=report.sensors if report else {},
+        navigation=pipeline.navigation,
     )
+
+
+def with_map(run: Run, pyramid: Pyramid) -> Run:
+    """Results with the map as images and cells."""
+    return replace(run, maps=map_images(pyramid, most=FILE), levels=saved_levels(pyramid))
 
 
 def export(
     pipeline: Pipeline, figures: dict[str, Any], folder: Path, report: SourceReport | None = None
 ) -> list[Path]:
     """`write` the results so far."""
-    return write(collected(pipeline, figures, report), folder)
+    return write(with_map(collected(pipeline, figures, report), pipeline.slam.map), folder)
 
 
 def write(run: Run, folder: Path) -> list[Path]:
@@ -143,11 +148,11 @@ def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Cal
     if not pipeline.scans:
         raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
     results = collected(pipeline, run_metrics(pipeline, report, with_truth=False), report)
-    truth = pipeline.truth
+    truth, pyramid = pipeline.truth, pipeline.slam.map.copy()
 
     def save() -> str:
         figures = {**results.metrics, "truth": truth_errors(results.trajectory, truth)}
-        files = write(replace(results, metrics=figures), folder)
+        files = write(with_map(replace(results, metrics=figures), pyramid), folder)
         return f"Saved {', '.join(file.name for file in files)} in {folder}"
 
     return save

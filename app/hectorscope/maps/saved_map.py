@@ -2,6 +2,8 @@
 
 import io
 import zipfile
+from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,15 +12,17 @@ from hectorscope.common.paths import absence, exists
 from hectorscope.maps.ros_map import read_ros_map
 from slam_core.config import MapConfig
 from slam_core.localization.prior_map import MapError, PriorMap, SavedLevel
-from slam_core.measurements import Float64s
+from slam_core.measurements import Float64s, Int64s
 
 NAME = "map.npz"
-VERSION = 1
+WHOLE, IN_PARTS = 1, 2  # versions: each level as one rectangle, or as several
 
 
 def to_npz(levels: tuple[SavedLevel, ...]) -> bytes:
     """The same bytes for the same cells."""
-    arrays = {"version": np.array(VERSION), "resolutions": np.array([level.resolution for level in levels])}
+    resolutions = [level.resolution for level in levels]
+    version = WHOLE if len(set(resolutions)) == len(resolutions) else IN_PARTS
+    arrays = {"version": np.array(version), "resolutions": np.array(resolutions)}
     for i, level in enumerate(levels):
         arrays[f"corner{i}"], arrays[f"log_odds{i}"] = level.corner, level.log_odds
         if level.surfels is not None:
@@ -67,16 +71,17 @@ def _read_npz(file: Path, limit: float) -> tuple[SavedLevel, ...]:
             version = arrays["version"]
             if version.ndim or version.dtype.kind not in "iu":
                 raise ValueError("its version is no whole number")
-            if version != VERSION:
-                raise MapError(f"{file} is of version {version}, not {VERSION}: make the map again")
-            return _levels({name: arrays[name] for name in arrays if name != "version"})
+            if version not in (WHOLE, IN_PARTS):
+                raise MapError(f"{file} is of version {version}, not {WHOLE} or {IN_PARTS}: make the map again")
+            entries = {name: arrays[name] for name in arrays if name != "version"}
+            return _levels(entries, in_parts=bool(version == IN_PARTS))
     except MapError:
         raise
     except Exception as error:  # the ways of numpy and zip to stumble over a damaged file are many
         raise MapError(f"{file} is damaged or no map ({error}): save the map again") from error
 
 
-def _levels(entries: dict[str, np.ndarray]) -> tuple[SavedLevel, ...]:
+def _levels(entries: dict[str, np.ndarray], *, in_parts: bool) -> tuple[SavedLevel, ...]:
     resolutions = entries.pop("resolutions")
     if resolutions.ndim != 1 or resolutions.dtype != np.float64 or not resolutions.size:
         raise ValueError("its resolutions are not one number a level")
@@ -91,7 +96,7 @@ def _levels(entries: dict[str, np.ndarray]) -> tuple[SavedLevel, ...]:
     )
     if entries:
         raise ValueError("it holds something else besides")
-    _check_pyramid(levels)
+    _check_pyramid(levels, in_parts=in_parts)
     return levels
 
 
@@ -104,14 +109,23 @@ def _level(resolution: float, corner: np.ndarray, log_odds: np.ndarray, surfels:
     return SavedLevel(resolution, corner, log_odds, surfels)
 
 
-def _check_pyramid(levels: tuple[SavedLevel, ...]) -> None:
+def _check_pyramid(levels: tuple[SavedLevel, ...], *, in_parts: bool) -> None:
     """ValueError unless each level has half the resolution of the one below, and all cover the same area.
 
     To a cell or two: the finest level also holds what is behind walls, and ends on the edge of a cell are rounded.
     """
-    finest = levels[0]
-    low, high = finest.corner, finest.corner + finest.log_odds.shape[::-1]
+    whole: defaultdict[float, list[SavedLevel]] = defaultdict(list)
     for i, level in enumerate(levels):
-        apart = level.corner - (low >> i), level.corner + level.log_odds.shape[::-1] + (-high >> i)
-        if abs(level.resolution - finest.resolution * 2**i) > 1e-9 or np.abs(apart).max() > 2:
+        whole[level.resolution if in_parts else i].append(level)
+    low, high = _extent(whole[levels[0].resolution if in_parts else 0])
+    for i, parts in enumerate(whole.values()):
+        first, last = _extent(parts)
+        apart = first - (low >> i), last + (-high >> i)
+        if abs(parts[0].resolution - levels[0].resolution * 2**i) > 1e-9 or np.abs(apart).max() > 2:
             raise ValueError(f"level {i} does not cover level 0 with cells {2**i} times as large")
+
+
+def _extent(parts: Sequence[SavedLevel]) -> tuple[Int64s, Int64s]:
+    """First and last column and row, the last excluded, of a level in parts."""
+    low = np.min([part.corner for part in parts], axis=0)
+    return low, np.max([part.corner + part.log_odds.shape[::-1] for part in parts], axis=0)

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.inputs import SourceReport
-from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.rows import Rows
 from hectorscope.run.series import SERIES_DTYPE
@@ -33,7 +32,7 @@ def metrics(
 
     with_truth: compare with the truth, which takes long after hours.
     """
-    maps = map_images(pipeline.slam.map)
+    occupied = sum(np.count_nonzero(log_odds > 0) for _, log_odds in pipeline.slam.map.pieces(0))
     return {
         "scans": {
             "read": pipeline.scans_read,
@@ -49,7 +48,7 @@ def metrics(
         **(spent(effort) if effort else {}),
         "median_us": medians(pipeline.series.view(SERIES_DTYPE).reshape(-1)),
         "map_updates": pipeline.slam.map.updates,
-        "occupied_cells": int(np.count_nonzero(maps[0].cells == 2)) if maps else 0,
+        "occupied_cells": int(occupied),
         "map_in_world": map_in_world(pipeline.result),
         "truth": truth_errors(pipeline.trajectory, pipeline.truth) if with_truth else None,
     }

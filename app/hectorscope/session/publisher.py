@@ -18,6 +18,7 @@ from slam_core.results import StepResult
 
 SNAPSHOT_S = 1 / 60
 MAPS_S = 1 / 5
+SHARE = 20  # times as long as a map took to draw it stays: one of kilometres is drawn more rarely
 STREAM_S = 1 / 2  # a stream's counters are shown this often even when no scan comes
 
 LogLevel = Literal["info", "warning", "error"]
@@ -56,6 +57,7 @@ class Publisher:
         self._maps: tuple[MapImage, ...] = ()
         self._drawn: tuple[int, int] | None = None  # epoch and map updates that the images show
         self._drawn_at = 0.0
+        self._maps_s = MAPS_S
         self._revision = 0
 
     def log(self, entry: LogEntry) -> None:
@@ -129,11 +131,12 @@ class Publisher:
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
         state = (epoch, pipeline.slam.map.revision)
         anew = self._drawn is None or epoch != self._drawn[0]
-        if state == self._drawn or not (anew or complete or self._published - self._drawn_at >= MAPS_S):
+        if state == self._drawn or not (anew or complete or self._published - self._drawn_at >= self._maps_s):
             return
         self._drawn, self._drawn_at = state, self._published
         self._revision += 1
         self._maps = map_images(pipeline.slam.map, self._revision)
+        self._maps_s = max(MAPS_S, SHARE * (time.monotonic() - self._published))
 
 
 def status(source: Source, run: Run) -> PlaybackStatus:

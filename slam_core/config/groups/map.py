@@ -14,15 +14,29 @@ class MapConfig:
         float, Param("Cell length of the finest level.", "m", 0.01, 1.0, restart=True, tier="basic")
     ] = 0.05
     size: Annotated[
-        int, Param("Cells along a side of the finest level at the start.", "cells", 64, 8192, restart=True)
+        int,
+        Param(
+            "Cells along a side of the finest level's window at the start, in whole tiles. The window moves with"
+            " the robot and grows to the range of the laser; a larger one takes longer to move.",
+            "cells",
+            64,
+            8192,
+            restart=True,
+        ),
     ] = 1024
-    grow: Annotated[bool, Param("Enlarge the map when a beam reaches its edge (off: the beam is cut there).")] = (
-        True
-    )
+    grow: Annotated[
+        bool,
+        Param("Move and enlarge the map's window when a beam reaches its edge (off: the beam is cut there)."),
+    ] = True
     limit: Annotated[
         float,
         Param(
-            "Memory limit of all levels together. The map does not grow beyond it.", "MB", 1.0, 14336.0, log=True
+            "Memory limit of the map: its window, of half of this at most, and the tiles that were seen outside of"
+            " it. The map does not grow beyond it.",
+            "MB",
+            1.0,
+            14336.0,
+            log=True,
         ),
     ] = 1024.0
     levels: Annotated[

@@ -12,19 +12,13 @@ from hypothesis import strategies as st
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig, TrackingConfig
 from slam_core.kernels import global_search as kernels
-from slam_core.localization.global_search import (
-    BLOCK,
-    RIVAL,
-    Places,
-    PlaceSearch,
-    Region,
-    agreement,
-    apart,
-    locate,
-    walls,
-)
+from slam_core.localization import search_parts
+from slam_core.localization.global_search import MOVE, GlobalSearch, agreement, locate
+from slam_core.localization.place_search import RIVAL, Places, PlaceSearch, apart, walls
+from slam_core.localization.search_parts import BLOCK, Region
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import Pyramid
+from slam_core.mapping.tiled_map import MapLevel
 from slam_core.scan.stabilise import StabilisedScan, stabilise
 from tests.worlds import room_scan, standing
 
@@ -67,13 +61,13 @@ def made_level(seed: int) -> GridLevel:
     rng = np.random.default_rng(seed)
     level = GridLevel(0.2, (23, 30), np.array([-2.0, -1.0]))
     level.log_odds[:] = np.where(rng.random((23, 30)) < 0.15, 2.0, -1.0)
-    level.known = (0, 23, 0, 30)
+    level.bounds = level.box
     return level
 
 
 def every_score(level: GridLevel, points: np.ndarray) -> np.ndarray:
     """(headings, rows, columns): sums of the walls that the endpoints meet, place by place."""
-    picture = np.pad(walls(level).astype(int), 200)
+    picture = np.pad(walls(level, level.box).astype(int), 200)
     reach = np.quantile(np.hypot(*points.T), 0.9)
     count = max(8, math.ceil(2 * math.pi * reach / level.resolution))
     rows, columns = level.shape
@@ -147,10 +141,46 @@ def test_in_a_region_only_its_places_count(seed: int, x: float, y: float, radius
         assert places.scores[0] >= inside.max() / 30
 
 
+@settings(max_examples=25)
+@given(st.integers(0, 10**6), st.integers(1, 3), st.booleans())
+def test_a_large_region_in_parts_gives_the_same(seed: int, size: int, whole: bool):
+    """Where all was seen: the same places and scores, to the last bit, however small the parts."""
+    level = made_level(seed)
+    points = np.random.default_rng(seed + 1).uniform(-2, 2, (12, 2)).astype(np.float32)
+    region = None if whole else Region(np.array([0.3, 0.9, 0.0]), 1.1)
+    at_once = find_places(level, points, 0.3, region)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(GridLevel, "seen", lambda _: [(x, y) for x in (-1, 0) for y in (-1, 0)])
+        patch.setattr(search_parts, "LARGE", 1)
+        patch.setattr(search_parts, "PART", size)
+        assert len(search_parts.parts(level, region, 3.0)) > 1 or size > 2
+        in_parts = find_places(level, points, 0.3, region)
+    assert at_once.crowded == in_parts.crowded
+    assert at_once.poses.tobytes() == in_parts.poses.tobytes()
+    assert at_once.scores.tobytes() == in_parts.scores.tobytes()
+
+
+def test_only_where_something_was_seen_a_large_map_is_searched():
+    """Two rooms a kilometre apart: as many parts, none much larger than a room and what a scan there reaches."""
+    pyramid, reach = Pyramid(CONFIG.map), 5.0
+    for pose in np.array([[0.0, 0.0, 0.0], [1000.0, 700.0, 1.0]]):
+        scan = level_scan(np.zeros(3))
+        pyramid.update(scan.points, scan.cleared, scan.laser, pose, CONFIG.map)
+    places = search_parts.parts(MapLevel(pyramid, 1), None, reach)
+    assert 2 <= len(places) <= 8
+    assert sum((w[1] - w[0]) * (w[3] - w[2]) for w, _ in places) < 8 * 300**2
+    scan = level_scan(np.array([0.4, -0.3, 0.2]))
+    search, done = GlobalSearch(pyramid, scan, CONFIG), []
+    while not search.finished:
+        done.append(search.advance(3e6))
+    assert max(done) < 3e6 + 2 * MOVE
+    assert search.result().failure == ("ambiguous", 2, 0.0)
+
+
 def test_a_bound_is_what_the_block_could_score_at_best():
     """Each endpoint counts as the largest cell that it meets from any place of the block."""
     level = made_level(7)
-    cells = walls(level)
+    cells = walls(level, level.box)
     shifts = np.random.default_rng(1).integers(-12, 12, (30, 2))
     bounds = np.empty((-(-23 // BLOCK), -(-30 // BLOCK)), np.uint8)
     search = PlaceSearch(level, np.ones((1, 2), np.float32), 0.1)

@@ -5,9 +5,10 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig
-from slam_core.localization import global_search, relocalisation
-from slam_core.localization.global_search import PlaceSearch, Region
+from slam_core.localization import place_search, relocalisation
+from slam_core.localization.place_search import PlaceSearch
 from slam_core.localization.relocalisation import Relocaliser
+from slam_core.localization.search_parts import Region
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.scan.stabilise import StabilisedScan, stabilise
 from tests.worlds import room_scan, standing
@@ -48,7 +49,8 @@ def test_a_long_search_goes_on_with_the_next_scans(
     """What is found for the first scan is moved as the prediction moved since. No second exceeds its budget."""
     budget, part = 4e5, 20_000
     monkeypatch.setattr(relocalisation, "BUDGET", budget)
-    monkeypatch.setattr(global_search, "PART", part)
+    monkeypatch.setattr(relocalisation, "AT_ONCE", budget)
+    monkeypatch.setattr(place_search, "WORK", part)
     spent: list[float] = []
     advance = PlaceSearch.advance
     monkeypatch.setattr(PlaceSearch, "advance", lambda self, work: spent.append(advance(self, work)) or spent[-1])
@@ -69,7 +71,8 @@ def test_a_long_search_goes_on_with_the_next_scans(
 def test_a_search_ends_when_the_pose_is_known(room: Pyramid, monkeypatch: pytest.MonkeyPatch):
     """What it would have found is not used any more: the next one begins with the scan of its time."""
     monkeypatch.setattr(relocalisation, "BUDGET", 3e5)
-    monkeypatch.setattr(global_search, "PART", 100_000)
+    monkeypatch.setattr(relocalisation, "AT_ONCE", 3e5)
+    monkeypatch.setattr(place_search, "WORK", 100_000)
     relocaliser = Relocaliser(np.zeros(3))
     assert relocaliser.search(room, seen(FIRST), 0, PREDICTED, None, CONFIG) is None
     assert relocaliser.failure is not None

@@ -5,13 +5,15 @@ import pytest
 
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import log_odds
+from slam_core.mapping.tiles import holds, tiles_around
 
 FREE, OCCUPIED = log_odds(0.4), log_odds(0.9)
 NONE = np.empty((0, 2))
 
 
-def update(level, start, ends, cleared=NONE, caps=(-50.0, 50.0)):
-    level.update(np.array(start), np.array(ends, float).reshape(-1, 2), cleared, (FREE, OCCUPIED), caps)
+def update(level, start, ends, cleared=NONE, caps=(-50.0, 50.0), revision=1):
+    ends = np.array(ends, float).reshape(-1, 2)
+    level.update(np.array(start), ends, cleared, (FREE, OCCUPIED), caps, revision=revision)
 
 
 @pytest.fixture
@@ -90,41 +92,48 @@ def test_a_laser_off_the_map_only_marks_ends(level):
 
 
 def test_known_box_holds_every_touched_cell(level):
-    """Whatever was touched lies in the known box, and classes() is exactly that box."""
+    """Whatever was touched lies in the known box."""
     rng = np.random.default_rng(1)
     update(level, (0.5, 0.5), rng.uniform((-9, -4), (18, 13), (25, 2)))
     row0, row1, column0, column1 = level.known
     outside = level.log_odds.copy()
     outside[row0:row1, column0:column1] = 0.0
     assert not outside.any()
-    classes = level.classes()
-    assert classes.shape == (row1 - row0, column1 - column0)
-    np.testing.assert_array_equal(classes == 2, level.log_odds[row0:row1, column0:column1] > 0)
-    np.testing.assert_array_equal(classes == 1, level.log_odds[row0:row1, column0:column1] < 0)
 
 
-def test_growing_moves_nothing_in_the_map(level):
-    """New cells are unknown, old ones keep content and place, and the known box still holds what was touched."""
-    update(level, (0.5, 0.5), [(6.5, 0.5)])
+@pytest.mark.parametrize("shape", [(24, 32), (32, 48)])
+@pytest.mark.parametrize("by", [(0, 0), (8, 0), (0, -8), (-8, 16), (16, 8), (-80, 0), (0, 400)])
+def test_a_window_that_moves_keeps_what_stays_in_it(shape, by):
+    """Cells keep content and place in the map; all else in the window is unknown, however far it moved."""
+    level = GridLevel(1.0, (24, 32), np.array([-16.0, -8.0]), surfels=True, tile=8)
+    rng = np.random.default_rng(0)
+    update(level, (0.5, 0.5), rng.uniform((-15, -7), (15, 15), (25, 2)))
+    level.surfels[:] = (level.log_odds > 0) * np.uint32(7)
     old = level.copy()
-    level.grow(3, 2, 5, 1)
-    assert level.shape == (25, 36)
-    np.testing.assert_array_equal(level.origin, [-15.0, -8.0])
-    assert [int(i) for i in level.cell_of(6.5, 0.5)] == [21, 8]
-    np.testing.assert_array_equal(level.log_odds[3:23, 5:35], old.log_odds)
-    np.testing.assert_array_equal(level.probability[3:23, 5:35], old.probability)
-    assert np.count_nonzero(level.log_odds) == 7
-    assert np.count_nonzero(level.probability != 0.5) == 7
-    np.testing.assert_array_equal(level.classes(), old.classes())
-    assert old.shape == (20, 30)
+    level.move(old.corner + np.array(by), shape)
+    assert level.shape == shape
+    assert level.corner.tolist() == (old.corner + np.array(by)).tolist()
+    for kind in ("log_odds", "cells", "surfels"):
+        np.testing.assert_array_equal(getattr(level, kind), old.gather(level.box, kind))
+    tiles = {key for key in old.seen() if holds(tiles_around(level.box, 8), key)}
+    assert set(level.seen()) == tiles
+    assert level.bounds == old.bounds
 
 
-def test_an_untouched_map_grows_too(level):
-    """With nothing known there is nothing known afterwards."""
-    level.grow(4, 4, 4, 4)
-    assert level.classes().size == 0
-    update(level, (0.5, 0.5), [(21.5, 0.5)])
-    assert level.classes().shape == (1, 22)
+@pytest.mark.parametrize("tile", [2, 4, 8, 16, 64])
+def test_the_tiles_that_a_scan_changes_take_its_revision(tile):
+    """All that changed do, whatever their size; those of eight cells and more only if they changed."""
+    level = GridLevel(1.0, (192, 256), np.zeros(2), tile=tile)
+    rng = np.random.default_rng(2)
+    for revision in (3, 4):
+        before = level.copy()
+        update(level, (60.5, 70.5), rng.uniform((40, 50), (150, 120), (12, 2)), revision=revision)
+        changed = level.log_odds != before.log_odds
+        tiles = changed.reshape(192 // tile, tile, 256 // tile, tile).any(axis=(1, 3))
+        assert (level.revisions[tiles] == revision).all()
+        if tile >= 8:
+            assert (level.revisions[~tiles] == before.revisions[~tiles]).all()
+    assert {0, 3, 4} == set(level.revisions.flat) or tile == 64
 
 
 def test_occupancy_is_a_ros_grid(level):

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from slam_core.config import ConfigError, MapConfig
-from slam_core.mapping.pyramid import Pyramid, megabytes
+from slam_core.mapping.pyramid import NEAR, Pyramid, megabytes
+from slam_core.mapping.tiles import TILE
 from tests.worlds import same_map
 
-CONFIG = MapConfig(size=256, levels=3, start_x=0.25, start_y=0.75)
+CONFIG = MapConfig(size=512, levels=3, start_x=0.25, start_y=0.75)
 
 
 def written(config=CONFIG):
@@ -25,13 +26,13 @@ def test_each_level_has_half_the_resolution_and_the_same_extent():
     """Cell length doubles, cells on a side halve, and the corner is the same for all."""
     levels = Pyramid(CONFIG).levels
     assert [level.resolution for level in levels] == pytest.approx([0.05, 0.1, 0.2])
-    assert [level.shape for level in levels] == [(256, 256), (128, 128), (64, 64)]
+    assert [level.shape for level in levels] == [(512, 512), (256, 256), (128, 128)]
     assert all((level.origin == levels[0].origin).all() for level in levels)
 
 
 def test_start_offset_places_the_origin():
     """The map's start lies at the given fractions of its width and height."""
-    np.testing.assert_allclose(Pyramid(CONFIG).levels[0].origin, [-0.25 * 12.8, -0.75 * 12.8])
+    np.testing.assert_allclose(Pyramid(CONFIG).levels[0].origin, [-0.25 * 25.6, -0.75 * 25.6])
 
 
 def test_levels_are_updated_together_and_agree():
@@ -67,28 +68,35 @@ def beam(pyramid, x, y, config, start=(0.0, 0.0)):
 
 @pytest.mark.parametrize("size", [64, 65, 100, 127])
 @pytest.mark.parametrize("levels", [1, 3, 6])
-def test_any_size_is_rounded_up_to_whole_coarsest_cells(size, levels):
-    """All levels cover the same area, also when the size asked for cannot be halved that often."""
+def test_the_first_window_holds_the_size_that_was_asked_for(size, levels):
+    """It is rounded outwards to whole tiles, and to what windows move by; all levels cover the same area."""
     config = replace(SMALL, size=size, levels=levels, start_x=0.3)
-    pyramid = Pyramid(config)
-    sides = {level.shape[0] * 2**i for i, level in enumerate(pyramid.levels)}
-    assert len(sides) == 1
-    assert size <= sides.pop() < size + 2 ** (levels - 1)
-    assert all((level.origin == pyramid.levels[0].origin).all() for level in pyramid.levels)
+    pyramid, step = Pyramid(config), max(TILE, 32 << (levels - 1))
+    row0, row1, column0, column1 = pyramid.levels[0].box
+    assert row0 <= -0.5 * size < row0 + step
+    assert row1 - step < 0.5 * size <= row1
+    assert column0 <= -0.3 * size < column0 + step
+    assert column1 - step < 0.7 * size <= column1
+    for i, level in enumerate(pyramid.levels):
+        assert tuple(n << i for n in level.box) == pyramid.levels[0].box
 
 
-def test_the_map_grows_only_towards_the_beams():
-    """Sides that no beam came near stay where they were; what lies well inside changes no size."""
+def test_the_window_moves_only_when_a_beam_needs_it():
+    """What lies in the first window leaves it alone; then it is around the robot, with room to go on."""
     pyramid = Pyramid(SMALL)
     beam(pyramid, 1.0, 1.0, SMALL)
-    assert pyramid.levels[0].shape == (64, 64)
-    beam(pyramid, 3.0, 0.0, SMALL)
-    assert pyramid.levels[0].shape[0] == 64
-    assert pyramid.levels[0].corner.tolist() == [-32, -32]
-    assert 32 + 60 < pyramid.levels[0].shape[1] < 32 + 60 + 16
-    beam(pyramid, 0.0, -2.0, SMALL)
-    assert pyramid.levels[0].corner[0] == -32
-    assert pyramid.levels[0].corner[1] < -40
+    assert pyramid.levels[0].box == (-128, 128, -128, 128)
+    beam(pyramid, 9.0, 0.0, SMALL)
+    row0, row1, column0, column1 = first = pyramid.levels[0].box
+    assert row1 - row0 == column1 - column0
+    assert min(-row0, row1, -column0, column1) >= (9.0 + NEAR) / 0.05
+    beam(pyramid, 11.0, 0.0, SMALL, start=(3.0, 0.0))
+    assert pyramid.levels[0].box == first
+    beam(pyramid, 68.0, 0.0, SMALL, start=(60.0, 0.0))
+    row0, row1, column0, column1 = pyramid.levels[0].box
+    assert column0 < 60.0 / 0.05 - 200
+    assert column1 > 60.0 / 0.05 + 200
+    assert pyramid.stored
 
 
 def test_the_laser_and_cleared_beams_take_the_map_along():
@@ -101,14 +109,20 @@ def test_the_laser_and_cleared_beams_take_the_map_along():
     assert pyramid.levels[0].shape[0] > 600
 
 
-def test_growing_is_rare():
-    """A hundred metres straight on, in steps of the update distance, take a dozen enlargements at most."""
-    pyramid, shapes = Pyramid(SMALL), set()
-    for k in range(250):
-        beam(pyramid, 0.4 * k + 1.0, 0.5, SMALL, start=(0.4 * k, 0.0))
-        shapes.add(pyramid.levels[0].shape)
-    assert 5 < len(shapes) <= 18
-    assert (pyramid.levels[0].log_odds > 0).sum() == 250
+def test_a_straight_drive_takes_the_memory_of_what_it_saw():
+    """Two kilometres with beams to both sides: the window keeps its size, and moves every 6 m or less."""
+    pyramid, boxes = Pyramid(SMALL), []
+    for k in range(1000):
+        points = np.array([[1.0, 2.0], [1.0, -2.0], [8.0, 0.0]], np.float32)
+        pyramid.update(points, NOTHING, np.zeros(2), np.array([2.0 * k, 0.0, 0.0]), SMALL)
+        boxes.append(pyramid.levels[0].box)
+    assert len({box[1] - box[0] for box in boxes[1:]}) == 1
+    assert len(set(boxes)) < 2000 / 6
+    assert 600 < pyramid.stored < 3 * 2000 / 3.2
+    assert pyramid.nbytes < 60e6
+    assert pyramid.nbytes == pytest.approx(
+        sum(level.nbytes for level in pyramid.levels) + sum(pyramid.tile(key).nbytes for key in pyramid._tiles)
+    )
 
 
 def test_without_growing_beams_are_cut_at_the_edge():
@@ -116,14 +130,14 @@ def test_without_growing_beams_are_cut_at_the_edge():
     config = replace(SMALL, grow=False)
     pyramid = Pyramid(config)
     beam(pyramid, 20.0, 0.0, config)
-    assert pyramid.levels[0].shape == (64, 64)
-    assert np.count_nonzero(pyramid.levels[0].log_odds) > 20
+    assert pyramid.levels[0].shape == (256, 256)
+    assert np.count_nonzero(pyramid.levels[0].log_odds) > 120
     assert pyramid.stopped_at == 0
 
 
 def test_the_limit_stops_the_map_and_raising_it_lets_it_go_on():
     """Beyond map.limit the size stays, beams are cut, the map says so; a higher limit acts from the next scan."""
-    tight, wide = replace(SMALL, limit=1), replace(SMALL, limit=100)
+    tight, wide = replace(SMALL, limit=1), replace(SMALL, limit=400)
     pyramid = Pyramid(tight)
     beam(pyramid, 3.0, 0.0, tight)
     shape = pyramid.levels[0].shape
@@ -149,7 +163,7 @@ def test_memory_is_what_the_limit_counts():
     """The arrays of all levels take the megabytes that are compared with the limit, padding apart."""
     pyramid = Pyramid(replace(SMALL, size=2048))
     cells = [a for level in pyramid.levels for a in vars(level).values() if np.ndim(a) == 2 and len(a)]
-    assert len(cells) == 10
+    assert len(cells) == 13  # with the revisions of the tiles
     assert sum(a.nbytes for a in cells) == pytest.approx(1e6 * megabytes(2048 * 2048, 3), rel=0.01)
 
 

@@ -1,0 +1,33 @@
+"""The streets of the long drive: what a laser sees in them, and that wheels and truth agree."""
+
+import math
+
+import numpy as np
+
+from benchmarks.streets import BEAMS, RATE, VIEW, Streets, drive, scan, streets
+
+
+def test_a_beam_goes_through_openings_to_the_wall():
+    """Two rooms side by side are one where they touch; beyond the range there is no return."""
+    world = Streets(np.zeros((2, 2)), np.array([[-2.0, 3.0, -1.0, 1.0], [3.0, 50.0, -0.5, 4.0]]))
+    seen = scan(world, np.array([0.0, 0.0, 0.0]), 0, np.random.default_rng(0))
+
+    def at(degrees: float) -> float:
+        return float(seen.ranges[round((math.radians(degrees) + 0.5 * VIEW) / VIEW * (BEAMS - 1))])
+
+    assert math.isinf(at(0.0))
+    assert abs(at(90.0) - 1.0) < 0.06
+    assert abs(at(-90.0) - 1.0) < 0.06
+    assert abs(at(45.0) - math.sqrt(2.0)) < 0.06
+
+
+def test_wheels_lead_along_the_way():
+    """The velocities add up to the poses, and the last pose is the end of the way."""
+    world, pose = streets([3.0, 5.0]), np.zeros(3)
+    for odometry, _, truth in drive(world):
+        pose[2] += odometry.yaw_rate / RATE
+        step = odometry.velocity[0] / RATE
+        pose[:2] += step * np.array([math.cos(pose[2]), math.sin(pose[2])])
+        assert np.abs(pose[:2] - truth[:2]).max() < 0.2
+    np.testing.assert_allclose(truth[:2], world.corners[-1])
+    assert world.length == 8.0
