@@ -53,6 +53,11 @@ class Motion:
         count = int(np.ceil(duration / STEP)) + DEGREE + 1
         return cls(channels(STEP * np.arange(-2.0, count - 2)), duration)
 
+    def begun(self, seconds: float) -> "Motion":
+        """The motion from about that many seconds on: from a control point, at which its time is then 0."""
+        left_out = round(seconds / STEP)
+        return Motion(self.controls[left_out:], self.duration - left_out * STEP)
+
     def at(self, t: Float64s, derivative: int = 0) -> Float64s:
         """(m, 6) channels or their first or second derivative at (m,) seconds within the motion."""
         span = np.clip(np.floor(t / STEP).astype(np.int64), 0, len(self.controls) - DEGREE - 1)

@@ -17,6 +17,7 @@ class SimulationError(SlamError):
 
 _RANGES: dict[str, tuple[float, float, str]] = {
     "duration": (3.0, 3600.0, " s"),
+    "begin": (0.0, 3600.0, " s"),
     "scan_rate": (1.0, 100.0, " Hz"),
     "beams": (2, 10000, ""),
     "speed": (0.1, 5.0, ""),
@@ -33,7 +34,9 @@ class SceneOptions:
     """How a scene is driven and measured; None keeps what the scene itself prefers."""
 
     duration: float | None = None
-    """Length of the recording in seconds; None: the scene's own."""
+    """Length of the drive in seconds; None: the scene's own."""
+    begin: float = 0.0
+    """Seconds of the drive that are left out at its start: the recording begins in motion."""
     scan_rate: float = 40.0
     """Revolutions of the laser per second; a sweep of 270 degrees takes three quarters of one."""
     beams: int = 1081

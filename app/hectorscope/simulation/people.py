@@ -19,6 +19,14 @@ class Person:
     way: Way
     radius: float
 
+    def begun(self, seconds: float) -> "Person":
+        """The same person from so many seconds on."""
+
+        def way(t: Float64s) -> Float64s:
+            return self.way(t + seconds)
+
+        return Person(way, self.radius)
+
 
 @dataclass(frozen=True, slots=True)
 class Gait:

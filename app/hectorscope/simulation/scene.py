@@ -1,7 +1,7 @@
 """What the simulator drives through: a world, the true motion in it, and how the sensors are mounted."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from slam_core.measurements import Float64s, Transform
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """One scenario. The map frame is the base at time 0, so truth starts at the origin, facing +x.
+    """One scenario. The map frame is the base at the start of the drive, where truth is the origin, facing +x.
 
     extras, gps_outage [s]: what is carried and missed if nobody asks for anything else.
     """
@@ -28,6 +28,12 @@ class Scene:
     gps_outage: float = 0.0
     people: tuple[Person, ...] = ()
     scanner: Scanner = UTM30LX
+
+    def begun(self, seconds: float) -> "Scene":
+        """The scene from so many seconds on, when the robot and the people are on their way."""
+        motion = self.motion.begun(seconds)
+        late = self.motion.duration - motion.duration
+        return replace(self, motion=motion, people=tuple(each.begun(late) for each in self.people))
 
 
 @dataclass(frozen=True, slots=True)

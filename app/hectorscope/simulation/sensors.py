@@ -115,7 +115,8 @@ def heights(motion: Motion, options: SceneOptions) -> Iterator[Arrival]:
     t = ticks(motion, HEIGHT_RATE)
     drift = np.cumsum(rng.normal(scale=BAROMETER.walk / np.sqrt(HEIGHT_RATE), size=len(t)))
     errors = options.noise * (drift + rng.normal(scale=BAROMETER.noise, size=len(t)))
-    for time, height in zip(t, motion.at(t)[:, 2] + errors, strict=True):
+    over_start = motion.at(t)[:, 2] - motion.at(np.zeros(1))[0, 2]
+    for time, height in zip(t, over_start + errors, strict=True):
         yield nanoseconds(time + BAROMETER.latency), Height(nanoseconds(time), float(height))
 
 

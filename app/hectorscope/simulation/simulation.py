@@ -15,7 +15,7 @@ from hectorscope.simulation import (
     scene_rooms,
     sensors,
 )
-from hectorscope.simulation.options import Extra, ScenarioName, SceneOptions
+from hectorscope.simulation.options import Extra, ScenarioName, SceneOptions, SimulationError
 from hectorscope.simulation.scene import Scene
 from hectorscope.simulation.sensors import Arrival
 from slam_core.measurements import Aid, Imu, LaserScan, Transform, TruthPose
@@ -31,13 +31,15 @@ SCENES: dict[ScenarioName, Callable[[SceneOptions], Scene]] = {
     "offices": scene_offices.build,
 }
 
+SHORTEST = 3.0  # s of a recording
+
 
 class Simulation:
     """A drive through one scenario; `items` may be called again and gives the same."""
 
     def __init__(self, scenario: ScenarioName, options: SceneOptions | None = None) -> None:
         self.options = options or SceneOptions()
-        self.scene = SCENES[scenario](self.options)
+        self.scene = _begun(SCENES[scenario](self.options), self.options.begin)
 
     @property
     def duration(self) -> float:
@@ -75,3 +77,13 @@ class Simulation:
     def truth_at(self, stamp_ns: int) -> Transform:
         """T_map_base at a time within the drive."""
         return self.scene.motion.transform((stamp_ns - sensors.START_NS) * 1e-9)
+
+
+def _begun(scene: Scene, seconds: float) -> Scene:
+    """The scene from its later start on; SimulationError if that lies too near to its end."""
+    left = scene.motion.duration - seconds
+    if left < SHORTEST:
+        raise SimulationError(
+            f"begin is {seconds:g} s, and the drive ends after {scene.motion.duration:g} s: leave {SHORTEST:g} s"
+        )
+    return scene.begun(seconds) if seconds else scene

@@ -200,3 +200,23 @@ def test_stamps_start_at_the_same_clock() -> None:
     """All recordings begin at one fixed time, so that they are the same whenever they are made."""
     first = next(iter(Simulation("rooms", SHORT).items()))
     assert first.stamp_ns == sensors.START_NS
+
+
+def test_a_recording_may_begin_in_motion() -> None:
+    """It is the rest of the same drive: its first true pose is that of the whole drive at that time."""
+    whole = Simulation("rooms", replace(SHORT, duration=10.0))
+    late = Simulation("rooms", replace(SHORT, duration=10.0, begin=6.0))
+    assert late.duration == pytest.approx(4.0)
+    begin_ns = sensors.nanoseconds(6.0)
+    there, here = whole.truth_at(begin_ns), late.truth_at(sensors.START_NS)
+    np.testing.assert_allclose(here.translation, there.translation, atol=1e-9)
+    speed = np.hypot(*late.scene.motion.at(np.zeros(1), 1)[0, :2])
+    assert speed > 1.0
+    heights = [item.height for item in late.items() if isinstance(item, Height)]
+    assert abs(np.mean(heights[:5])) < 0.3
+
+
+def test_a_drive_has_to_go_on_after_the_begin() -> None:
+    """A begin too near to the end is refused with both times."""
+    with pytest.raises(SimulationError, match=r"begin is 3 s, and the drive ends after 4 s"):
+        Simulation("rooms", replace(SHORT, begin=3.0))
