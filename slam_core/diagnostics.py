@@ -14,6 +14,7 @@ Code = Literal[
     "imu_clock_set_ahead",
     "imu_implausible",  # values that are not finite or out of any sensor's range
     "no_beam_in_range",
+    "height_unknown",  # nothing measures the height of a platform that stays level
     "aid_implausible",  # source: which one, as in AidingStatus
     "aid_too_late",
     "aid_frozen",  # it repeats one value while the robot moves

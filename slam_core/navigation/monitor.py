@@ -7,6 +7,7 @@ from slam_core.diagnostics import Code, Diagnostic, Recent
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.navigation.gates import LEAST_STREAK
 from slam_core.navigation.imu_check import AT_RANGE, NO_NUMBER
+from slam_core.navigation.level_ride import LevelRide
 from slam_core.navigation.rejections import LEAPT, SET_BACK, TOO_OLD, UNUSABLE
 from slam_core.results import AidingStatus
 
@@ -34,12 +35,15 @@ class Monitor:
         self._recent: Recent[Diagnostic] = Recent()
         self._counted: dict[tuple[str, str], int] = {}
         self._totals: tuple[int, ...] = ()
+        self._level_ride = LevelRide()
 
     def update(
         self, estimator: NavigationFilter, aiding: Iterable[AidingStatus], skipped: Counter[str], time_ns: int
     ) -> None:
         """The filter and the sources as they are after a scan; skipped: scans without a result, by reason."""
         found = _states(estimator, time_ns)
+        if self._level_ride.unknown_height(estimator, aiding, time_ns):
+            found.append(Diagnostic("height_unknown"))
         totals = *estimator.counts.values(), *skipped.values()
         if totals != self._totals:  # rare
             self._totals = totals

@@ -20,6 +20,8 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "imu_implausible": "the IMU sends values that are not finite or not plausible: they are left out; check its"
     " driver",
     "no_beam_in_range": "scans come without a beam in range: the pose is predicted without them; check the laser",
+    "height_unknown": "nothing measures the height, and the robot stayed level: set platform.planar if it drives"
+    " on a plane, else add a height source",
     "aid_implausible": "{source} sends values that are not finite or not plausible: they are left out; check that"
     " sensor",
     "aid_too_late": "{source} comes too late to be used: {late}, or raise navigation.history",
