@@ -13,7 +13,7 @@ from statistics import median
 
 from benchmarks.accuracy import Outcome, outcome, process
 from benchmarks.turned import angle_of, turned
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig
 from slam_core.measurements import Imu
@@ -47,7 +47,7 @@ def run(begin: float, rate: float, sway: float, seed: int, bare: bool) -> Outcom
 
 def lines(begins: Sequence[float], rates: Sequence[float], seeds: int, bare: bool) -> Iterator[str]:
     """One for each kind of recording."""
-    with ProcessPoolExecutor(PROCESSES, initializer=warm_up) as pool:
+    with ProcessPoolExecutor(PROCESSES, initializer=load_everything) as pool:
         jobs = {
             case: [pool.submit(run, *case, seed, bare) for seed in range(1, seeds + 1)]
             for case in product(begins, rates, SWAYS)
