@@ -25,6 +25,7 @@ RIVAL = 0.8  # share of the best score from which a place is looked at closely
 RIVALS = 8  # so many at most
 APART = (1.0, 0.3)  # metres, radians: two places nearer than both are one
 WORK = 1_000_000  # looks at a cell between two looks at the budget
+SORTED = 3000.0  # looks that take as long as finding the part of one tile
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,6 +63,7 @@ class PlaceSearch:
         self._state = np.array([0, 0, max(1, math.ceil(least * self._full)), 0, 0])
         self._found = np.zeros((kernels.MANY, 4), np.int64)
         self._parts = parts(level, region, float(distances.max()))
+        self._due = SORTED * len(level.seen()) if len(self._parts) > 1 else 0.0
         self.finished = False
         self._begin()
 
@@ -84,7 +86,7 @@ class PlaceSearch:
 
     def advance(self, work: float = math.inf) -> float:
         """Go on for the time of so many looks at a cell, a nanosecond or two each. What was done."""
-        done = 0.0
+        done, self._due = self._due, 0.0
         while not self.finished and done < work:
             if self._drawn < self.pictures.blocks.shape[2]:
                 done += self._draw()

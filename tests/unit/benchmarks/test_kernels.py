@@ -12,8 +12,8 @@ from slam_core.slam import HectorSlam
 def test_a_cell_takes_twelve_bytes_at_most() -> None:
     """All arrays of all levels, what pads them included."""
     for levels in (1, 3, 6):
-        pyramid = Pyramid(MapConfig(levels=levels))
-        assert cells(pyramid) == sum((1024 >> i) ** 2 for i in range(levels))
+        pyramid = Pyramid(MapConfig(levels=levels, size=2048))
+        assert cells(pyramid) == sum((2048 >> i) ** 2 for i in range(levels))
         assert 6.0 < memory(pyramid) / cells(pyramid) <= 12.0
 
 
