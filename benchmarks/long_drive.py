@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.streets import BEAMS, RANGE, RATE, Streets, drive, scan, streets
 from benchmarks.tables import table
 from hectorscope.run.map_images import map_images
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from slam_core.config import SlamConfig
 from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.pyramid import megabytes
@@ -150,7 +150,7 @@ def main() -> None:
     parser.add_argument("--kilometres", type=float, default=10.0)
     parser.add_argument("--lost", action="store_true", help="also get lost, and start anywhere in the saved map")
     arguments = parser.parse_args()
-    warm_up()
+    load_everything()
     list(islice(drive(streets([20.0])), 3))
     for legs in ([350.0, 350.0], [LEG_M] * round(1e3 * arguments.kilometres / LEG_M)):
         world = streets(legs)

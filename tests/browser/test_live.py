@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from hectorscope.inputs import Item, SourceReport
-from hectorscope.run.warmup import warm_up
+from hectorscope.run.warmup import load_everything
 from hectorscope.session.commands import Agree, Undo
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import PlaybackStatus, Question, Snapshot, UndoOffer
@@ -50,7 +50,7 @@ class Robot:
 @pytest.fixture(scope="module")
 def drive() -> list[Item]:
     """Ten seconds, few enough scans for the queue of a stream."""
-    warm_up()
+    load_everything()
     return list(Simulation("rooms", SceneOptions(duration=10.0, scan_rate=5.0, beams=181)).items())
 
 
