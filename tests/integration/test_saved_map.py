@@ -120,7 +120,7 @@ def test_another_day_in_the_same_building(write: bool):
 
 def test_a_place_that_is_about_right_is_taken(monkeypatch: pytest.MonkeyPatch):
     """Half a metre and a quarter of a radian off: the whole map is never searched."""
-    monkeypatch.setattr("slam_core.localization.relocalisation.search_of", None)
+    monkeypatch.setattr("slam_core.localization.relocalisation.GlobalSearch", None)
     row = whole().trajectory[-190]
     told = np.array([row[1] + 0.4, row[2] - 0.3, 2.0 * math.atan2(row[7], row[4]) + 0.25])
     pipeline = run(half(True), saved(whole(), start=told))
