@@ -93,8 +93,8 @@ def text(value: object) -> str:
 def figure(name: str, value: str, kind: str = "", *, caption: str | None = None, more: str = "") -> str:
     """A small caption and a value as HTML, with the text of HINTS under the pointer.
 
-    name: in HINTS. kind: styles it, "good", "bad", ... caption: another one than the name. more: what there is to
-    say of this very value, before the hint.
+    name: in HINTS, or explained by `more`. kind: styles it, "good", "bad", ... caption: another one than the name.
+    more: what there is to say of this very value, before the hint.
     """
     style = f"hs-figure hs-{kind}" if kind else "hs-figure"
     shown = name if caption is None else caption
@@ -102,9 +102,9 @@ def figure(name: str, value: str, kind: str = "", *, caption: str | None = None,
 
 
 def tip(name: str, more: str = "") -> str:
-    """The attribute that puts a text of HINTS under the pointer, after what there is to say now."""
-    words = f"{sentence(more)}. {HINTS[name]}" if more else HINTS[name]
-    return f'title="{text(words)}"'
+    """The attribute that puts a text under the pointer: what there is to say now, and what HINTS has of the name."""
+    words = (f"{sentence(more)}." if more else "", HINTS.get(name, ""))
+    return f'title="{text(" ".join(filter(None, words)))}"'
 
 
 def sentence(words: str) -> str:

@@ -29,7 +29,7 @@ def loss(command: Command, pipeline: Pipeline, change: Change, *, stopped: bool)
     match command:
         case Restart():
             return _map_loss("Begin again", pipeline)
-        case Repair():
+        case Repair() if not stopped:
             return _map_loss("To repair the sensors' messages is to begin again", pipeline)
         case Play() if stopped:
             return _map_loss("The run has stopped; to go on is to begin again", pipeline)
