@@ -102,7 +102,7 @@ def figure(name: str, value: str, kind: str = "", *, caption: str | None = None,
 
 
 def tip(name: str, more: str = "") -> str:
-    """The attribute that puts a text under the pointer: what there is to say now, and what HINTS has of the name."""
+    """The attribute that puts a text under the pointer: what there is to say now, and the hint of the name."""
     words = (f"{sentence(more)}." if more else "", HINTS.get(name, ""))
     return f'title="{text(" ".join(filter(None, words)))}"'
 
