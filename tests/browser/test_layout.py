@@ -34,6 +34,14 @@ CUT = """() => [...document.querySelectorAll('.hs-attitude, .hs-pose, .hs-readou
   }).map((e) => e.className + ' ' + e.textContent.slice(0, 30))"""
 
 
+# The scene ends where the panels begin.
+BESIDE = """() => {
+  const [scene, panels] = ['canvas[data-engine]', '[data-dock-region]'].map(
+    (name) => document.querySelector(name).getBoundingClientRect());
+  return scene.right <= panels.left + 1;
+}"""
+
+
 def box_of(found: Locator) -> dict[str, float]:
     """Where an element is in the window."""
     box = found.first.bounding_box()
@@ -147,8 +155,7 @@ def test_a_presentation_has_large_type(show: Show, open_page: Open, size: Viewpo
             arg=[part, before[part]],
         )
     page.wait_for_function(f"({CUT})().length === 0")
-    scene, panels = box_of(page.locator("canvas[data-engine]")), box_of(page.locator("[data-dock-region]"))
-    assert scene["x"] + scene["width"] <= panels["x"] + 1
+    page.wait_for_function(BESIDE)
     run, losses = box_of(page.locator(".hs-run")), box_of(page.locator(".hs-losses"))
     assert run["x"] + run["width"] <= losses["x"] + 1
 
