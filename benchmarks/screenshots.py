@@ -99,7 +99,8 @@ def looks() -> list[Look]:
             made.append(Look(f"{size}-side-{theme}", size, {"theme": theme, "layout": "side"}))
         made.append(Look(f"desk-present-{theme}", "desk", {"theme": theme, "present": True}))
         made.append(Look(f"large-present-{theme}", "large", {"theme": theme, "present": True}))
-        made.append(Look(f"desk-alone-{theme}", "desk", {"theme": theme, "panels": False, "plots": "off"}))
+        alone = {"theme": theme, "panels": False, "plots": "off"}
+        made.append(Look(f"desk-alone-{theme}", "desk", alone, tab=""))
         made.append(Look(f"desk-keys-{theme}", "desk", {"theme": theme}, key="?"))
     return made
 
