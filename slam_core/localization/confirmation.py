@@ -23,7 +23,8 @@ STEADY = 0.15  # metres, radians: where several predictions in a row were so nea
 class Confirmation:
     """What was sure last, and the pose that waits to be confirmed.
 
-    pose: (3,) the last confirmed one. missed: bad matches since then.
+    pose: (3,) the last confirmed one. missed: bad matches since then. is_lost: whether a pose since then was found
+    too far from the prediction to be tracked.
     """
 
     def __init__(self) -> None:
@@ -32,7 +33,7 @@ class Confirmation:
         self._sure_ns: int | None = None
         self._found: Float64s | None = None  # where the waiting pose was found
         self._good = self._steady = 0
-        self._is_far = self._is_best = False
+        self.is_lost = self._is_best = False
 
     @property
     def pending(self) -> bool:
@@ -40,14 +41,9 @@ class Confirmation:
         return self._found is not None
 
     @property
-    def is_lost(self) -> bool:
-        """Whether the pose was, or was found, too far from the prediction to be tracked."""
-        return self._is_far
-
-    @property
     def awaits_search(self) -> bool:
         """Whether a pose waits for a search of the map, which shows whether another place explains the scans."""
-        return self.pending and self._is_far and not self._is_best
+        return self.pending and self.is_lost and not self._is_best
 
     def agrees(self) -> None:
         """A search of the map found the pose that waits."""
@@ -71,8 +67,8 @@ class Confirmation:
             relocalised = verdict.recovery == "relocalised"
             self._found, self._good, self._steady = pose.copy(), 0, 0
             self._is_best = relocalised or not config.relocalise
-            is_lost = self.missed >= config.lost_after and _is_vague(prior)
-            self._is_far |= relocalised or is_lost or off > REACH or turned > TURNED
+            missed_long = self.missed >= config.lost_after and _is_vague(prior)
+            self.is_lost |= relocalised or missed_long or off > REACH or turned > TURNED
         if self._found is None:
             self.pose, self._sure_ns = pose.copy(), time_ns
             return verdict
@@ -80,8 +76,8 @@ class Confirmation:
         if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
             self._good += 1
         if not self._is_confirmed(pose):
-            return verdict._replace(state="lost" if self._is_far else "degraded", confirmed=False)
-        self._found, self._is_far, self.missed = None, False, 0
+            return verdict._replace(state="lost" if self.is_lost else "degraded", confirmed=False)
+        self._found, self.is_lost, self.missed = None, False, 0
         self.pose, self._sure_ns = pose.copy(), time_ns
         return verdict._replace(state="recovered")
 
@@ -93,7 +89,7 @@ class Confirmation:
 
     def _is_confirmed(self, pose: Float64s) -> bool:
         """Far from the prediction several scans, from different places, must fit better there than elsewhere."""
-        if self._is_far:
+        if self.is_lost:
             return self._good >= SEVERAL and self._is_best and self._has_moved(pose)
         return self._good >= FEW or self._steady >= SEVERAL
 

@@ -21,6 +21,7 @@ from slam_core.measurements import (
     Imu,
     LaserScan,
     MagneticField,
+    Measurement,
     Odometry,
     Transform,
 )
@@ -64,21 +65,24 @@ CHANGES = st.sampled_from(NO_RESTART).flatmap(lambda leaf: st.tuples(st.just(lea
 class AnyMeasurements(RuleBasedStateMachine):
     """A robot in a room whose sensors measure anything at any time, and somebody who moves every slider."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self.slam, self.results = HectorSlam(START), list[StepResult]()
+        self.now_ns = 1_000_000_000_000
+
     @initialize(paper=st.booleans(), resting=st.booleans())
     def begin(self, paper: bool, resting: bool) -> None:
         """With the defaults or the method of the paper, with inertial data of a robot at rest or without."""
         base = SlamConfig.paper() if paper else SlamConfig()
         config = with_values(base, {"map.size": 64, "map.limit": LIMIT})
         self.slam = HectorSlam(config)
-        self.now_ns = 1_000_000_000_000
-        self.results: list[StepResult] = []
         for _ in range(40 if resting else 0):
             self.now_ns += 25_000_000
-            self.slam.add(Imu(self.now_ns, np.zeros(3), REST))
+            self.add(Imu(self.now_ns, np.zeros(3), REST))
 
-    def add(self, measurement: object) -> None:
-        """To the pipeline; its results are looked at by the invariants."""
-        self.results = self.slam.add(measurement)  # type: ignore[arg-type]
+    def add(self, measurement: Measurement) -> None:
+        """To the pipeline; the invariants look at the results."""
+        self.results += self.slam.add(measurement)
 
     @rule(step_ns=STEPS_NS, x=st.floats(-1.5, 1.5), psi=st.floats(-4.0, 4.0), mount=MOUNTS)
     def scan_the_room(self, step_ns: int, x: float, psi: float, mount: Transform) -> None:
@@ -150,12 +154,13 @@ class AnyMeasurements(RuleBasedStateMachine):
     @rule()
     def finish(self) -> None:
         """What waits is processed."""
-        self.results = self.slam.finish()
+        self.results += self.slam.finish()
 
     @invariant()
     def results_are_numbers(self) -> None:
         """Poses, states and covariances are finite, the latter positive."""
-        for result in getattr(self, "results", ()):
+        results, self.results = self.results, []
+        for result in results:
             pose = result.T_map_base
             assert np.isfinite([*pose.translation, *pose.rotation, *result.planar]).all()
             assert np.linalg.norm(pose.rotation) == pytest.approx(1.0)
@@ -167,8 +172,6 @@ class AnyMeasurements(RuleBasedStateMachine):
     @invariant()
     def the_map_is_bounded(self) -> None:
         """Its cells are numbers, and take no more memory than they may."""
-        if not hasattr(self, "slam"):
-            return
         levels = self.slam.map.levels
         assert all(np.isfinite(level.log_odds).all() for level in levels)
         assert megabytes(levels[0].log_odds.size, len(levels)) <= LIMIT

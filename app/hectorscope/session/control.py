@@ -75,16 +75,23 @@ class Control:
                 self._set_speed(speed)
             case ChangeSpeed(notches):
                 self._set_speed(changed_speed(self._transport.speed, notches))
-            case Restart() | Repair():
-                (self._session.restart if isinstance(command, Restart) else self._session.repair)()
-            case Seek(time_ns):
-                self._session.seek(time_ns)
             case Configure() | ConfigureAll():
                 self._configure(command)
             case Save():
                 self._save()
+            case Restart() | Repair() | Seek():
+                self._begin_again(command)
             case Undo() | Agree() | Decline():
                 self._answer(command)
+
+    def _begin_again(self, command: Restart | Repair | Seek) -> None:
+        match command:
+            case Restart():
+                self._session.restart()
+            case Repair():
+                self._session.repair()
+            case Seek(time_ns):
+                self._session.seek(time_ns)
 
     def _answer(self, command: Undo | Agree | Decline) -> None:
         match command:
