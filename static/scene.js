@@ -40,7 +40,7 @@
 
   // ------------------------------------------------------------------------------------------------ camera
 
-  // auto: keep the whole map in view until somebody touches the camera. goal: angles on the way to.
+  // auto: keep the whole map in view until somebody touches the camera. goal: the polar angle on the way to, with north up.
   // moved: when anything here moved the camera last; still: frames since then.
   const state = { auto: true, follow: false, top: false, goal: null, distance: null, last: null, pan: null, moved: 0, still: 0 };
 
@@ -104,9 +104,9 @@
   const nearest = (angle, to) => angle + 2 * Math.PI * Math.round((to - angle) / (2 * Math.PI));
 
   function turn(controls, share) {
-    if (!state.goal) return;
-    const azimuth = nearest(state.goal.azimuth, controls.azimuthAngle);
-    const [a, p] = [azimuth - controls.azimuthAngle, state.goal.polar - controls.polarAngle];
+    if (state.goal === null) return;
+    const azimuth = nearest(northUp(), controls.azimuthAngle);
+    const [a, p] = [azimuth - controls.azimuthAngle, state.goal - controls.polarAngle];
     const done = Math.abs(a) + Math.abs(p) < 0.002;
     const k = done ? 1 : share;
     moving();
@@ -167,7 +167,7 @@
     if (!controls || !["free", "follow", "top", "fit"].includes(mode)) return;
     if (mode === "top" || mode === "free") {
       setHands(controls, mode === "top");
-      state.goal = mode === "top" || state.top ? { polar: mode === "top" ? 0 : TILT, azimuth: northUp() } : null;
+      state.goal = mode === "top" ? 0 : state.top ? TILT : null;
       state.top = mode === "top";
     }
     state.auto = mode === "fit" || mode === "top";
@@ -217,7 +217,7 @@
     turn(page.cameraControl, share);
     if (state.auto) keepInView(page.cameraControl, page.camera, share);
     if (state.follow) chase(page.cameraControl, share);
-    if (state.top && !state.goal) page.cameraControl.maxPolarAngle = 0;
+    if (state.top && state.goal === null) page.cameraControl.maxPolarAngle = 0;
   }
 
   // --------------------------------------------------------------------------------------------- kept
@@ -245,7 +245,7 @@
 
   function keep() {
     const controls = viser()?.cameraControl;
-    if (!restored || !controls || state.goal) return;
+    if (!restored || !controls || state.goal !== null) return;
     const now = { auto: state.auto, follow: state.follow, top: state.top, pose: pose(controls) };
     const before = own.get("camera");
     const still = before && ["auto", "follow", "top"].every((key) => before[key] === now[key]);

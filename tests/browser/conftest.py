@@ -18,7 +18,10 @@ FLAGS = (
 )  # fmt: skip
 SIZE: ViewportSize = {"width": 1000, "height": 640}
 KEPT = "localStorage.getItem('hectorscope') ?? localStorage.setItem('hectorscope', %s)"
-READY = "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0'] && !!window.hectorscope"
+# The map is there and was drawn.
+READY = (
+    "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0'] && !!window.hectorscope?.levels().places.length"
+)
 PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
 
 expect.set_options(timeout=PATIENCE)
@@ -43,11 +46,19 @@ def open_page(browser: Browser) -> Iterator[Open]:
     """`open_page(url, ready=READY)`: a new person's page, once `ready` holds in it; no script of it may fail.
 
     size: of the window. own: what this browser has kept (static/browser.js); without plots the scene is larger.
+    before: a script that runs before those of the page.
     """
     contexts, errors = [], []
 
-    def opened(url: str, ready: str = READY, size: ViewportSize = SIZE, own: dict[str, Any] | None = None) -> Page:
+    def opened(
+        url: str,
+        ready: str = READY,
+        size: ViewportSize = SIZE,
+        own: dict[str, Any] | None = None,
+        before: str = "",
+    ) -> Page:
         contexts.append(browser.new_context(viewport=size))
+        contexts[-1].add_init_script(before)
         contexts[-1].add_init_script(KEPT % json.dumps(json.dumps({"plots": "off"} if own is None else own)))
         page = contexts[-1].new_page()
         page.set_default_timeout(PATIENCE)

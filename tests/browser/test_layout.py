@@ -41,6 +41,17 @@ BESIDE = """() => {
   return scene.right <= panels.left + 1;
 }"""
 
+# Once the scene has kept its size for half a second.
+STANDS = """new Promise((stands) => {
+  let [seen, since] = ['', performance.now()];
+  const look = () => {
+    const { width, height } = document.querySelector('canvas[data-engine]').getBoundingClientRect();
+    if (seen !== `${width} ${height}`) [seen, since] = [`${width} ${height}`, performance.now()];
+    if (performance.now() - since > 500) stands(); else requestAnimationFrame(look);
+  };
+  look();
+})"""
+
 
 def box_of(found: Locator) -> dict[str, float]:
     """Where an element is in the window."""
@@ -77,6 +88,7 @@ def test_the_sheet_folds(show: Show, open_page: Open, name: str) -> None:
     """A click on its handle leaves the tabs alone and gives the room to the scene; another brings it back."""
     page = open_page(show.url, size=TABLETS_AND_PHONES[name])
     height = "document.querySelector('canvas[data-engine]').getBoundingClientRect().height"
+    page.evaluate(STANDS)
     before = page.evaluate(height)
     sheet = box_of(page.get_by_role("tab", name="Live"))
     scene = box_of(page.locator("canvas[data-engine]"))
