@@ -20,7 +20,8 @@ SIZE: ViewportSize = {"width": 1000, "height": 640}
 KEPT = "localStorage.getItem('hectorscope') ?? localStorage.setItem('hectorscope', %s)"
 # The map is there and was drawn.
 READY = (
-    "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0'] && !!window.hectorscope?.levels().places.length"
+    "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0']"
+    " && !!window.hectorscope?.levels().places.length"
 )
 PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
 
