@@ -8,11 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rosbags import rosbag2
 from rosbags.interfaces import Connection, MessageDefinitionFormat
 
 from hectorscope.common.paths import absence, exists
 from hectorscope.inputs import SourceError
+from hectorscope.sources._limited_readers import LimitedReader
 from hectorscope.sources._mcap_scan import scan_mcap
 from hectorscope.sources._recording import Channel, Raw, Recording, by_scanning, joined
 from hectorscope.sources._rosbag_index import BagIndex
@@ -176,7 +176,7 @@ class _Readers:
                 self.close()
 
     def _opened(self) -> Any:
-        reader = rosbag2.Reader(self._path)
+        reader = LimitedReader(self._path)
         reader.open()
         for storage in getattr(reader.storage, "storages", [reader.storage]):
             check_overlap(getattr(storage, "chunks", []))

@@ -1,19 +1,13 @@
-"""Unpacks chunks, messages and files up to a limit: a small file may hold zeros without end.
-
-rosbags unpacks the chunks of an MCAP file whatever becomes of them, by a table of functions. Here that table gets
-functions with a limit.
-"""
+"""Unpacks chunks, messages and files up to a limit: a small file may hold zeros without end."""
 
 import bz2
 import tempfile
 from collections.abc import Iterable
-from functools import partial
 from itertools import accumulate
 from pathlib import Path
 
 import lz4.frame
 import zstandard
-from rosbags.rosbag2 import storage_mcap
 from rosbags.rosbag2.storage_mcap import ChunkInfo
 
 from hectorscope.inputs import SourceError
@@ -51,9 +45,6 @@ def _read_zstd(data: bytes | memoryview, most: int) -> bytes:
             return bytes(blocks)
     except zstandard.ZstdError as error:
         raise RuntimeError(f"no zstd data ({error})") from error
-
-
-storage_mcap.DECOMPRESSORS.update({name: partial(unpacked, name) for name in ("lz4", "zstd")})
 
 
 def check_overlap(chunks: Iterable[ChunkInfo]) -> None:

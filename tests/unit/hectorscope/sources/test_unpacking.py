@@ -86,16 +86,6 @@ def test_a_chunk_of_an_mcap_file_unpacks_to_its_limit_only(tmp_path: Path, sizes
     assert "run.mcap is cut off or damaged" in source.report.notes[0]
 
 
-@pytest.mark.parametrize("compression", ["zstd", "lz4"])
-def test_the_library_unpacks_to_the_limit_only(compression: str) -> None:
-    """The size in the index bounds it too: what is longer is cut, what claims too much is not unpacked at all."""
-    unpack = _unpacking.storage_mcap.DECOMPRESSORS[compression]
-    packed = (zstandard.compress if compression == "zstd" else lz4.frame.compress)(ZEROS)
-    assert len(unpack(packed, len(ZEROS))) == len(ZEROS)
-    assert len(unpack(packed, 1000)) == 1000
-    assert unpack(packed, _unpacking.LARGEST_CHUNK + 1) == b""
-
-
 def test_chunks_of_one_time_are_not_all_unpacked_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each within its limit, but all of the same times: the file is read from front to back instead."""
     path = mcap(tmp_path / "run.mcap", CompressionType.ZSTD)
