@@ -47,6 +47,10 @@ ADDITIONS = (
         {"map.keyframe_max_delay": 0.0},
     ),
     Addition(
+        "Writes an object that appears in free space once it has stayed there: people who pass are no landmarks.",
+        {"map.appearance_delay": 0.0},
+    ),
+    Addition(
         "Clears occupied cells that beams pass, at rest too (dynamic-object removal).",
         {"map.clear_interval": 0.0},
     ),

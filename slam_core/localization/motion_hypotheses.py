@@ -24,6 +24,7 @@ TURN, WAY = 0.2, 0.2  # radians, metres between hypotheses: the matcher converge
 MOST_TURNS, MOST_WAYS = 7, 2  # to each side
 SIGMAS = 3.0  # of the prediction that hypotheses cover
 BETTER = 0.9  # of the cost of the match so far
+KNOWN = 0.8  # of the endpoints on known cells so far: an unknown cell costs less than free space
 FAR = 0.001  # added to the mean cost of a beam for a match one sigma from the prediction
 
 
@@ -47,7 +48,7 @@ def best_match(
         found = coarse_to_fine(pyramid, placed.points, seen.planar.mean, config.matcher, prior=prior)
         candidate = refine(scan, placed, found, prior, pyramid, motion, config)
         judged = _judged(candidate[1], prior)
-        if judged < lowest:
+        if judged < lowest and candidate[1].fit.known >= KNOWN * match.fit.known:
             best, lowest = candidate, judged
     return best
 

@@ -9,6 +9,7 @@ from slam_core.config import MapConfig
 from slam_core.mapping.drift import MapDrift
 from slam_core.mapping.dynamic_objects import DynamicObjectRemoval
 from slam_core.mapping.keyframes import KeyframePolicy
+from slam_core.mapping.newcomers import Newcomers
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s
 from slam_core.results import NOWHERE, MatchResult, PlanarGaussian, Verdict
@@ -29,6 +30,7 @@ class Mapper:
         self._pyramid = pyramid
         self._writes = writes
         self._keyframes = KeyframePolicy()
+        self._newcomers = Newcomers()
         self._dynamic_objects = DynamicObjectRemoval()
         self._drift = MapDrift()
 
@@ -56,7 +58,9 @@ class Mapper:
         residuals = match.residuals if match and unaided else None
         written = self._keyframes.selects(pose, time_ns, residuals, config)
         if written:
-            self._pyramid.update(scan.points, scan.cleared, scan.laser, pose, config)
+            late = self._newcomers.too_new(scan.points, pose, unexpected, time_ns, config.appearance_delay)
+            points, cleared = scan.points[~late], np.concatenate([scan.cleared, scan.points[late]])
+            self._pyramid.update(points, cleared, scan.laser, pose, config)
         if match:
             self._dynamic_objects.clear(self._pyramid, scan, pose, time_ns, config)
         return MapUpdate(unexpected, written)

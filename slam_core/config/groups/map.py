@@ -128,6 +128,16 @@ class MapConfig:
             10.0,
         ),
     ] = 0.5
+    appearance_delay: Annotated[
+        float,
+        Param(
+            "An object that appears in free space is written once it has stayed there for this time, so that"
+            " people who pass are not (0: off, the paper).",
+            "s",
+            0.0,
+            9.0,
+        ),
+    ] = 3.0
     clear_interval: Annotated[
         float,
         Param(
