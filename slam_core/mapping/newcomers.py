@@ -1,7 +1,7 @@
 """Objects that appear in free space: they are written into the map once they have stayed where they are.
 
-Somebody who walks beside the robot is hit by many beams. Written at once, the person would be a landmark that moves,
-and the match of a slow scanner would follow it.
+Somebody who walks beside the robot is hit by many beams. Written at once, the person would be a landmark that
+moves, and the match of a slow scanner would follow it.
 """
 
 import numpy as np
