@@ -150,7 +150,8 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
 
     chosen, token = settings.settings(), page.secret()
     with reserved(page.out) if page.out is not None else nullcontext():
-        engine = Engine(source, chosen, saved.prior_map(chosen), prepare=_get_ready, out=page.out)
+        most, prior = max(0, page.checkpoints), saved.prior_map(chosen)
+        engine = Engine(source, chosen, prior, prepare=_get_ready, out=page.out, checkpoints=most)
         try:
             serve(engine, engine.start, host=page.host, port=page.port, token=token)
         except KeyboardInterrupt:  # once more, while the page was being closed
