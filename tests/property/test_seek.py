@@ -8,7 +8,7 @@ import pytest
 from hectorscope.inputs import Item
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
-from hectorscope.session.commands import Configure, Play, Seek
+from hectorscope.session.commands import Configure, Play, Seek, StepBack, StepScan
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.measurements import LaserScan
@@ -67,6 +67,21 @@ def test_random_seeks_with_changed_settings_give_the_bytes_of_a_straight_run(dri
         after(engine, Seek(begin + 2 * 10**9))
         engine.send(Play())
         check(until(engine, state("ended")), drive, settings)
+
+
+def test_steps_back_show_each_scan_as_it_was(drive: list[Item]):
+    """From the end and from a pause, one scan each; before the first scan there is none."""
+    with running(MemoryRecording(drive), speed=math.inf) as engine:
+        ended = until(engine, state("ended"))
+        for back in range(1, 6):
+            shown = after(engine, StepBack())
+            assert (shown.scans, shown.playback.state) == (ended.scans - back, "paused")
+            check(shown, drive, START)
+        after(engine, Seek(drive[0].stamp_ns))
+        first = after(engine, StepScan())
+        while first.scans < 1:
+            first = after(engine, StepScan())
+        assert after(engine, StepBack()).scans == 1
 
 
 def test_a_seek_reads_and_steps_from_the_nearest_checkpoint_only(drive: list[Item]):

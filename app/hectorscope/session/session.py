@@ -129,6 +129,13 @@ class Session:
                 self.transport.pause()
         self.transport.seek(time_ns)
 
+    def step_back(self) -> None:
+        """Go to the scan before the last one, if there is one."""
+        pipeline = self.run.pipeline
+        seconds = pipeline.trajectory[-2:, 0]
+        if len(seconds) == 2:  # between both, so that rounding does not matter
+            self.seek((pipeline.start_ns or 0) + round(1e9 * float(seconds.mean())))
+
     def _go_to(self, checkpoint: Checkpoint | None) -> None:
         """The same run at a checkpoint, or at its beginning."""
         if checkpoint is None:
