@@ -8,7 +8,7 @@ import pytest
 from hectorscope.inputs import Item
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
-from hectorscope.session.commands import Configure, Play, Seek, StepBack, StepScan
+from hectorscope.session.commands import Configure, Play, Restart, Seek, StepBack, StepScan, Undo
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.measurements import LaserScan
@@ -67,6 +67,16 @@ def test_random_seeks_with_changed_settings_give_the_bytes_of_a_straight_run(dri
         after(engine, Seek(begin + 2 * 10**9))
         engine.send(Play())
         check(until(engine, state("ended")), drive, settings)
+
+
+def test_a_run_that_is_brought_back_can_be_sought_in(drive: list[Item]):
+    """Its checkpoints were given up for the run that took its place: it is the same without them."""
+    with running(MemoryRecording(drive), speed=math.inf) as engine:
+        until(engine, state("ended"))
+        after(engine, Restart(), Undo())
+        for share in (0.5, 0.9, 0.2):
+            shown = after(engine, Seek(drive[0].stamp_ns + round(share * 15e9)))
+            check(shown, drive, START)
 
 
 def test_steps_back_show_each_scan_as_it_was(drive: list[Item]):

@@ -81,6 +81,7 @@ class Session:
         """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
         run = self._new_run(settings, self.run.pipeline.time_ns or None)  # may want more memory than there is
         if what and self.run.pipeline.scans:
+            self.run.checkpoints.forget_from(0)  # the budget is that of the shown run
             self.undone.push(what, KeptRun(self.run, self.intake.put_aside(), self.transport.stand))
         self.run = run
         self.intake.begin()
