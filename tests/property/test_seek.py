@@ -6,6 +6,7 @@ import random
 import pytest
 
 from hectorscope.inputs import Item
+from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Configure, Play, Restart, Seek, StepBack, StepScan, Undo
@@ -38,12 +39,16 @@ def straight(drive: list[Item], settings: Settings, scans: int) -> Pipeline:
 
 
 def check(shown: Snapshot, drive: list[Item], settings: Settings) -> None:
-    """Poses, figures and the cells of every level."""
+    """Poses, rows, and the picture of every level."""
     expected = straight(drive, settings, shown.scans)
     assert shown.playback.time_ns == expected.time_ns
     assert shown.trajectory.tobytes() == expected.trajectory.tobytes()
     assert shown.navigation.tobytes() == expected.navigation[: len(shown.navigation)].tobytes()
     assert shown.map_updates == expected.slam.map.updates
+    pictures = zip(shown.maps, map_images(expected.slam.map, 0), strict=True)
+    for here, there in pictures:
+        assert here.cells.tobytes() == there.cells.tobytes()
+        assert here.surfels.tobytes() == there.surfels.tobytes()
     assert expected.result is not None and shown.result is not None
     assert shown.result.T_map_base.translation.tobytes() == expected.result.T_map_base.translation.tobytes()
 
