@@ -30,10 +30,23 @@ class MemoryRecording:
         """Items read in this pass."""
         return SourceReport(dict(self._read), notes=("all from memory",))
 
+    def place(self) -> object:
+        """How many items were handed out, and the counters."""
+        return self._read.copy()
+
+    def items_from(self, place: object) -> Iterator[Item]:
+        """Everything behind a place."""
+        assert isinstance(place, Counter)
+        self._read = place.copy()
+        return self._after(place.total())
+
     def items(self) -> Iterator[Item]:
         """Everything, from the beginning."""
         self._read.clear()
-        for number, item in enumerate(self._items):
+        return self._after(0)
+
+    def _after(self, skip: int) -> Iterator[Item]:
+        for number, item in enumerate(self._items[skip:], skip):
             if self._error is not None and number == self._fail_at:
                 error, self._error = self._error, None
                 raise error

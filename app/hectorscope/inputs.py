@@ -132,6 +132,17 @@ class Source(Protocol):
 
 
 @runtime_checkable
+class Seekable(Source, Protocol):
+    """A recording whose items can go on at any one of them."""
+
+    def place(self) -> object:
+        """Where `items` or `items_from` is, by the thread that reads; never changed later. None: not known."""
+
+    def items_from(self, place: object) -> Iterator[Item]:
+        """The items behind that place, with the counters as they were there."""
+
+
+@runtime_checkable
 class Repairable(Source, Protocol):
     """An input whose sensors are checked, and that can be opened again with what was found put right.
 

@@ -121,12 +121,14 @@ def test_the_results_are_saved(run: Run, open_page: Open, tmp_path: Path) -> Non
 
 
 def test_hotkeys(run: Run, open_page: Open) -> None:
-    """Space, full stop, brackets and R, also while a button has the focus that the pointer gave it."""
+    """Space, full stop, comma, brackets and R, also while a button has the focus that the pointer gave it."""
     page, stopped = open_page(run.url), run.now
     button(page, "Step one scan").click()
     assert run.until(lambda s: s.scans > stopped.scans).scans == stopped.scans + 1
     page.keyboard.press(".")
     run.until(lambda s: s.scans == stopped.scans + 2 and s.playback.state == "paused")
+    page.keyboard.press(",")
+    run.until(lambda s: s.scans == stopped.scans + 1 and s.playback.state == "paused")
     page.keyboard.press("]")
     run.until(lambda s: s.playback.speed == 2.0)
     page.keyboard.press("[")

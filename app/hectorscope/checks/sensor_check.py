@@ -6,7 +6,16 @@ from typing import Any
 
 from hectorscope.checks.findings import findings, remedy, repairing_options
 from hectorscope.checks.sensor_statistics import LONGEST_S, SensorStatistics
-from hectorscope.inputs import SENSOR_OPTIONS, Finding, Item, Source, SourceError, SourceOptions, SourceReport
+from hectorscope.inputs import (
+    SENSOR_OPTIONS,
+    Finding,
+    Item,
+    Seekable,
+    Source,
+    SourceError,
+    SourceOptions,
+    SourceReport,
+)
 
 REST_S = 1.5  # of a stream: then gravity is looked at, which needs no turn
 STEP_S = 4.0  # after each of these it is asked whether enough was seen
@@ -118,6 +127,15 @@ class CheckedSource:
             return self._watched()
         self.check()
         return self._source.items()
+
+    def place(self) -> object:
+        """Of the source; None if it has none."""
+        return self._source.place() if isinstance(self._source, Seekable) else None
+
+    def items_from(self, place: object) -> Iterator[Item]:
+        """Of the source, which gave the place."""
+        assert isinstance(self._source, Seekable)
+        return self._source.items_from(place)
 
     def check(self) -> None:
         """Look at the beginning of a recording, once; DeviceError if it does not bear out its messages."""

@@ -148,9 +148,10 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
     from hectorscope.session.engine import Engine  # noqa: PLC0415
     from hectorscope.web.server import serve  # noqa: PLC0415
 
-    chosen, token = settings.settings(), page.secret()
+    chosen, token, budget = settings.settings(), page.secret(), page.budget()
     with reserved(page.out) if page.out is not None else nullcontext():
-        engine = Engine(source, chosen, saved.prior_map(chosen), prepare=_get_ready, out=page.out)
+        prior = saved.prior_map(chosen)
+        engine = Engine(source, chosen, prior, prepare=_get_ready, out=page.out, checkpoints=budget)
         try:
             serve(engine, engine.start, host=page.host, port=page.port, token=token)
         except KeyboardInterrupt:  # once more, while the page was being closed

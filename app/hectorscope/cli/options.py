@@ -182,6 +182,15 @@ class PageFlags:
         Path | None,
         _optional("Folder for the results of `run`: saved by a button of the page, and at the end."),
     ] = None
+    checkpoints: Annotated[
+        int, tyro.conf.arg(help="Most memory for checkpoints of a recording, in MiB; 0 makes seeks slow.")
+    ] = 512
+
+    def budget(self) -> int:
+        """MiB of checkpoints; SlamError for less than none."""
+        if self.checkpoints < 0:
+            raise SlamError(f"--checkpoints {self.checkpoints} is less than nothing: give 0 for none, or more")
+        return self.checkpoints
 
     def secret(self) -> str | None:
         """The token of the flag, the file or the environment, in this order; TokenError if it is of no use."""

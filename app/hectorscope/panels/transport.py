@@ -15,7 +15,17 @@ from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._format import clock, tip
 from hectorscope.panels._handles import put, put_value, show
-from hectorscope.session.commands import ChangeSpeed, PlayPause, Restart, Save, Seek, SetSpeed, StepScan, Undo
+from hectorscope.session.commands import (
+    ChangeSpeed,
+    PlayPause,
+    Restart,
+    Save,
+    Seek,
+    SetSpeed,
+    StepBack,
+    StepScan,
+    Undo,
+)
 from hectorscope.session.playback import ON_OFFER, nearest_speed
 from hectorscope.session.snapshot import PlaybackStatus, Snapshot, UndoOffer
 
@@ -100,6 +110,7 @@ class TransportPanel:
         send = self._scene.send
         self._hotkey("Play or pause", "space", Icon.PLAYER_PLAY, lambda: send(PlayPause()))
         self._hotkey("Step one scan", ".", Icon.PLAYER_TRACK_NEXT, lambda: send(StepScan()))
+        self._hotkey("Back one scan", ",", Icon.PLAYER_TRACK_PREV, lambda: send(StepBack()))
         self._hotkey("Restart", "R", Icon.PLAYER_SKIP_BACK, lambda: send(Restart()))
         self._hotkey("Undo", "U", Icon.ARROW_BACK_UP, lambda: send(Undo()))
         self._hotkey("Slower", "[", Icon.MINUS, lambda: send(ChangeSpeed(-1)))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hectorscope.inputs import Item
+from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.session.rework import Rework
@@ -22,10 +23,17 @@ class ActiveRun:
     """
 
     def __init__(
-        self, settings: Settings, start_ns: int | None, prior_map: PriorMap | None, *, live: bool
+        self,
+        settings: Settings,
+        start_ns: int | None,
+        prior_map: PriorMap | None,
+        *,
+        live: bool,
+        checkpoints: Checkpoints | None = None,
     ) -> None:
         self.pipeline = Pipeline(settings, start_ns, prior_map, live=live)
         self.settings = settings
+        self.checkpoints = Checkpoints() if checkpoints is None else checkpoints
         self.sought = False
         self.folder: Path | None = None
         self._ready: deque[Measurement] = deque()
@@ -77,7 +85,14 @@ class ActiveRun:
     def configure(self, settings: Settings, now_ns: int) -> None:
         """Other settings, changed at that time."""
         self.settings = self.pipeline.settings = settings
+        self.checkpoints.forget_from(now_ns)
         self._outdated = now_ns <= self.pipeline.time_ns
+
+    def go_to(self, checkpoint: Checkpoint) -> None:
+        """Go on from an instant that was passed."""
+        self.pipeline = checkpoint.pipeline(self.settings)
+        self._ready.clear()
+        self._rework, self._outdated = None, False
 
     def process_again(self) -> bool:
         """Process the scan at which the run rested, if settings changed meanwhile; whether it was so."""

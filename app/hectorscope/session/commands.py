@@ -25,6 +25,11 @@ class StepScan:
 
 
 @dataclass(frozen=True, slots=True)
+class StepBack:
+    """Pause at the scan before the shown one, with everything as it was then."""
+
+
+@dataclass(frozen=True, slots=True)
 class SetSpeed:
     """Playback speed, times real time; inf for as fast as it goes."""
 
@@ -115,6 +120,7 @@ Command = (
     | Pause
     | PlayPause
     | StepScan
+    | StepBack
     | SetSpeed
     | ChangeSpeed
     | Restart

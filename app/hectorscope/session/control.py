@@ -15,6 +15,7 @@ from hectorscope.session.commands import (
     Save,
     Seek,
     SetSpeed,
+    StepBack,
     StepScan,
     Undo,
 )
@@ -67,10 +68,13 @@ class Control:
                 self._transport.play()
             case Pause():
                 self._pause()
-            case StepScan() | SetSpeed() | ChangeSpeed() if self._live:
+            case StepScan() | StepBack() | SetSpeed() | ChangeSpeed() if self._live:
                 self._refuse("A live stream has its own pace: there are no steps and no other speed")
             case StepScan():
                 self._transport.step()
+            case StepBack():
+                self._transport.pause()
+                self._session.step_back()
             case SetSpeed(speed):
                 self._set_speed(speed)
             case ChangeSpeed(notches):

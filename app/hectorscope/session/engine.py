@@ -8,6 +8,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from hectorscope.inputs import Repairable, Source
+from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
 from hectorscope.run.pipeline import nothing_used
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
@@ -32,7 +33,8 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
 
-    prior_map: the map that every run begins with. out: the folder for Save. prepare: called on the engine's thread
+    prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
+    prepare: called on the engine's thread
     before anything is read, with what shows on the page what the run waits for, then or later, from any thread.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
@@ -51,6 +53,7 @@ class Engine:
         autoplay: bool = True,
         speed: float = 1.0,
         out: Path | None = None,
+        checkpoints: int = BUDGET_MB,
         prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
         self._source = source
@@ -61,7 +64,8 @@ class Engine:
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
         self._publisher = Publisher(source)
         self._transport = Transport(source.live, autoplay, speed)
-        self._session = Session(source, settings or Settings(), prior_map, self._transport, self._publisher)
+        start, budget = settings or Settings(), checkpoints * MEBIBYTE
+        self._session = Session(source, start, prior_map, self._transport, self._publisher, budget)
         self._saver = Saver(out, self._commands.put)
         self._control = Control(self._session, self._saver, live=source.live)
         self._is_ready = False
@@ -180,6 +184,7 @@ class Engine:
             self._session.run.step()
 
     def _fetch(self) -> None:
+        self._session.keep()
         run, intake = self._session.run, self._session.intake
         item = intake.get(FETCH_S)
         if item is not None:
@@ -200,8 +205,7 @@ class Engine:
         self._transport.passed(stamp_ns)
 
     def _step(self, stamp_ns: int) -> None:
-        run = self._session.run
-        before = run.pipeline.result
+        run, before = self._session.run, self._session.run.pipeline.result
         result = run.step_scan(rests=self._transport.may_rest_after(stamp_ns))
         if result is None and run.pipeline.searching and not run.sought:
             run.sought = True
@@ -212,8 +216,7 @@ class Engine:
     def _end(self) -> None:
         session = self._session
         session.intake.check()
-        pipeline = session.run.pipeline
-        if not pipeline.scans:
+        if not (pipeline := session.run.pipeline).scans:
             raise nothing_used(self._source.name, session.report.skipped, pipeline.slam)
         self._transport.end()
         self._publisher.touch()

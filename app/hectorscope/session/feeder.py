@@ -1,18 +1,24 @@
 """The thread that reads a source, so that slow reading and slow matching do not wait for each other."""
 
 import threading
+from collections.abc import Iterator
 from itertools import islice
 
-from hectorscope.inputs import Item, Source, SourceError
+from hectorscope.inputs import Item, Seekable, Source, SourceError
+from hectorscope.run.checkpoints import Place
 from hectorscope.session.stream_queue import StreamQueue
 from slam_core.errors import SlamError
+from slam_core.measurements import LaserScan
+
+APART = 50  # scans from one place to the next: some 50 ms of work
 
 
 class Feeder:
-    """One pass over a source's items, from after the first `skip` ones, through a bounded queue."""
+    """One pass over a source's items, from after the first `skip` ones or a place, through a bounded queue."""
 
-    def __init__(self, source: Source, skip: int = 0) -> None:
-        self._source, self._skip = source, skip
+    def __init__(self, source: Source, start: int | Place = 0) -> None:
+        self._source, self._start = source, start
+        self._places: dict[int, Place] = {}
         self._queue = StreamQueue(live=source.live)
         self._error: Exception | None = None
         self._thread = threading.Thread(target=self._read, name=f"source {source.name}", daemon=True)
@@ -20,12 +26,33 @@ class Feeder:
 
     def _read(self) -> None:
         try:
-            for item in islice(self._source.items(), self._skip, None):
+            for item in self._items():
                 if not self._queue.put(item):
                     break
         except Exception as error:  # whatever it is, the engine reports it and lives on
             self._error = error
         self._queue.finish()
+
+    def _items(self) -> Iterator[Item]:
+        """The items; places are noted before the engine can get what leads to them."""
+        source, start, scans = self._source, self._start, 0
+        if isinstance(start, Place):
+            assert isinstance(source, Seekable)
+            taken, items = start.taken, source.items_from(start.state)
+        else:
+            taken, items = start, islice(source.items(), start, None)
+        for item in items:
+            taken += 1
+            scans += isinstance(item, LaserScan)
+            if scans == APART and not source.live and isinstance(source, Seekable):
+                scans, state = 0, source.place()
+                if state is not None:
+                    self._places[taken] = Place(taken, state)
+            yield item
+
+    def place(self, taken: int) -> Place | None:
+        """The place behind so many items, if it was noted; once."""
+        return self._places.pop(taken, None)
 
     @property
     def reading(self) -> bool:

@@ -4,6 +4,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from hectorscope.inputs import Item, Source
+from hectorscope.run.checkpoints import Place
 from hectorscope.session.feeder import Feeder
 from slam_core.measurements import LaserScan
 
@@ -23,6 +24,7 @@ class Intake:
         self._source = source
         self._feeder: Feeder | None = None
         self._taken = 0
+        self._place: Place | None = None
         self._backlog: deque[Item] = deque()
         self._aside: list[Aside] = []
 
@@ -49,14 +51,26 @@ class Intake:
     def get(self, timeout: float) -> Item | None:
         """The next item, or None after `timeout` seconds."""
         if self._feeder is None:
-            self._feeder = Feeder(self._source, self._taken)
+            self._feeder = Feeder(self._source, self._place or self._taken)
         if self._backlog:
             while (fresh := self._fresh(0.0)) is not None:  # or the queue would give up scans meanwhile
                 self._backlog.append(fresh)
             return self._backlog.popleft()
         item = self._fresh(timeout)
-        self._taken += item is not None and not self._source.live
+        if item is not None and not self._source.live:
+            self._taken += 1
+            self._place = self._feeder.place(self._taken)
         return item
+
+    @property
+    def place(self) -> Place | None:
+        """Where the next item comes from, if that was noted."""
+        return self._place
+
+    def go_to(self, place: Place) -> None:
+        """Go on at a place of the recording."""
+        self.begin()
+        self._taken, self._place = place.taken, place
 
     def _fresh(self, timeout: float) -> Item | None:
         assert self._feeder is not None
@@ -68,7 +82,7 @@ class Intake:
 
     def begin(self) -> None:
         """For a new run: a recording from its beginning, a stream from now on."""
-        self._taken = 0
+        self._taken, self._place = 0, None
         self._backlog = deque()
         if self._feeder is not None and (not self._source.live or self._feeder.done):
             self.close()

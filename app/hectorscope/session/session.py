@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from hectorscope.inputs import Repairable, Source, SourceReport, merged
+from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
@@ -25,18 +26,22 @@ class Session:
         prior_map: PriorMap | None,
         transport: Transport,
         publisher: Publisher,
+        budget: int,
     ) -> None:
+        """budget: bytes of checkpoints."""
         self.transport = transport
         self.intake = Intake(source)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
         self._source, self._prior_map, self._publisher = source, prior_map, publisher
+        self._budget = budget
         self.run = self._new_run(settings, None)
 
     def _new_run(self, settings: Settings, now_ns: int | None) -> ActiveRun:
         span = self._source.span_ns
         start_ns = span[0] if span else now_ns
-        return ActiveRun(settings, start_ns, self._prior_map, live=self._source.live)
+        kept = Checkpoints(self._budget)
+        return ActiveRun(settings, start_ns, self._prior_map, live=self._source.live, checkpoints=kept)
 
     @property
     def now_ns(self) -> int:
@@ -76,6 +81,7 @@ class Session:
         """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
         run = self._new_run(settings, self.run.pipeline.time_ns or None)  # may want more memory than there is
         if what and self.run.pipeline.scans:
+            self.run.checkpoints.forget_from(0)  # the budget is that of the shown run
             self.undone.push(what, KeptRun(self.run, self.intake.put_aside(), self.transport.stand))
         self.run = run
         self.intake.begin()
@@ -108,18 +114,45 @@ class Session:
         self._publisher.touch()
 
     def seek(self, time_ns: int) -> None:
-        """Go to a time of a recording; back means to begin again."""
+        """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run."""
         span = self._source.span_ns
         if span is None:
             self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
             return
         time_ns = min(max(time_ns, span[0]), span[1])
-        if self.transport.failure or time_ns < self.run.pipeline.time_ns:
+        checkpoint = self.run.checkpoints.before(time_ns)
+        now_ns = self.run.pipeline.time_ns
+        back = bool(self.transport.failure) or time_ns < now_ns
+        if back or (checkpoint and checkpoint.time_ns > now_ns):
             rests = self.transport.stopped
-            self.begin(self.run.settings)
+            self._go_to(checkpoint)
             if rests:  # a jump from the end is to look there, not to go on to the end again
                 self.transport.pause()
         self.transport.seek(time_ns)
+
+    def step_back(self) -> None:
+        """Go to the scan before the last one, if there is one."""
+        pipeline = self.run.pipeline
+        seconds = pipeline.trajectory[-2:, 0]
+        if len(seconds) == 2:  # between both, so that rounding does not matter
+            self.seek((pipeline.start_ns or 0) + round(1e9 * float(seconds.mean())))
+
+    def _go_to(self, checkpoint: Checkpoint | None) -> None:
+        """The same run at a checkpoint, or at its beginning."""
+        if checkpoint is None:
+            checkpoints = self.run.checkpoints
+            self.begin(self.run.settings)
+            self.run.checkpoints = checkpoints
+            return
+        self.run.go_to(checkpoint)
+        self.intake.go_to(checkpoint.place)
+        self.transport.begin()
+        self._show_anew()
+
+    def keep(self) -> None:
+        """Keep a checkpoint if the run is at a place where the recording can be gone on from."""
+        if place := self.intake.place:
+            self.run.checkpoints.add(self.run.pipeline, place)
 
     # ----------------------------------------------------------------------------------------------- settings
 

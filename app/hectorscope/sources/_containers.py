@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from hectorscope.common.paths import absence, exists
 from hectorscope.inputs import SourceError
 from hectorscope.sources._limited_readers import LimitedReader
 from hectorscope.sources._mcap_scan import scan_mcap
-from hectorscope.sources._recording import Channel, Raw, Recording, by_scanning, joined
+from hectorscope.sources._recording import NOTHING, Channel, Passed, Raw, Recording, by_scanning, joined
 from hectorscope.sources._rosbag_index import BagIndex
 from hectorscope.sources._rosbag_scan import scan_rosbag
 from hectorscope.sources._unpacking import check_overlap, temporary_folder, unpack_file, unpacked
@@ -148,9 +149,9 @@ def _rosbag2(path: Path, container: str) -> Recording:
         ):
             raise ValueError("its first or last time is none")
 
-    def read(channels: Collection[Channel]) -> Iterator[Raw]:
+    def read(channels: Collection[Channel], passed: Passed = NOTHING) -> Iterator[Raw]:
         with readers.one() as reader:
-            yield from _messages(reader, channels, packed=readers.packed)
+            yield from _messages(reader, channels, passed, packed=readers.packed)
 
     return Recording(path, container, messages, span_ns, read, close=readers.close)
 
@@ -192,12 +193,13 @@ class _Readers:
             self._idle.pop().close()
 
 
-def _messages(reader: Any, channels: Collection[Channel], *, packed: bool) -> Iterator[Raw]:
-    """Those of some channels. packed: each message by itself."""
+def _messages(reader: Any, channels: Collection[Channel], passed: Passed, *, packed: bool) -> Iterator[Raw]:
+    """Those of some channels, behind those passed. packed: each message by itself."""
     known = {connection.id: _channel(connection) for connection in reader.connections}
     wanted = [connection for connection in reader.connections if known[connection.id] in channels]
     if wanted:
-        for connection, log_ns, data in reader.messages(wanted):
+        start = passed.time_ns if passed.same else None  # they come by time, and those of one time as ever
+        for connection, log_ns, data in islice(reader.messages(wanted, start), passed.same, None):
             yield Raw(known[connection.id], log_ns, _message(data) if packed else data)
 
 

@@ -3,9 +3,10 @@
 import heapq
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from hectorscope.ros.decode import DefinitionFormat, Generation
 
@@ -29,12 +30,34 @@ class Raw:
     data: bytes
 
 
-Read = Callable[[Collection[Channel]], Iterator[Raw]]
+@dataclass(slots=True)
+class Passed:
+    """What was read so far: the messages of each channel, the last one's time, and how many of that time."""
+
+    read: Counter[Channel] = field(default_factory=Counter)
+    time_ns: int = 0
+    same: int = 0
+
+    def note(self, raw: Raw) -> None:
+        """One more."""
+        self.read[raw.channel] += 1
+        self.same = self.same + 1 if raw.log_ns == self.time_ns else 1
+        self.time_ns = raw.log_ns
+
+
+NOTHING = Passed()
+
+
+class Read(Protocol):
+    """Gives the messages of some channels by time."""
+
+    def __call__(self, channels: Collection[Channel], passed: Passed = NOTHING) -> Iterator[Raw]:
+        """Those behind what was read of the same channels; every call starts anew."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """An open container. `read` gives the messages of some channels by time; every call starts anew.
+    """An open container.
 
     container: what it is, for people. span_ns: times of the first and the last message.
     damage: why it is known not to be whole; empty if it is. close: let go of the files.
@@ -65,9 +88,10 @@ def by_scanning(path: Path, container: str, scan: Callable[[], Iterator[Raw]], d
         first_ns, last_ns = min(first_ns, raw.log_ns), max(last_ns, raw.log_ns)
         late_ns = max(late_ns, last_ns - raw.log_ns)
 
-    def read(channels: Collection[Channel]) -> Iterator[Raw]:
+    def read(channels: Collection[Channel], passed: Passed = NOTHING) -> Iterator[Raw]:
         wanted = frozenset(channels)
-        yield from in_order((raw for raw in scan() if raw.channel in wanted), late_ns)
+        raws = in_order((raw for raw in scan() if raw.channel in wanted), late_ns)
+        yield from islice(raws, passed.read.total(), None)
 
     return Recording(path, container, messages, (first_ns, last_ns), read, damage)
 
@@ -102,8 +126,9 @@ def joined(path: Path, parts: Iterable[Recording], damage: str) -> Recording:
     for piece in pieces:
         messages.update(piece.messages)
 
-    def read(channels: Collection[Channel]) -> Iterator[Raw]:
-        return heapq.merge(*(piece.read(channels) for piece in pieces), key=_log_time)
+    def read(channels: Collection[Channel], passed: Passed = NOTHING) -> Iterator[Raw]:
+        raws = heapq.merge(*(piece.read(channels) for piece in pieces), key=_log_time)
+        return islice(raws, passed.read.total(), None)
 
     full = [piece.span_ns for piece in pieces if piece.messages]
     span_ns = (min((s[0] for s in full), default=0), max((s[1] for s in full), default=0))

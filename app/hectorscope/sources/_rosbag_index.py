@@ -10,7 +10,7 @@ from typing import BinaryIO, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hectorscope.sources._recording import Channel, Raw
+from hectorscope.sources._recording import NOTHING, Channel, Passed, Raw
 from hectorscope.sources._rosbag_scan import (
     CHUNK,
     CONNECTION,
@@ -112,22 +112,22 @@ class BagIndex:
         places["chunk"], places["offset"] = chunk, entries["offset"]
         return places
 
-    def messages(self, channels: Collection[Channel]) -> Iterator[Raw]:
-        """The messages of some channels, by time; ValueError where there is no message."""
+    def messages(self, channels: Collection[Channel], passed: Passed = NOTHING) -> Iterator[Raw]:
+        """The messages of some channels, by time, behind those passed; ValueError where there is no message."""
         with self._path.open("rb") as file:
             content, chunk = b"", -1
-            for channel, time_ns, number, offset in self._in_order(channels):
+            for channel, time_ns, number, offset in self._in_order(channels, passed.read.total()):
                 if number != chunk:
                     content, chunk = _unpacked(file, self._chunks[number]), number
                 yield Raw(channel, time_ns, _content(content, offset))
 
-    def _in_order(self, channels: Collection[Channel]) -> Iterator[tuple[Channel, int, int, int]]:
+    def _in_order(self, channels: Collection[Channel], skip: int) -> Iterator[tuple[Channel, int, int, int]]:
         """Channel, time, chunk and offset of messages by time; at one time those of the first connection first."""
         wanted = [connection for connection in self.connections if connection[0] in channels]
         places = np.concatenate([np.empty(0, _PLACE), *(places for _, places in wanted)])
         owners = np.repeat(np.arange(len(wanted)), [len(places) for _, places in wanted])
         order = np.argsort(places["time_ns"], kind="stable")
-        for begin in range(0, len(order), _TOGETHER):
+        for begin in range(skip, len(order), _TOGETHER):
             some = order[begin : begin + _TOGETHER]
             for owner, place in zip(owners[some].tolist(), places[some].tolist(), strict=True):
                 yield wanted[owner][0], *place

@@ -38,6 +38,14 @@ class Instant:
     wheels: Float64s
 
 
+@dataclass
+class _Reading:
+    """How far a reading has come: lines, and what of the last one is still to be handed out."""
+
+    lines: int = 0
+    ready: tuple[Item, ...] = ()
+
+
 class TextLog:
     """The measurements of a log, in its order; the wheels come as the velocity up to the scan behind them.
 
@@ -62,13 +70,13 @@ class TextLog:
         check_overrides(self.topics, replace(options, truth_topic=None))
         self.roles = choose_roles(self.topics, options)
         self._repairs = Repairs(options)
-        self._read = 0
+        self._reading = _Reading()
         self._closed = False
 
     @property
     def report(self) -> SourceReport:
         """Scans read so far, and lines left out."""
-        return SourceReport({SCANS: self._read}, dict(self._skipped), notes=self._notes)
+        return SourceReport({SCANS: self._reading.lines}, dict(self._skipped), notes=self._notes)
 
     def log_times_ns(self) -> dict[str, list[int]]:
         """The times of each topic."""
@@ -77,18 +85,36 @@ class TextLog:
 
     def items(self) -> Iterator[Item]:
         """Wheels, scan and truth of each line."""
-        before: Instant | None = None
-        for count, instant in enumerate(self.instants, start=1):
-            if self._closed:
+        return self._items(_Reading())
+
+    def place(self) -> object:
+        """Where the latest reading is."""
+        return replace(self._reading)
+
+    def items_from(self, place: object) -> Iterator[Item]:
+        """The measurements behind a place."""
+        assert isinstance(place, _Reading)
+        return self._items(replace(place))
+
+    def _items(self, reading: _Reading) -> Iterator[Item]:
+        self._reading = reading
+        while not self._closed:
+            while reading.ready:
+                item, reading.ready = reading.ready[0], reading.ready[1:]
+                yield item
+            if reading.lines == len(self.instants):
                 return
-            self._read = count
-            if before is not None and self.roles.odometry is not None:
-                yield from _velocity(before, instant)
-            scan = self._repaired(instant.scan)
-            yield scan
-            if instant.scan.stamp_ns in self.truth:
-                yield TruthPose(scan.stamp_ns, self.truth[instant.scan.stamp_ns])
-            before = instant
+            reading.ready = tuple(self._at(reading.lines))
+            reading.lines += 1
+
+    def _at(self, line: int) -> Iterator[Item]:
+        instant = self.instants[line]
+        if line and self.roles.odometry is not None:
+            yield from _velocity(self.instants[line - 1], instant)
+        scan = self._repaired(instant.scan)
+        yield scan
+        if instant.scan.stamp_ns in self.truth:
+            yield TruthPose(scan.stamp_ns, self.truth[instant.scan.stamp_ns])
 
     def close(self) -> None:
         """End `items`; no file is open."""

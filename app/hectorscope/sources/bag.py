@@ -1,8 +1,9 @@
 """Recordings of either ROS generation: .bag, rosbag2 folders, bare .mcap and .db3."""
 
-from collections import Counter
+from collections import deque
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,18 @@ from hectorscope.ros.roles import (
 )
 from hectorscope.sources import SourceKind
 from hectorscope.sources._containers import SUFFIXES, open_recording
-from hectorscope.sources._recording import Channel, Raw, Recording
+from hectorscope.sources._recording import Channel, Passed, Raw, Recording
 
 USABLE_TYPES = frozenset(name for names in (*ROLE_TYPES.values(), TF_TYPES) for name in names)
+
+
+@dataclass(eq=False)
+class _Reading:
+    """How far a reading has come: what converts, the messages of the two parts, and what is ready."""
+
+    converter: Converter
+    passed: tuple[Passed, Passed] = field(default_factory=lambda: (Passed(), Passed()))
+    ready: deque[Item] = field(default_factory=deque)
 
 
 class BagSource:
@@ -46,12 +56,12 @@ class BagSource:
         self.roles = choose_roles(self.topics, options)
         self.has_scans = self.roles.scan in scans
         self.span_ns = self._span_ns(scans)
-        self._converter = Converter(self.roles, options)
+        self._reading = _Reading(Converter(self.roles, options))
 
     @property
     def report(self) -> SourceReport:
         """Counters of the latest reading; what is wrong with the file is among the notes."""
-        report = self._converter.report
+        report = self._reading.converter.report
         scans = next((topic.messages for topic in self.topics if topic.name == self.roles.scan), None)
         report = replace(report, warnings=(*report.warnings, *self.refused), scans=scans)
         damage = self._failure or self.recording.damage
@@ -73,14 +83,31 @@ class BagSource:
 
     def items(self) -> Iterator[Item]:
         """Measurements in the order of recording. The static transforms go ahead: they hold for all times."""
+        return self._items(_Reading(Converter(self.roles, self._options)))
+
+    def place(self) -> object:
+        """Where the latest reading is."""
+        return deepcopy(self._reading)
+
+    def items_from(self, place: object) -> Iterator[Item]:
+        """The measurements behind a place."""
+        assert isinstance(place, _Reading)
+        return self._items(deepcopy(place))
+
+    def _items(self, reading: _Reading) -> Iterator[Item]:
         self._failure = ""
-        converter = self._converter = Converter(self.roles, self._options)
+        self._reading, converter = reading, reading.converter
         wanted = [channel for channel in self._decoders if channel.topic in self.roles.topics()]
         static = [channel for channel in wanted if is_static_tf(channel.topic)]
-        for channels in (static, [channel for channel in wanted if channel not in static]):
-            for raw, message in self._decoded(channels, converter):
-                yield from converter.convert(raw.channel.topic, raw.channel.msgtype, message, raw.log_ns)
-        yield from converter.flush()
+        rest = [channel for channel in wanted if channel not in static]
+        yield from _handed_out(reading.ready)
+        for channels, passed in zip((static, rest), reading.passed, strict=True):
+            for raw, message in self._decoded(channels, converter, passed):
+                topic, msgtype = raw.channel.topic, raw.channel.msgtype
+                reading.ready.extend(converter.convert(topic, msgtype, message, raw.log_ns))
+                yield from _handed_out(reading.ready)
+        reading.ready.extend(converter.flush())
+        yield from _handed_out(reading.ready)
 
     def close(self) -> None:
         """End the readings that are under way; no file stays open."""
@@ -98,8 +125,10 @@ class BagSource:
         """The channels that were not refused, with their messages."""
         return {channel: n for channel, n in self.recording.messages.items() if channel not in self._refused}
 
-    def _decoded(self, channels: Collection[Channel], converter: Converter | None) -> Iterator[tuple[Raw, Any]]:
-        for raw in self._raw(channels, converter):
+    def _decoded(
+        self, channels: Collection[Channel], converter: Converter | None, passed: Passed | None = None
+    ) -> Iterator[tuple[Raw, Any]]:
+        for raw in self._raw(channels, converter, passed):
             if self._closed:
                 return
             try:
@@ -110,12 +139,20 @@ class BagSource:
                 continue
             yield raw, message
 
-    def _raw(self, channels: Collection[Channel], converter: Converter | None = None) -> Iterator[Raw]:
-        """Messages up to where the file can be read; a database may hold anything in place of one."""
-        read: Counter[Channel] = Counter()
+    def _raw(
+        self,
+        channels: Collection[Channel],
+        converter: Converter | None = None,
+        passed: Passed | None = None,
+    ) -> Iterator[Raw]:
+        """Messages up to where the file can be read; a database may hold anything in place of one.
+
+        passed: what was read before, to which these are added.
+        """
+        passed = Passed() if passed is None else passed
         try:
-            for raw in self.recording.read(channels):
-                read[raw.channel] += 1
+            for raw in self.recording.read(channels, passed):
+                passed.note(raw)
                 if type(raw.log_ns) is int and isinstance(raw.data, bytes | memoryview):
                     yield raw
                 elif converter is not None:
@@ -125,8 +162,8 @@ class BagSource:
             return
         for channel in channels:  # some parsers stop at damage without a word
             promised = self.recording.messages[channel]
-            if read[channel] < promised:
-                self._failure = f"{read[channel]} of {promised} messages of {channel.topic} are there"
+            if (read := passed.read[channel]) < promised:
+                self._failure = f"{read} of {promised} messages of {channel.topic} are there"
 
     def _first_scans(self) -> dict[str, tuple[Any, int]]:
         """The first scan of each scanner that can be decoded, and when it was recorded."""
@@ -144,6 +181,11 @@ class BagSource:
         message, log_ns = scans.get(self.roles.scan or "", (None, 0))
         offset_ns = stamp_ns(message, log_ns) - log_ns
         return begin_ns + offset_ns, end_ns + offset_ns
+
+
+def _handed_out(ready: deque[Item]) -> Iterator[Item]:
+    while ready:
+        yield ready.popleft()
 
 
 def open_bag(path: Path, options: SourceOptions) -> BagSource:

@@ -6,6 +6,7 @@ import pytest
 
 from hectorscope.cli.main import MISTAKE, main
 from hectorscope.cli.options import TOKEN, PageFlags, TokenError
+from slam_core.errors import SlamError
 
 
 def secret_file(folder: Path, text: str = "of the file\n", mode: int = 0o600) -> Path:
@@ -53,3 +54,10 @@ def test_a_mistyped_setting_gets_the_nearest_one(capsys: pytest.CaptureFixture[s
         main(["run", "some.bag", "--out", "out", "--motion.acclerat", "1"])
     assert ended.value.code == MISTAKE
     assert "--motion.acceleration" in capsys.readouterr().err
+
+
+def test_a_budget_below_nothing_is_refused() -> None:
+    """The message has the flag, the value and what to give; 0 turns checkpoints off."""
+    assert PageFlags(checkpoints=0).budget() == 0
+    with pytest.raises(SlamError, match=r"--checkpoints -1 .*give 0"):
+        PageFlags(checkpoints=-1).budget()

@@ -43,3 +43,20 @@ def test_a_view_cannot_be_written():
         rows.view[0, 0] = 2.0
     rows.append((2.0,))
     assert rows.view[:, 0].tolist() == [1.0, 2.0]
+
+
+def test_copies_share_what_they_have_and_go_on_apart():
+    """Whichever is appended to first: neither sees the rows of the other."""
+    rows = GrowingRows(1)
+    for i in range(10):
+        rows.append((i,))
+    copy = rows.share()
+    assert np.shares_memory(copy.view, rows.view)
+    rows.append((10.0,))
+    copy.extend(np.array([[20.0], [21.0]]))
+    again = copy.share()
+    copy.append((22.0,))
+    again.append((30.0,))
+    assert rows.view[:, 0].tolist() == [*range(10), 10]
+    assert copy.view[:, 0].tolist() == [*range(10), 20, 21, 22]
+    assert again.view[:, 0].tolist() == [*range(10), 20, 21, 30]

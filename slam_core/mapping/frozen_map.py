@@ -1,0 +1,64 @@
+"""A map as it was at one moment, in tiles that it shares with the moments before."""
+
+from typing import Any
+
+import numpy as np
+
+from slam_core.mapping.grid import GridLevel
+from slam_core.mapping.tiled_map import TiledMap
+from slam_core.mapping.tiles import Key, Tile
+
+
+class FrozenMap:
+    """Everything that a map is; never written.
+
+    before: the same map frozen earlier, with no other change between than later ones: tiles that did not change
+    since are shared with it.
+    """
+
+    def __init__(self, tiled: TiledMap, before: "FrozenMap | None" = None) -> None:
+        self._kind, self._state = type(tiled), {**vars(tiled), "levels": (), "_tiles": {}}
+        self._outside: dict[Key, Tile] = dict(vars(tiled)["_tiles"])
+        self._levels = [(*_frame(level), level.bounds, level.revisions.copy()) for level in tiled.levels]
+        self._window: dict[Key, Tile] = {}
+        revisions = np.max([level.revisions for level in tiled.levels], axis=0)
+        row, _, column, _ = tiled.window
+        for y, x in np.argwhere(revisions > 0).tolist():
+            key, revision = (column + x, row + y), int(revisions[y, x])
+            kept = before.tile(key) if before else None
+            self._window[key] = kept if kept and kept.revision == revision else _taken(tiled, key, revision)
+
+    def tile(self, key: Key) -> Tile | None:
+        """A tile; None if nothing was seen there."""
+        return self._window.get(key) or self._outside.get(key)
+
+    @property
+    def tiles(self) -> list[Tile]:
+        """All of them."""
+        return [*self._window.values(), *self._outside.values()]
+
+    def thaw(self) -> Any:
+        """A map that goes on from here, of the class of the frozen one."""
+        other = self._kind.__new__(self._kind)
+        levels = tuple(self._level(i) for i in range(len(self._levels)))
+        vars(other).update(self._state, levels=levels, _tiles=dict(self._outside))
+        return other
+
+    def _level(self, i: int) -> GridLevel:
+        resolution, shape, corner, tile, bounds, revisions = self._levels[i]
+        level = GridLevel(resolution, shape, resolution * corner, surfels=i == 0, tile=tile)
+        for key, kept in self._window.items():
+            cells = kept.cells[i] if kept.cells else None
+            level.put(key, (kept.log_odds[i], cells, None if i else kept.surfels), kept.revision)
+        level.bounds, level.revisions = bounds, revisions.copy()
+        return level
+
+
+def _frame(level: GridLevel) -> tuple[float, tuple[int, int], Any, int]:
+    return level.resolution, level.shape, level.corner.copy(), level.tile
+
+
+def _taken(tiled: TiledMap, key: Key, revision: int) -> Tile:
+    """A tile of the window, also one in which all is unknown again."""
+    log_odds, cells, surfels = zip(*(level.take(key) for level in tiled.levels), strict=True)
+    return Tile(revision, log_odds, surfels[0], () if all(kept is None for kept in cells) else cells)
