@@ -100,6 +100,19 @@ def test_the_file_overrides_the_preset_and_flags_override_both(tmp_path: Path):
     assert flags.settings().start == with_values(SlamConfig.paper(), wanted)
 
 
+def test_export_chooses_the_files(bag: Path, tmp_path: Path):
+    """Those that are named, and no other."""
+    done = hectorscope("run", bag, "--out", tmp_path, "--export", "kitti,csv")
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"trajectory.kitti", "times.txt", "series.csv"}
+
+
+def test_a_wrong_format_is_refused_before_the_work(bag: Path, tmp_path: Path):
+    """With the nearest one; no folder is made."""
+    assert "kitti is the nearest" in refused("run", bag, "--out", tmp_path / "out", "--export", "tum,kity")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path):
     """All promised files are there, the metrics add up, the table has the error against the truth."""
     done = hectorscope("run", bag, "--out", tmp_path / "new" / "folder", "--truth", "/ground_truth")

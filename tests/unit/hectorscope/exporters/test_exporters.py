@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hectorscope.exporters import exporters
+from hectorscope.exporters import FormatError, chosen, exporters
 from hectorscope.exporters.occupancy import GREYS, description, pgm
 from hectorscope.exporters.tum import tum_lines
 from hectorscope.run.map_images import MapImage
@@ -29,11 +29,37 @@ def finished() -> Run:
 
 def test_every_exporter_leaves_exactly_its_files(finished: Run, tmp_path: Path):
     """The contract of the folder: the files that an exporter names, whole, and nothing temporary."""
-    for exporter in exporters():
+    whole = [exporter for exporter in exporters() if exporter.stream is None]
+    for exporter in whole:
         exporter.write(finished, tmp_path)
         for name in exporter.files:
             assert (tmp_path / name).stat().st_size > 0
-    assert {path.name for path in tmp_path.iterdir()} == {name for e in exporters() for name in e.files}
+    assert {path.name for path in tmp_path.iterdir()} == {name for e in whole for name in e.files}
+
+
+def test_formats_are_chosen_by_name():
+    """One, several with spaces or capitals, everything; in the order of the folder. Unasked, seven files."""
+    assert [exporter.name for exporter in chosen("tum")] == ["tum"]
+    assert [exporter.name for exporter in chosen("CSV, default")] == [*(e.name for e in chosen()), "csv"]
+    assert chosen("all") == exporters()
+    assert {name for exporter in chosen() for name in exporter.files} == {
+        "map.npz", "map.pgm", "map.yaml", "trajectory.tum", "config.toml", "metrics.json", "navigation.csv",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("wrong", "nearest"), [("kiti", "kitti"), ("tum,pgmm", "pgm"), ("metric", "metrics")])
+def test_a_wrong_name_is_answered_with_the_nearest(wrong: str, nearest: str):
+    """And with all that there are."""
+    with pytest.raises(FormatError, match=rf"is no format: {nearest} is the nearest of all, .*, tum"):
+        chosen(wrong)
+
+
+def test_names_and_files_are_unique():
+    """No two formats answer to one name or write one file."""
+    names = [exporter.name for exporter in exporters()]
+    files = [name for exporter in exporters() for name in exporter.files]
+    assert len(set(names)) == len(names)
+    assert len(set(files)) == len(files)
 
 
 def test_the_map_comes_first():
@@ -43,7 +69,7 @@ def test_the_map_comes_first():
 
 def test_an_older_file_is_replaced(finished: Run, tmp_path: Path):
     """A second run into the same folder leaves its own files."""
-    for exporter in exporters():
+    for exporter in (each for each in exporters() if each.stream is None):
         for name in exporter.files:
             (tmp_path / name).write_text("old")
         exporter.write(finished, tmp_path)
