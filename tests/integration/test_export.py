@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from hectorscope.exporters import OutputError, chosen, run
-from hectorscope.inputs import Item
+from hectorscope.inputs import Item, SourceOptions
 from hectorscope.run.headless import run_headless
 from hectorscope.run.series import SERIES_FIELDS
+from hectorscope.simulation import SimulateOptions, simulate
+from hectorscope.sources import open_source
 from tests.conftest import ROOT
 from tests.engines import START
 from tests.sources import MemoryRecording
@@ -117,3 +119,18 @@ def test_a_stream_that_cannot_be_opened_costs_no_other_file(drive: list[Item], t
     with pytest.raises(OutputError, match=r"Is a directory: series\.csv"):
         exported(drive, tmp_path, "csv,tum")
     assert (tmp_path / "trajectory.tum").stat().st_size > 0
+
+
+def test_a_recording_with_satellites_gives_the_place_on_the_earth(tmp_path: Path):
+    """The first fix is where east and north count from; without one there is no such place."""
+    for extras, known in ((("gps",), True), ((), False)):
+        bag = tmp_path / f"{known}.bag"
+        simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91, extras=extras))
+        source = open_source(str(bag), SourceOptions())
+        assert sum(1 for _ in source.items()) > 0
+        source.close()
+        if known:
+            assert source.report.origin is not None
+            np.testing.assert_allclose(source.report.origin[:2], (37.059, -80.637), atol=1e-4)
+        else:
+            assert source.report.origin is None
