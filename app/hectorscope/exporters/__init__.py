@@ -63,12 +63,19 @@ def chosen(names: str = DEFAULT) -> list[Exporter]:
     wanted: set[str] = set()
     for name in (each.strip().lower() for each in names.split(",")):
         if name not in groups:
-            (nearest,) = get_close_matches(name, groups, n=1, cutoff=0.0)
             raise FormatError(
-                f"--export {name!r} is no format: {nearest} is the nearest of {', '.join(sorted(groups))}"
+                f"--export {name!r} is no format: did you mean {_nearest(name, known)}?"
+                f" There are {', '.join(sorted(groups))}"
             )
         wanted |= groups[name]
     return [exporter for exporter in known if exporter.name in wanted]
+
+
+def _nearest(name: str, known: Iterable[Exporter]) -> str:
+    """The format whose name, or whose files' suffix, is most like a word."""
+    suffixes = {Path(file).suffix.strip("."): exporter.name for exporter in known for file in exporter.files}
+    words = {**suffixes, ALL: ALL, DEFAULT: DEFAULT, **{exporter.name: exporter.name for exporter in known}}
+    return words[get_close_matches(name, words, n=1, cutoff=0.0)[0]]
 
 
 @contextmanager

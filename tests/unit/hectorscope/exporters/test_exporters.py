@@ -49,10 +49,13 @@ def test_formats_are_chosen_by_name():
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("wrong", "nearest"), [("kiti", "kitti"), ("tum,pgmm", "pgm"), ("metric", "metrics")])
+@pytest.mark.parametrize(
+    ("wrong", "nearest"),
+    [("kiti", "kitti"), ("tum,pgmm", "pgm"), ("metric", "metrics"), ("html", "report"), ("tiff", "geotiff")],
+)
 def test_a_wrong_name_is_answered_with_the_nearest(wrong: str, nearest: str):
-    """And with all that there are."""
-    with pytest.raises(FormatError, match=rf"is no format: {nearest} is the nearest of all, .*, tum"):
+    """By its name or the suffix of its files; and with all that there are."""
+    with pytest.raises(FormatError, match=rf"is no format: did you mean {nearest}\? There are all, .*, tum"):
         chosen(wrong)
 
 
