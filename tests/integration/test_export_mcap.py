@@ -13,7 +13,8 @@ from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
 from rosbags.highlevel import AnyReader
 
-from hectorscope.exporters import result_mcap
+from hectorscope.exporters import chosen, result_mcap
+from hectorscope.exporters import run as export_run
 from hectorscope.inputs import Item
 from hectorscope.run.headless import run_headless
 from hectorscope.run.map_images import map_images
@@ -188,3 +189,14 @@ def test_a_long_path_is_thinned(
     step = -(-run[0].scans // 20)
     np.testing.assert_array_equal(places, run[0].trajectory[::step, 1:4])
     assert 10 <= len(places) <= 20
+
+
+def test_an_interrupted_run_leaves_a_file_with_its_index(drive: list[Item], tmp_path: Path):
+    """As by Ctrl-C: under the name that says so, and readable as any other."""
+    broken = MemoryRecording(drive, error=KeyboardInterrupt(), fail_at=len(drive) // 2)  # type: ignore[arg-type]
+    with pytest.raises(KeyboardInterrupt):
+        export_run(broken, START, tmp_path, truth=None, progress=lambda _: None, formats=chosen("mcap"))
+    assert [path.name for path in tmp_path.iterdir()] == ["result.unfinished.mcap"]
+    with AnyReader([tmp_path / "result.unfinished.mcap"]) as reader:
+        assert {connection.topic for connection in reader.connections} == set(TYPES)
+        assert reader.message_count > 20

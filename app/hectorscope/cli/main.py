@@ -14,6 +14,7 @@ import tyro
 
 from hectorscope.cli.interruption import delivered_later, ended_by_interruption, undisturbed
 from hectorscope.cli.options import (
+    ExportArg,
     MapArgs,
     MapFlags,
     PageArgs,
@@ -92,13 +93,7 @@ def run(
     bag: Bag,
     *,
     out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
-    export: Annotated[
-        str,
-        tyro.conf.arg(
-            metavar="NAME,...",
-            help="Formats with commas between them; all; or default: npz,pgm,tum,config,metrics,navigation.",
-        ),
-    ] = "default",
+    export: ExportArg = "default",
     settings: SettingArgs,
     saved: MapArgs,
     source: SourceArgs,
