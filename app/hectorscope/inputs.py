@@ -92,6 +92,8 @@ class SourceReport:
     scan_topic: where its scans are expected from.
     findings: what the sensor check found and nobody has repaired. repaired: what was found and repaired.
     sensors: the `SENSOR_OPTIONS` that are stated by now, for whoever runs it again.
+    origin: latitude and longitude in degrees, altitude over the ellipsoid in metres, from which the positions of
+    the satellites count; None before the first.
     notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file). warnings: sentences
     on what is wrong, with the remedies.
     """
@@ -108,6 +110,7 @@ class SourceReport:
     findings: tuple[Finding, ...] = ()
     repaired: tuple[Finding, ...] = ()
     sensors: Mapping[str, OptionValue] = field(default_factory=dict)
+    origin: tuple[float, float, float] | None = None
 
 
 class Source(Protocol):

@@ -1,3 +1,4 @@
+import hashlib
 import json
 import os
 import signal
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 from hectorscope.cli.options import setting_flags
-from hectorscope.exporters import reserved
+from hectorscope.exporters import exporters, reserved
 from hectorscope.run.settings_file import read_toml
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, leaves, with_values
@@ -98,6 +99,28 @@ def test_the_file_overrides_the_preset_and_flags_override_both(tmp_path: Path):
     flags.matcher.prior_weight = 2.0  # type: ignore[attr-defined]
     wanted = {"matcher.surfel_weight": 1.0, "matcher.prior_weight": 2.0}
     assert flags.settings().start == with_values(SlamConfig.paper(), wanted)
+
+
+def test_export_chooses_the_files(bag: Path, tmp_path: Path):
+    """Those that are named, and no other."""
+    done = hectorscope("run", bag, "--out", tmp_path, "--export", "kitti,csv")
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"trajectory.kitti", "times.txt", "series.csv"}
+
+
+def test_export_all_leaves_every_format(bag: Path, tmp_path: Path):
+    """Of a real run; the report names the recording by its hash, and nothing unfinished stays."""
+    done = hectorscope("run", bag, "--out", tmp_path, "--export", "all")
+    assert done.returncode == 0, done.stderr
+    names = {name for exporter in exporters() for name in exporter.files}
+    assert {path.name for path in tmp_path.iterdir()} == names
+    assert hashlib.sha256(bag.read_bytes()).hexdigest() in (tmp_path / "report.html").read_text()
+
+
+def test_a_wrong_format_is_refused_before_the_work(bag: Path, tmp_path: Path):
+    """With the nearest one; no folder is made."""
+    assert "did you mean kitti?" in refused("run", bag, "--out", tmp_path / "out", "--export", "tum,kity")
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_run_leaves_its_files_and_prints_the_figures(bag: Path, tmp_path: Path):

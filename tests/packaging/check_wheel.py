@@ -51,7 +51,8 @@ def check_names(wheel: Path) -> None:
         names = archive.namelist()
     tops = {name.split("/")[0] for name in names if ".dist-info/" not in name}
     assert tops == NAMES, f"the wheel has {sorted(tops)} at its top level, not {sorted(NAMES)}"
-    for name in ("hectorscope/py.typed", "slam_core/py.typed", "hectorscope/_demo_bags/arena.bag"):
+    files = ("py.typed", "exporters/report.html.jinja", "_demo_bags/arena.bag")
+    for name in ("slam_core/py.typed", *(f"hectorscope/{file}" for file in files)):
         assert name in names, f"{name} is missing in the wheel"
     assert any(name.startswith("hectorscope/_static/") for name in names), "static/ is missing in the wheel"
 

@@ -14,6 +14,7 @@ import tyro
 
 from hectorscope.cli.interruption import delivered_later, ended_by_interruption, undisturbed
 from hectorscope.cli.options import (
+    ExportArg,
     MapArgs,
     MapFlags,
     PageArgs,
@@ -92,6 +93,7 @@ def run(
     bag: Bag,
     *,
     out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
+    export: ExportArg = "default",
     settings: SettingArgs,
     saved: MapArgs,
     source: SourceArgs,
@@ -101,8 +103,10 @@ def run(
     Exits with 3 when the pose is lost at the end, or in more than half of the scans.
     """
     from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
+    from hectorscope.exporters import chosen as chosen_formats  # noqa: PLC0415
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
 
+    formats = chosen_formats(export)
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
     recording = _checked(str(bag), source, settings)
@@ -112,7 +116,14 @@ def run(
         print(printable(f"repaired: {finding.fact} ({finding.repair})"))
     with show_progress(recording) as progress:
         figures = run_to_files(
-            recording, chosen, out, truth=source.truth_topic, progress=progress, prior_map=prior_map
+            recording,
+            chosen,
+            out,
+            truth=source.truth_topic,
+            progress=progress,
+            prior_map=prior_map,
+            formats=formats,
+            recording=bag,
         )
     summary(recording.name, figures, out)
     if not is_lost(figures):

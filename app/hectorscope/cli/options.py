@@ -267,6 +267,13 @@ class MapFlags:
 SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor_factory=setting_flags)]
 SourceArgs = Annotated[Any, tyro.conf.arg(name="", constructor=_source_flags())]
 MapArgs = Annotated[MapFlags, tyro.conf.arg(name="")]
+ExportArg = Annotated[
+    str,
+    tyro.conf.arg(
+        metavar="NAME,...",
+        help="Formats with commas between them; all; or default: npz,pgm,tum,config,metrics,navigation.",
+    ),
+]
 PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
 
 

@@ -1,16 +1,19 @@
 """Files that a run leaves, at its end or on the way. One file a format; each has `EXPORTER`, an `Exporter`."""
 
-import os
 import sys
-import tempfile
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from hectorscope.common.registry import members
+from hectorscope.exporters._exporter import Exporter, Stream
+from hectorscope.exporters._folder import OutputError, locked, make
+from hectorscope.exporters._streams import Streams, reason
 from hectorscope.inputs import Source, SourceError, SourceReport
 from hectorscope.run.headless import Progress, run_headless
 from hectorscope.run.map_images import FILE, map_images
@@ -23,23 +26,25 @@ from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.pyramid import Pyramid
 
-if sys.platform != "win32":
-    import fcntl
+__all__ = [
+    "Exporter",
+    "OutputError",
+    "Stream",
+    "chosen",
+    "export",
+    "exporters",
+    "prepare",
+    "reserved",
+    "run",
+    "saving",
+    "write",
+]
 
-# Bytes that must find room before the work is begun: about what the files of a very short run take.
-PROBE = 2**16
+DEFAULT, ALL = "default", "all"
 
 
-@dataclass(frozen=True, slots=True)
-class Exporter:
-    """`write(run, folder)` leaves its files in `folder` (under a temporary name, then renamed).
-
-    `order` sorts the exporters: on a disk that fills up, what comes first is there.
-    """
-
-    files: tuple[str, ...]
-    write: Callable[[Run, Path], None]
-    order: int = 50
+class FormatError(SlamError):
+    """A format that does not exist was asked for."""
 
 
 def exporters() -> list[Exporter]:
@@ -47,54 +52,47 @@ def exporters() -> list[Exporter]:
     return sorted(members(sys.modules[__name__], "EXPORTER"), key=lambda exporter: exporter.order)
 
 
-class OutputError(SlamError):
-    """The folder for the results cannot be used."""
+def chosen(names: str = DEFAULT) -> list[Exporter]:
+    """The exporters of names with commas between them, in order; FormatError for a name that is none.
+
+    `default` stands for what is written without a word, `all` for everything.
+    """
+    known = exporters()
+    groups = {DEFAULT: {e.name for e in known if e.default}, ALL: {e.name for e in known}}
+    groups |= {exporter.name: {exporter.name} for exporter in known}
+    wanted: set[str] = set()
+    for name in (each.strip().lower() for each in names.split(",")):
+        if name not in groups:
+            raise FormatError(
+                f"--export {name!r} is no format: did you mean {_nearest(name, known)}?"
+                f" There are {', '.join(sorted(groups))}"
+            )
+        wanted |= groups[name]
+    return [exporter for exporter in known if exporter.name in wanted]
+
+
+def _nearest(name: str, known: Iterable[Exporter]) -> str:
+    """The format whose name, or whose files' suffix, is most like a word."""
+    suffixes = {Path(file).suffix.strip("."): exporter.name for exporter in known for file in exporter.files}
+    words = {**suffixes, ALL: ALL, DEFAULT: DEFAULT, **{exporter.name: exporter.name for exporter in known}}
+    return words[get_close_matches(name, words, n=1, cutoff=0.0)[0]]
 
 
 @contextmanager
-def reserved(folder: Path) -> Iterator[None]:
-    """`prepare` a folder, and keep other programs of this kind out of it meanwhile; OutputError if one is there.
-
-    The lock is on the folder itself and goes with the process, however that ends.
-    """
-    prepare(folder)
-    if sys.platform == "win32":
+def reserved(folder: Path, formats: Iterable[Exporter] | None = None) -> Iterator[None]:
+    """`prepare` a folder, and keep other programs of this kind out of it; OutputError if one is there."""
+    prepare(folder, formats)
+    with locked(folder):
         yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        os.close(handle)
-        raise OutputError(f"another run writes into {folder}: wait for its end, or give another --out") from error
-    except OSError:
-        pass  # a file system without locks
-    try:
-        yield
-    finally:
-        os.close(handle)
 
 
-def prepare(folder: Path) -> None:
+def prepare(folder: Path, formats: Iterable[Exporter] | None = None) -> None:
     """Make the folder for the results, and try it, before the work is done; OutputError if it is of no use."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder} cannot be made ({error.strerror}): give another --out") from error
-    try:
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=".probe.") as probe:
-            probe.write(bytes(PROBE))
-    except OSError as error:
-        raise OutputError(f"{folder} cannot be written to ({error.strerror}): give another --out") from error
-    for name in _names():
-        if (folder / name).is_dir():
-            raise OutputError(
-                f"{folder / name} is a folder where a file is to be: remove it or give another --out"
-            )
+    make(folder, _names(chosen() if formats is None else formats))
 
 
-def _names() -> list[str]:
-    return [name for exporter in exporters() for name in exporter.files]
+def _names(formats: Iterable[Exporter]) -> list[str]:
+    return [name for exporter in formats for name in exporter.files]
 
 
 def collected(pipeline: Pipeline, figures: dict[str, Any], report: SourceReport | None = None) -> Run:
@@ -105,8 +103,9 @@ def collected(pipeline: Pipeline, figures: dict[str, Any], report: SourceReport 
         (),
         pipeline.settings,
         figures,
-        sensors=report.sensors if report else {},
+        report=report or SourceReport(),
         navigation=pipeline.navigation,
+        series=pipeline.series,
     )
 
 
@@ -122,20 +121,27 @@ def export(
     return write(with_map(collected(pipeline, figures, report), pipeline.slam.map), folder)
 
 
-def write(run: Run, folder: Path) -> list[Path]:
-    """Write every format, even if another fails; the files written. OutputError names what is missing."""
-    missing: defaultdict[str, list[str]] = defaultdict(list)
-    for exporter in exporters():
+def write(
+    run: Run,
+    folder: Path,
+    formats: Iterable[Exporter] | None = None,
+    failed: Mapping[str, list[str]] = MappingProxyType({}),
+) -> list[Path]:
+    """Write every format, even if another fails; the files written. OutputError names what is missing.
+
+    formats: those of `chosen`; None takes the default. failed: reason -> files that are missing already.
+    """
+    formats = chosen() if formats is None else formats
+    missing = defaultdict(list, failed)
+    for exporter in formats:
         try:
             exporter.write(run, folder)
-        except OSError as error:
-            missing[error.strerror or str(error)] += exporter.files
         except Exception as error:  # what one format chokes on must not cost the others
-            missing[f"{type(error).__name__}: {error}"] += exporter.files
+            missing[reason(error)] += exporter.files
     if missing:
-        reasons = "; ".join(f"{reason}: {', '.join(files)}" for reason, files in missing.items())
+        reasons = "; ".join(f"{why}: {', '.join(files)}" for why, files in missing.items())
         raise OutputError(f"{folder} cannot be written to ({reasons}): give another --out")
-    return [folder / name for name in _names() if (folder / name).exists()]
+    return [folder / name for name in _names(formats) if (folder / name).exists()]
 
 
 def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Callable[[], str]:
@@ -166,12 +172,21 @@ def run(
     truth: str | None,
     progress: Progress,
     prior_map: PriorMap | None = None,
+    formats: Iterable[Exporter] | None = None,
+    recording: Path | None = None,
 ) -> dict[str, Any]:
-    """All of it; the metrics. truth: a topic that was asked for by name and so must be there."""
-    with reserved(folder):
-        pipeline, effort = run_headless(source, settings, progress, prior_map)
+    """All of it; the metrics.
+
+    truth: a topic that was asked for by name and so must be there. formats: as in `write`. recording: the file or
+    folder that `source` reads, for what names it.
+    """
+    formats = chosen() if formats is None else list(formats)
+    with reserved(folder, formats), Streams(formats, folder) as streams:
+        pipeline, effort = run_headless(source, settings, progress, prior_map, streams.add)
         figures = run_metrics(pipeline, source.report, effort)
         if truth is not None and figures["truth"] is None:
             raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
-        export(pipeline, figures, folder, source.report)
+        streams.finish(pipeline)
+        results = replace(collected(pipeline, figures, source.report), recording=recording)
+        write(with_map(results, pipeline.slam.map), folder, formats, streams.missing)
         return figures

@@ -1,9 +1,11 @@
 """Files that are whole or not there at all, and the times in them."""
 
+import io
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +38,35 @@ def write_whole(path: Path, *parts: bytes | Iterable[bytes]) -> None:
     finally:
         temporary.unlink(missing_ok=True)
     _sync(path.parent)
+
+
+def unfinished(path: Path) -> Path:
+    """The name that a file has while it grows, and that a killed process leaves."""
+    return path.with_name(f"{path.stem}.unfinished{path.suffix}")
+
+
+class GrowingFile(io.BufferedWriter):
+    """A file that is written while the run goes on, and at once: a killed process leaves what it had.
+
+    It stands under the name of `unfinished` until it is finished; an older file stays until then.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        super().__init__(io.FileIO(unfinished(path), "wb"))
+
+    def write(self, content: Any, /) -> int:
+        """Past this program's own memory; OSError where there is no room."""
+        count = super().write(content)
+        self.flush()
+        return count
+
+    def finish(self) -> None:
+        """All is there: the file gets its name."""
+        os.fsync(self.fileno())
+        self.close()
+        unfinished(self._path).replace(self._path)
+        _sync(self._path.parent)
 
 
 def _sync(folder: Path) -> None:

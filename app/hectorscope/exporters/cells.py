@@ -13,4 +13,4 @@ def _write(run: Run, folder: Path) -> None:
         write_whole(folder / NAME, to_npz(run.levels))
 
 
-EXPORTER = Exporter((NAME,), _write, order=0)
+EXPORTER = Exporter("npz", (NAME,), _write, order=0, default=True)

@@ -9,7 +9,7 @@ from hectorscope.run.settings_file import to_toml
 
 
 def _write(run: Run, folder: Path) -> None:
-    write_whole(folder / "config.toml", to_toml(run.settings, run.sensors).encode())
+    write_whole(folder / "config.toml", to_toml(run.settings, run.report.sensors).encode())
 
 
-EXPORTER = Exporter(("config.toml",), _write)
+EXPORTER = Exporter("config", ("config.toml",), _write, default=True)

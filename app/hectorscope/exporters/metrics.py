@@ -23,4 +23,4 @@ def _told(figures: Any) -> Any:
     return None if isinstance(figures, float) and not math.isfinite(figures) else figures
 
 
-EXPORTER = Exporter(("metrics.json",), _write)
+EXPORTER = Exporter("metrics", ("metrics.json",), _write, default=True)

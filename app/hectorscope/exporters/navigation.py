@@ -18,4 +18,4 @@ def _write(run: Run, folder: Path) -> None:
     write_whole(folder / "navigation.csv", HEAD.encode(), lines_of(run.navigation, line))
 
 
-EXPORTER = Exporter(("navigation.csv",), _write)
+EXPORTER = Exporter("navigation", ("navigation.csv",), _write, default=True)

@@ -23,4 +23,4 @@ def _write(run: Run, folder: Path) -> None:
     write_whole(folder / "trajectory.tum", tum_lines(run))
 
 
-EXPORTER = Exporter(("trajectory.tum",), _write, order=20)
+EXPORTER = Exporter("tum", ("trajectory.tum",), _write, order=20, default=True)

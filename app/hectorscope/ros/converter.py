@@ -94,7 +94,9 @@ class Converter:
     def report(self) -> SourceReport:
         """Counters so far, and what was found or assumed."""
         notes = (*self.roles.notes, *self.mounts.notes.values(), *self._tf_poses.notes(), *self._notes.values())
-        return SourceReport(read=dict(self._read), skipped=dict(self._skipped), notes=notes)
+        plane = self._plane
+        origin = (plane.latitude, plane.longitude, plane.altitude) if plane else None
+        return SourceReport(read=dict(self._read), skipped=dict(self._skipped), notes=notes, origin=origin)
 
     def convert(self, topic: str, msgtype: str, message: Any, receive_ns: int) -> list[Item]:
         """What may go on now that `message` (a rosbags object) has come; what has no part gives nothing."""

@@ -9,9 +9,11 @@ from hectorscope.run.metrics import Effort
 from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.settings import Settings
 from slam_core.localization.prior_map import PriorMap
-from slam_core.measurements import LaserScan
+from slam_core.measurements import LaserScan, Measurement
+from slam_core.results import StepResult
 
 Progress = Callable[[int], None]
+Observer = Callable[[Pipeline, StepResult], None]
 
 # Items are read so many at a time: one by one between the scans, each would find the caches full of map.
 READ_AHEAD = 256
@@ -22,28 +24,35 @@ def run_headless(
     settings: Settings,
     progress: Progress = lambda _: None,
     prior_map: PriorMap | None = None,
+    observe: Observer = lambda _pipeline, _result: None,
 ) -> tuple[Pipeline, Effort]:
     """Every item of `source`, in a plain loop. progress: called with the time of every scan. Closes the source.
 
-    prior_map: the map to begin with. SourceError when not a single scan could be used.
+    prior_map: the map to begin with. observe: called with every result. SourceError when not a single scan could
+    be used.
     """
     begin = time.perf_counter()
     span = source.span_ns
     pipeline = Pipeline(settings, span[0] if span else None, prior_map)
     try:
         for item in _read_ahead(source.items()):
-            for measurement in pipeline.admit(item):
-                pipeline.step(measurement)
+            _step(pipeline, pipeline.admit(item), observe)
             if isinstance(item, LaserScan):
                 progress(item.stamp_ns)
-        for measurement in pipeline.flush():
-            pipeline.step(measurement)
+        _step(pipeline, pipeline.flush(), observe)
     finally:
         source.close()
     if not pipeline.scans:
         raise nothing_used(source.name, merged(source.report, pipeline.skipped, 0).skipped, pipeline.slam)
     recorded = (span[1] - span[0]) / 1e9 if span else float(pipeline.trajectory[-1, 0])
     return pipeline, Effort(recorded, time.perf_counter() - begin)
+
+
+def _step(pipeline: Pipeline, measurements: list[Measurement], observe: Observer) -> None:
+    for measurement in measurements:
+        result = pipeline.step(measurement)
+        if result is not None:
+            observe(pipeline, result)
 
 
 def _read_ahead(items: Iterator[Item]) -> Iterator[Item]:

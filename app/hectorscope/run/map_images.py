@@ -38,11 +38,12 @@ def map_images(pyramid: Pyramid, revision: int = 0, most: int = PAGE) -> tuple[M
     so on: `resolution` and x, y are those of the pixels then, and there are no surfels.
     """
     numbers = range(len(pyramid.levels))
-    images = (_image(pyramid, number, revision, most) for number in numbers if not pyramid.empty)
+    images = (level_image(pyramid, number, revision, most) for number in numbers if not pyramid.empty)
     return tuple(image for image in images if image.cells.size)
 
 
-def _image(pyramid: Pyramid, number: int, revision: int, most: int) -> MapImage:
+def level_image(pyramid: Pyramid, number: int, revision: int = 0, most: int = PAGE) -> MapImage:
+    """One of `map_images`; the pyramid must not be empty."""
     row0, row1, column0, column1 = box = pyramid.bounds(number)
     cell, halvings = pyramid.levels[number].resolution, 0
     while ((row1 - row0) >> halvings) * ((column1 - column0) >> halvings) > most:

@@ -2,13 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hectorscope.inputs import OptionValue
+from hectorscope.inputs import SourceReport
 from hectorscope.run.map_images import MapImage
+from hectorscope.run.series import SERIES_FIELDS
 from hectorscope.run.settings import Settings
 from slam_core.localization.prior_map import SavedLevel
 
@@ -19,8 +21,9 @@ class Run:
 
     trajectory: (n, 8) seconds since start_ns, x, y, z, qw, qx, qy, qz. maps: finest level first, cropped to what
     is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of
-    the same levels. sensors: what is stated of them, as in a `SourceReport`. navigation: (n, 11) the columns of
-    the trajectory and the velocity in the map, a hundred times a second.
+    the same levels. report: of the source. navigation: (n, 11) the columns of the trajectory and the velocity in
+    the map, a hundred times a second. series: (n, len(SERIES_FIELDS)), a row a result. recording: the file or
+    folder that was read, where it is known.
     """
 
     start_ns: int
@@ -29,5 +32,7 @@ class Run:
     settings: Settings
     metrics: Mapping[str, Any]
     levels: tuple[SavedLevel, ...] = ()
-    sensors: Mapping[str, OptionValue] = field(default_factory=dict)
+    report: SourceReport = field(default_factory=SourceReport)
     navigation: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 11)))
+    series: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, len(SERIES_FIELDS))))
+    recording: Path | None = None

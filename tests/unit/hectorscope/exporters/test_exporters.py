@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hectorscope.exporters import exporters
+from hectorscope.exporters import FormatError, chosen, exporters
 from hectorscope.exporters.occupancy import GREYS, description, pgm
 from hectorscope.exporters.tum import tum_lines
 from hectorscope.run.map_images import MapImage
@@ -24,16 +24,47 @@ def finished() -> Run:
     trajectory = np.array([[0.0, 1, 2, 3, 1, 0, 0, 0], [0.000000001, 4, 5, 6, 0.5, 0.5, 0.5, -0.5]])
     cells = np.array([[1, 1, 0], [2, 2, 2]], np.uint8)
     level = SavedLevel(0.05, np.array([-30, 40]), np.array([[-1, -1, 0], [2, 2, 2]], np.float32))
-    return Run(START_NS, trajectory, (MapImage(0, 0.05, -1.5, 2.0, cells, 1),), Settings(), {"scans": 2}, (level,))
+    return Run(
+        START_NS, trajectory, (MapImage(0, 0.05, -1.5, 2.0, cells, 1),), Settings(), {"wall_s": 2}, (level,)
+    )
 
 
 def test_every_exporter_leaves_exactly_its_files(finished: Run, tmp_path: Path):
     """The contract of the folder: the files that an exporter names, whole, and nothing temporary."""
-    for exporter in exporters():
+    whole = [exporter for exporter in exporters() if exporter.stream is None]
+    for exporter in whole:
         exporter.write(finished, tmp_path)
         for name in exporter.files:
             assert (tmp_path / name).stat().st_size > 0
-    assert {path.name for path in tmp_path.iterdir()} == {name for e in exporters() for name in e.files}
+    assert {path.name for path in tmp_path.iterdir()} == {name for e in whole for name in e.files}
+
+
+def test_formats_are_chosen_by_name():
+    """One, several with spaces or capitals, everything; in the order of the folder. Unasked, seven files."""
+    assert [exporter.name for exporter in chosen("tum")] == ["tum"]
+    assert [exporter.name for exporter in chosen("CSV, default")] == [*(e.name for e in chosen()), "csv"]
+    assert chosen("all") == exporters()
+    assert {name for exporter in chosen() for name in exporter.files} == {
+        "map.npz", "map.pgm", "map.yaml", "trajectory.tum", "config.toml", "metrics.json", "navigation.csv",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("wrong", "nearest"),
+    [("kiti", "kitti"), ("tum,pgmm", "pgm"), ("metric", "metrics"), ("html", "report"), ("tiff", "geotiff")],
+)
+def test_a_wrong_name_is_answered_with_the_nearest(wrong: str, nearest: str):
+    """By its name or the suffix of its files; and with all that there are."""
+    with pytest.raises(FormatError, match=rf"is no format: did you mean {nearest}\? There are all, .*, tum"):
+        chosen(wrong)
+
+
+def test_names_and_files_are_unique():
+    """No two formats answer to one name or write one file."""
+    names = [exporter.name for exporter in exporters()]
+    files = [name for exporter in exporters() for name in exporter.files]
+    assert len(set(names)) == len(names)
+    assert len(set(files)) == len(files)
 
 
 def test_the_map_comes_first():
@@ -43,7 +74,7 @@ def test_the_map_comes_first():
 
 def test_an_older_file_is_replaced(finished: Run, tmp_path: Path):
     """A second run into the same folder leaves its own files."""
-    for exporter in exporters():
+    for exporter in (each for each in exporters() if each.stream is None):
         for name in exporter.files:
             (tmp_path / name).write_text("old")
         exporter.write(finished, tmp_path)
@@ -52,11 +83,10 @@ def test_an_older_file_is_replaced(finished: Run, tmp_path: Path):
 
 def test_a_figure_that_is_no_number_is_null(finished: Run, tmp_path: Path):
     """JSON has no word for it, and the rest of the run is worth keeping."""
-    run = replace(finished, metrics={"scans": 2, "truth": {"raw_rmse_m": math.nan, "poses": math.inf}})
-    for exporter in exporters():
-        exporter.write(run, tmp_path)
+    run = replace(finished, metrics={"wall_s": 2, "truth": {"raw_rmse_m": math.nan, "poses": math.inf}})
+    chosen("metrics")[0].write(run, tmp_path)
     told = json.loads((tmp_path / "metrics.json").read_text())
-    assert told == {"scans": 2, "truth": {"raw_rmse_m": None, "poses": None}}
+    assert told == {"wall_s": 2, "truth": {"raw_rmse_m": None, "poses": None}}
 
 
 def test_tum_lines_have_exact_times_and_the_scalar_last(finished: Run):
@@ -100,4 +130,4 @@ def test_config_and_metrics_can_be_read_back(finished: Run, tmp_path: Path):
     for exporter in exporters():
         exporter.write(finished, tmp_path)
     assert read_toml(tmp_path / "config.toml") == finished.settings
-    assert json.loads((tmp_path / "metrics.json").read_text()) == {"scans": 2}
+    assert json.loads((tmp_path / "metrics.json").read_text()) == {"wall_s": 2}
