@@ -369,7 +369,7 @@ def test_panels_folded_away_leave_the_whole_width_to_the_map(run: Run, open_page
     expect(page.locator(".hs-run")).to_be_visible()
     expect(button(page, "Step one scan")).to_be_visible()
     expect(page.locator(".hs-attitude")).to_be_hidden()
-    assert other.evaluate(width) < 700
+    other.wait_for_function(f"{width} < 700")
     button(page, "Panels").click()
     expect(page.locator(".hs-attitude")).to_be_visible()
 

@@ -74,6 +74,9 @@ class _Compiler(event.Listener):
     def __exit__(self, *_: object) -> None:
         while self._helper is not None and not self._ready.wait(PERIOD_S):
             self._tell()
+        if 0 < self._done < FIRST:  # some were loaded, as the other process had compiled them
+            self._done = FIRST
+            self._tell()
         self._is_first = False
         if self._done:
             self.report("")
