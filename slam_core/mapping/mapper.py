@@ -59,7 +59,9 @@ class Mapper:
         written = self._keyframes.selects(pose, time_ns, residuals, config)
         if written:
             late = self._newcomers.too_new(scan.points, pose, unexpected, time_ns, config.appearance_delay)
-            points, cleared = scan.points[~late], np.concatenate([scan.cleared, scan.points[late]])
+            points, cleared = scan.points, scan.cleared
+            if late.any():
+                points, cleared = points[~late], np.concatenate([cleared, points[late]])
             self._pyramid.update(points, cleared, scan.laser, pose, config)
         if match:
             self._dynamic_objects.clear(self._pyramid, scan, pose, time_ns, config)

@@ -1,11 +1,14 @@
 """Flags: the secret that a browser must bring, and mistyped ones."""
 
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from hectorscope.cli.main import MISTAKE, main
-from hectorscope.cli.options import TOKEN, PageFlags, TokenError
+from hectorscope.cli.options import TOKEN, ExportArg, PageFlags, TokenError
+from hectorscope.exporters import chosen
+from hectorscope.run.checkpoints import BUDGET_MB
 from slam_core.errors import SlamError
 
 
@@ -61,3 +64,10 @@ def test_a_budget_below_nothing_is_refused() -> None:
     assert PageFlags(checkpoints=0).budget() == 0
     with pytest.raises(SlamError, match=r"--checkpoints -1 .*give 0"):
         PageFlags(checkpoints=-1).budget()
+
+
+def test_help_and_defaults_are_those_of_the_packages_behind() -> None:
+    """They are written again where the command line is described, which must not wait for these packages."""
+    assert PageFlags().checkpoints == BUDGET_MB
+    described = repr(get_args(ExportArg)[1])
+    assert f"default: {','.join(exporter.name for exporter in chosen())}." in described
