@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import get_args
 
-from hectorscope.cli.main import Scene, demo_bag
+from hectorscope.cli.opening import Scene, demo_bag
 from hectorscope.inputs import SourceOptions
 from hectorscope.simulation import SceneOptions
 from slam_core.config import SlamConfig, with_value

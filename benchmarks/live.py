@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hectorscope.cli.main import demo_bag
+from hectorscope.cli.opening import demo_bag
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.run.headless import run_headless
 from hectorscope.run.pipeline import Pipeline

@@ -16,7 +16,7 @@ from typing import get_args
 from playwright.sync_api import Page, sync_playwright
 
 from benchmarks.screenshots import FLAGS, SIZE
-from hectorscope.cli.main import Scene
+from hectorscope.cli.opening import Scene
 from tests.conftest import chromium_path
 
 PORT = 8719

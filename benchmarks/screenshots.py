@@ -18,7 +18,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
-from hectorscope.cli.main import Scene, demo_bag
+from hectorscope.cli.opening import Scene, demo_bag
 from hectorscope.inputs import SourceOptions
 from hectorscope.page.scene import Camera
 from hectorscope.run.warmup import load_everything

@@ -27,7 +27,7 @@ from playwright.sync_api import Browser, sync_playwright
 from benchmarks import tables
 from benchmarks.page import cpu_seconds
 from benchmarks.screenshots import FLAGS, SIZE
-from hectorscope.cli.main import Scene, demo_bag
+from hectorscope.cli.opening import Scene, demo_bag
 from tests.conftest import chromium_path
 
 PORT = 8721

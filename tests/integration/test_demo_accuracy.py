@@ -2,7 +2,7 @@
 
 import pytest
 
-from hectorscope.cli.main import Scene, demo_bag
+from hectorscope.cli.opening import Scene, demo_bag
 from hectorscope.inputs import SourceOptions
 from hectorscope.run.headless import run_headless
 from hectorscope.run.metrics import metrics

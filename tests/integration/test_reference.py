@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 import pytest
 
-from hectorscope.cli.main import demo_bag
+from hectorscope.cli.opening import demo_bag
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.sources import open_source
 from slam_core.config import SlamConfig

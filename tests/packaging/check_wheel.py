@@ -69,7 +69,7 @@ def install(wheel: Path, folder: Path) -> Path:
 
 def check_demo(scripts: Path, folder: Path) -> None:
     """A bundled recording, headless."""
-    code = "from hectorscope.cli.main import demo_bag; print(demo_bag('arena'))"
+    code = "from hectorscope.cli.opening import demo_bag; print(demo_bag('arena'))"
     bag = run(scripts / "python", "-I", "-c", code, cwd=folder).strip()
     print(run(scripts / "hectorscope", "run", bag, "--out", folder / "out", cwd=folder).strip().splitlines()[-1])
     for name in ("trajectory.tum", "map.pgm", "map.npz", "metrics.json"):

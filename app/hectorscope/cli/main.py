@@ -4,46 +4,35 @@ import gc
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any
 
 import tyro
 
-from hectorscope.cli.interruption import delivered_later, ended_by_interruption, undisturbed
+from hectorscope.cli.interruption import delivered_later, ended_by_interruption
+from hectorscope.cli.opening import Scene, checked, demo_bag, get_ready, opened
 from hectorscope.cli.options import (
     ExportArg,
     MapArgs,
-    MapFlags,
     PageArgs,
-    PageFlags,
     SettingArgs,
-    SettingFlags,
     SourceArgs,
     help_asked,
+    source_flags,
     source_options,
 )
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
-from hectorscope.common.resources import resource_folder
 from hectorscope.common.terminal import printable
-from hectorscope.inputs import Source, SourceOptions
-from hectorscope.run.report import Report
+from hectorscope.inputs import SourceOptions
 from hectorscope.sources import open_source
 from slam_core.errors import SlamError
 
-if TYPE_CHECKING:
-    from hectorscope.checks.sensor_check import CheckedSource
-
 # What takes long to import (viser, numba, rosbags) is imported by the command that needs it: help comes at once.
 
-Scene = Literal["arena", "littoral", "handheld"]
-Bag = Annotated[
-    Path,
-    tyro.conf.Positional,
-    tyro.conf.arg(help="A .bag, .mcap, .db3, a rosbag2 folder, or a CARMEN or tinySLAM log."),
-]
+BAG = "A .bag, .mcap, .db3, a rosbag2 folder, or a CARMEN or tinySLAM log."
+Bag = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(help=BAG)]
 
 MISTAKE = 2
 LOST = 3
@@ -55,24 +44,31 @@ class EmptyArgumentError(SlamError):
     """A flag without its value."""
 
 
-class DemoError(SlamError):
-    """The recordings that come with the program are not there."""
-
-
 def demo(
     scene: Annotated[Scene, tyro.conf.Positional, tyro.conf.arg(help="Which of the paper's scenarios.")] = "arena",
     *,
     settings: SettingArgs,
     saved: MapArgs,
     page: PageArgs,
-) -> None:
+) -> int:
     """Show one of the simulated recordings that come with the program."""
-    _show(open_source(str(demo_bag(scene)), SourceOptions()), settings, saved, page)
+    shown = open_source(str(demo_bag(scene)), SourceOptions())
+    return _show(shown, settings, saved, page, partial(opened, source_flags(), settings))
 
 
-def view(bag: Bag, *, settings: SettingArgs, saved: MapArgs, source: SourceArgs, page: PageArgs) -> None:
-    """Show a recording in the browser."""
-    _show(_checked(str(bag), source, settings), settings, saved, page)
+def view(
+    bag: Annotated[
+        Path | None, tyro.conf.Positional, tyro.conf.arg(help=f"{BAG} Without one, choose on the page.")
+    ] = None,
+    *,
+    settings: SettingArgs,
+    saved: MapArgs,
+    source: SourceArgs,
+    page: PageArgs,
+) -> int:
+    """Show a recording in the browser; the page can open others."""
+    by_path = partial(opened, source, settings)
+    return _show(by_path(bag) if bag else None, settings, saved, page, by_path, bag)
 
 
 def live(
@@ -84,9 +80,10 @@ def live(
     saved: MapArgs,
     source: SourceArgs,
     page: PageArgs,
-) -> None:
+) -> int:
     """Show the stream of a running robot in the browser."""
-    _show(_checked(address, source, settings), settings, saved, page)
+    shown = checked(address, source, settings)
+    return _show(shown, settings, saved, page, partial(opened, source, settings))
 
 
 def run(
@@ -109,8 +106,8 @@ def run(
     formats = chosen_formats(export)
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
-    recording = _checked(str(bag), source, settings)
-    _get_ready()
+    recording = checked(str(bag), source, settings)
+    get_ready()
     recording.check()
     for finding in recording.report.repaired:
         print(printable(f"repaired: {finding.fact} ({finding.repair})"))
@@ -145,52 +142,12 @@ def inspect(bag: Bag, *, source: SourceArgs) -> None:
     print(inspect_bag(bag, source_options(source), repair=source.repair))
 
 
-def _checked(uri: str, flags: Any, settings: SettingFlags) -> "CheckedSource":
-    """The source behind a path or address, whose sensors are checked as it is read; SlamError for a bad one."""
-    from hectorscope.checks.sensor_check import CheckedSource  # noqa: PLC0415
+def _show(*what: Any) -> int:
+    """Serve the page; the exit code, as nothing but an interruption ends that."""
+    from hectorscope.cli.page import show  # noqa: PLC0415
 
-    settings.settings()  # a bad file is named before the source is opened
-    options = source_options(flags, settings)
-    return CheckedSource(partial(open_source, uri), options, repairs=flags.repair)
-
-
-def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFlags) -> None:
-    from hectorscope.exporters import reserved  # noqa: PLC0415
-    from hectorscope.session.engine import Engine  # noqa: PLC0415
-    from hectorscope.web.server import serve  # noqa: PLC0415
-
-    chosen, token, budget = settings.settings(), page.secret(), page.budget()
-    with reserved(page.out) if page.out is not None else nullcontext():
-        prior = saved.prior_map(chosen)
-        engine = Engine(source, chosen, prior, prepare=_get_ready, out=page.out, checkpoints=budget)
-        try:
-            serve(engine, engine.start, host=page.host, port=page.port, token=token)
-        except KeyboardInterrupt:  # once more, while the page was being closed
-            pass
-        finally:
-            with undisturbed():
-                engine.stop()
-                message = engine.save() if engine.started and page.out is not None else ""
-    if message:
-        print(printable(message))
-    sys.exit(INTERRUPTED)  # nothing else ends the serving
-
-
-def _get_ready(*report: Report) -> None:
-    """Load or compile the kernels of the first scan; what is compiled is told to a `report`, if there is one."""
-    from hectorscope.run.warmup import warm_up  # noqa: PLC0415
-
-    warm_up(*report)
-    gc.enable()
-
-
-def demo_bag(scene: Scene) -> Path:
-    """The recording of a scene, in a checkout or in an installed package; DemoError if it is in neither."""
-    folder = resource_folder("demo_bags")
-    for name in (f"{scene}.bag", f"{scene}.mcap", scene):
-        if (folder / name).exists():
-            return folder / name
-    raise DemoError(f"the recording of {scene!r} is missing: make one by `hectorscope simulate --help`")
+    show(*what)
+    return INTERRUPTED
 
 
 def _simulate_command(wanted: bool) -> Callable[..., None]:
@@ -214,7 +171,7 @@ def _simulate_command(wanted: bool) -> Callable[..., None]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code: 2 for a mistake, with a line on stderr; 3: lost; 130: interrupted."""
-    arguments = sys.argv[1:] if arguments is None else arguments
+    arguments = (sys.argv[1:] if arguments is None else arguments) or ["view"]
     if list(arguments) == ["--version"]:
         print(f"hectorscope {version('hectorscope')}")
         return 0

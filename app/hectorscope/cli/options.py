@@ -166,7 +166,7 @@ def _source_flags() -> type[Any]:
 
 @dataclass
 class PageFlags:
-    """Where the page is served, and what it leaves."""
+    """Where the page is served, what it can open, and what it leaves."""
 
     host: Annotated[str, tyro.conf.arg(help="Address to serve; others than this machine need a token.")] = (
         "127.0.0.1"
@@ -182,6 +182,13 @@ class PageFlags:
         Path | None,
         _optional("Folder for the results of `run`: saved by a button of the page, and at the end."),
     ] = None
+    folder: Annotated[
+        tyro.conf.UseAppendAction[tuple[Path, ...]],
+        _optional("Folder whose recordings the page can open; give it again for more of them."),
+    ] = ()
+    upload_limit: Annotated[
+        int, tyro.conf.arg(help="Most MiB of recordings that are dropped onto the page, together; 0 takes none.")
+    ] = 512
     checkpoints: Annotated[
         int, tyro.conf.arg(help="Most memory for checkpoints of a recording, in MiB; 0 makes seeks slow.")
     ] = 512
@@ -191,6 +198,12 @@ class PageFlags:
         if self.checkpoints < 0:
             raise SlamError(f"--checkpoints {self.checkpoints} is less than nothing: give 0 for none, or more")
         return self.checkpoints
+
+    def uploads(self) -> int:
+        """Bytes that may be sent by browsers; SlamError for less than none."""
+        if self.upload_limit < 0:
+            raise SlamError(f"--upload-limit {self.upload_limit} is less than nothing: give 0 for none, or more")
+        return self.upload_limit * 2**20
 
     def secret(self) -> str | None:
         """The token of the flag, the file or the environment, in this order; TokenError if it is of no use."""
@@ -265,7 +278,9 @@ class MapFlags:
 
 
 SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor_factory=setting_flags)]
-SourceArgs = Annotated[Any, tyro.conf.arg(name="", constructor=_source_flags())]
+source_flags = _source_flags()
+"""With nothing given, `source_flags()`."""
+SourceArgs = Annotated[Any, tyro.conf.arg(name="", constructor=source_flags)]
 MapArgs = Annotated[MapFlags, tyro.conf.arg(name="")]
 ExportArg = Annotated[
     str,

@@ -23,6 +23,7 @@ class LogPanel:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._drawn: tuple[LogEntry, ...] = ()
+        self._source = ""
         with _workspace.tab(scene, self.title, Icon.LIST_DETAILS):
             self._list = scene.server.gui.add_html(EMPTY)
 
@@ -30,9 +31,10 @@ class LogPanel:
         """Send the newest entries, if there are new ones."""
         if snapshot.log is self._drawn:
             return
-        for answer in answers(snapshot.log, self._drawn):
-            self._scene.notify(answer.text)
-        self._drawn = snapshot.log
+        if snapshot.source == self._source:  # else it is the log of another recording
+            for answer in answers(snapshot.log, self._drawn):
+                self._scene.notify(answer.text)
+        self._drawn, self._source = snapshot.log, snapshot.source
         playback = snapshot.playback
         self._list.content = log_html(snapshot.log, playback.start_ns, jumps=playback.end_ns is not None)
 

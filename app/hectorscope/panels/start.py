@@ -31,6 +31,8 @@ class StartPanel:
 def start_html(snapshot: Snapshot) -> str:
     """The card or the line; empty once there is nothing to wait for."""
     playback = snapshot.playback
+    if playback.state == "empty":
+        return NOTHING_OPEN
     if playback.state != "loading":
         return ""
     what = playback.preparing or playback.detail or READING
@@ -62,6 +64,10 @@ def progress_html(share: float | None) -> str:
 NEXT = (
     "The robot and its map appear with the first scan; with inertial data, once that has shown which way is up,"
     " which takes about half a second of the recording."
+)
+NOTHING_OPEN = (
+    '<div class="hs-start"><h2>No recording is open</h2><p>Choose one of this machine, or drop a file onto this'
+    ' page.</p><button type="button" class="hs-wide" data-hs-do="recordings">Open a recording</button></div>'
 )
 READING = "Reading the first scans"
 

@@ -47,7 +47,7 @@ def run_html(snapshot: Snapshot) -> str:
         chip = _chip("searching", "waiting", snapshot.searching)
     # What the scene tells in large type is not told here, where it would be cut off.
     detail = "" if message(snapshot) else text(playback.detail)
-    stands = playback.state in ("paused", "ended", "failed", "waiting")
+    stands = playback.state in ("empty", "paused", "ended", "failed", "waiting")
     figures = (
         figure("time", clock((playback.time_ns - playback.start_ns) / 1e9), "time"),
         figure("scans", "–" if stands else fixed(playback.scan_rate, 1) + " Hz"),

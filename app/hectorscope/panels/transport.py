@@ -187,7 +187,9 @@ def clock_html(playback: PlaybackStatus) -> str:
     """Time now, and of how much."""
     now = clock((playback.time_ns - playback.start_ns) / 1e9)
     end_ns = playback.end_ns
-    whole = "live" if end_ns is None else "/ " + clock((end_ns - playback.start_ns) / 1e9)
+    whole = (
+        ("live" if playback.live else "") if end_ns is None else "/ " + clock((end_ns - playback.start_ns) / 1e9)
+    )
     return f'<div class="hs-clock" {tip("clock")}><b>{now}</b><span>{whole}</span></div>'
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +104,26 @@ class Repair:
 
 
 @dataclass(frozen=True, slots=True)
+class ListRecordings:
+    """Look again which recordings there are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Open:
+    """Show another recording, by its key in the list; the present run is kept for a minute."""
+
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
+class OpenUploaded:
+    """Show a recording that a browser sent. Sent by the server only. name: a label."""
+
+    path: Path
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
 
@@ -132,6 +153,9 @@ Command = (
     | ConfigureAll
     | Save
     | Repair
+    | ListRecordings
+    | Open
+    | OpenUploaded
     | Answer
     | Quit
 )

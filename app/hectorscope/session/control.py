@@ -1,5 +1,7 @@
 """Carries out commands, and holds back those that would take something away from everybody, until one agrees."""
 
+from collections.abc import Callable
+
 from hectorscope.session.commands import (
     Agree,
     ChangeSpeed,
@@ -7,6 +9,9 @@ from hectorscope.session.commands import (
     Configure,
     ConfigureAll,
     Decline,
+    ListRecordings,
+    Open,
+    OpenUploaded,
     Pause,
     Play,
     PlayPause,
@@ -19,6 +24,7 @@ from hectorscope.session.commands import (
     StepScan,
     Undo,
 )
+from hectorscope.session.library import Library
 from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
 from hectorscope.session.questions import Questions
@@ -27,14 +33,21 @@ from hectorscope.session.session import Session
 from hectorscope.session.transport import valid_speed
 from slam_core.errors import SlamError
 
+NEEDS_RECORDING = (Restart, Seek, StepScan, StepBack, Repair, Save)
+
 
 class Control:
-    """Belongs to the engine's thread. live: whether the source is a stream, which brings nothing back."""
+    """Belongs to the engine's thread. opening: hears what is opened at this moment, and "" once it is."""
 
-    def __init__(self, session: Session, saver: Saver, *, live: bool) -> None:
+    def __init__(self, session: Session, saver: Saver, library: Library, opening: Callable[[str], None]) -> None:
         self.questions = Questions()
-        self._session, self._saver, self._live = session, saver, live
+        self._session, self._saver, self._library, self._opening = session, saver, library, opening
         self._transport = session.transport
+
+    @property
+    def _live(self) -> bool:
+        """Whether the source is a stream, which brings nothing back."""
+        return self._transport.live
 
     def lapse(self) -> bool:
         """Withdraw questions and give up what was kept, once their time is over; whether something was."""
@@ -55,7 +68,9 @@ class Control:
         would_lose = self._live and loss(
             command, session.run.pipeline, session.change, stopped=self._transport.stopped
         )
-        if would_lose:
+        if self._transport.empty and isinstance(command, NEEDS_RECORDING):
+            self._refuse("No recording is open: open one first")
+        elif would_lose:
             self.questions.ask(command, would_lose.text, would_lose.agree, would_lose.decline)
         else:
             self._do(command)
@@ -68,7 +83,22 @@ class Control:
                 self._transport.play()
             case Pause():
                 self._pause()
-            case StepScan() | StepBack() | SetSpeed() | ChangeSpeed() if self._live:
+            case StepScan() | StepBack() | SetSpeed() | ChangeSpeed():
+                self._pace(command)
+            case Configure() | ConfigureAll():
+                self._configure(command)
+            case Save():
+                self._save()
+            case Restart() | Repair() | Seek():
+                self._begin_again(command)
+            case Undo() | Agree() | Decline():
+                self._answer(command)
+            case ListRecordings() | Open() | OpenUploaded():
+                self._open(command)
+
+    def _pace(self, command: StepScan | StepBack | SetSpeed | ChangeSpeed) -> None:
+        match command:
+            case _ if self._live:
                 self._refuse("A live stream has its own pace: there are no steps and no other speed")
             case StepScan():
                 self._transport.step()
@@ -79,14 +109,6 @@ class Control:
                 self._set_speed(speed)
             case ChangeSpeed(notches):
                 self._set_speed(changed_speed(self._transport.speed, notches))
-            case Configure() | ConfigureAll():
-                self._configure(command)
-            case Save():
-                self._save()
-            case Restart() | Repair() | Seek():
-                self._begin_again(command)
-            case Undo() | Agree() | Decline():
-                self._answer(command)
 
     def _begin_again(self, command: Restart | Repair | Seek) -> None:
         match command:
@@ -96,6 +118,19 @@ class Control:
                 self._session.repair()
             case Seek(time_ns):
                 self._session.seek(time_ns)
+
+    def _open(self, command: ListRecordings | Open | OpenUploaded) -> None:
+        if isinstance(command, ListRecordings):
+            self._library.refresh()
+            return
+        key = command.key if isinstance(command, Open) else self._library.add(command.path, command.name)
+        self._opening(f"Opening {self._library.name(key)}")
+        try:
+            self._session.open(self._library.open(key))
+        except SlamError as error:
+            self._refuse(str(error))
+        finally:
+            self._opening("")
 
     def _answer(self, command: Undo | Agree | Decline) -> None:
         match command:

@@ -14,7 +14,9 @@ from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Quit, Repair
 from hectorscope.session.control import Control
+from hectorscope.session.library import Library
 from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
@@ -31,8 +33,9 @@ _logger = logging.getLogger("hectorscope")
 
 
 class Engine:
-    """Runs one source through a pipeline, on a thread of its own; closes the source at the end.
+    """Runs a source through a pipeline, on a thread of its own, until another one is opened; closes it at the end.
 
+    source: None shows nothing yet. library: what can be opened instead.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     prepare: called on the engine's thread
     before anything is read, with what shows on the page what the run waits for, then or later, from any thread.
@@ -46,28 +49,30 @@ class Engine:
 
     def __init__(
         self,
-        source: Source,
+        source: Source | None = None,
         settings: Settings | None = None,
         prior_map: PriorMap | None = None,
         *,
+        library: Library | None = None,
         autoplay: bool = True,
         speed: float = 1.0,
         out: Path | None = None,
         checkpoints: int = BUDGET_MB,
         prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
-        self._source = source
+        source = source or NoRecording()
         self._prepare = prepare
         self._commands: SimpleQueue[Command] = SimpleQueue()
         self._sending = threading.Lock()
         self._sent = self._obeyed = 0
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
-        self._publisher = Publisher(source)
+        self._publisher = Publisher()
         self._transport = Transport(source.live, autoplay, speed)
         start, budget = settings or Settings(), checkpoints * MEBIBYTE
         self._session = Session(source, start, prior_map, self._transport, self._publisher, budget)
         self._saver = Saver(out, self._commands.put)
-        self._control = Control(self._session, self._saver, live=source.live)
+        self._library = library or Library()
+        self._control = Control(self._session, self._saver, self._library, self._show_opening)
         self._is_ready = False
 
     @property
@@ -101,9 +106,14 @@ class Engine:
         if self.started:
             self._thread.join(timeout=10.0)
 
+    @property
+    def saves(self) -> bool:
+        """Whether there is something to save, and a folder for it."""
+        return self.started and self._saver.out is not None and not self._transport.empty
+
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return self._saver.finish(self._session.run, self._source.report)
+        return self._saver.finish(self._session.run, self._session.source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -121,8 +131,13 @@ class Engine:
                 self._publisher.touch()
                 if self._commands.empty():
                     self._guard(self._session.process_again)
-        self._source.close()
-        self._session.intake.close()
+        self._session.close()
+
+    def _show_opening(self, text: str) -> None:
+        """What a command opens at this moment, which may take a while; empty once it has."""
+        self._transport.opening = text
+        self._publisher.touch()
+        self._publish(resting=True)
 
     def _get_ready(self) -> None:
         try:
@@ -217,7 +232,7 @@ class Engine:
         session = self._session
         session.intake.check()
         if not (pipeline := session.run.pipeline).scans:
-            raise nothing_used(self._source.name, session.report.skipped, pipeline.slam)
+            raise nothing_used(session.source.name, session.report.skipped, pipeline.slam)
         self._transport.end()
         self._publisher.touch()
         self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
@@ -225,14 +240,16 @@ class Engine:
     def _fail(self, reason: str) -> None:
         self._transport.fail(reason)
         self._session.log(reason, "error")
-        if isinstance(self._source, Repairable) and self._source.repairs and self._source.report.findings:
+        source = self._session.source
+        if isinstance(source, Repairable) and source.repairs and source.report.findings:
             self.send(Repair())
 
     def _publish(self, resting: bool) -> None:
-        if not self._publisher.due(resting):
-            return
         session = self._session
+        if not self._publisher.due(resting, live=session.source.live):
+            return
         run = Run(
+            source=session.source,
             pipeline=session.run.pipeline,
             transport=self._transport,
             config=session.run.settings.at(session.now_ns),
@@ -243,5 +260,6 @@ class Engine:
             question=self._control.questions.open,
             undo=session.undone.offer,
             behind=session.intake.behind,
+            library=self._library.listed,
         )
         self._publisher.publish(run, complete=resting)

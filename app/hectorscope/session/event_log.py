@@ -22,6 +22,13 @@ class EventLog:
         self.entries: tuple[LogEntry, ...] = ()
         self._clock = clock
         self._added_at = 0.0
+        self._noted: set[str] = set()
+
+    def is_new(self, text: str) -> bool:
+        """Whether this is asked for the first time; for what is to stand in the log once."""
+        known = text in self._noted
+        self._noted.add(text)
+        return not known
 
     def add(self, entry: LogEntry) -> None:
         """One more line, or the last one replaced where the same control was moved on."""

@@ -21,7 +21,7 @@ class Intake:
     """Hands out items one by one. A recording begins anew, or after so many items; a stream flows on."""
 
     def __init__(self, source: Source) -> None:
-        self._source = source
+        self.source = source
         self._feeder: Feeder | None = None
         self._taken = 0
         self._place: Place | None = None
@@ -51,13 +51,13 @@ class Intake:
     def get(self, timeout: float) -> Item | None:
         """The next item, or None after `timeout` seconds."""
         if self._feeder is None:
-            self._feeder = Feeder(self._source, self._place or self._taken)
+            self._feeder = Feeder(self.source, self._place or self._taken)
         if self._backlog:
             while (fresh := self._fresh(0.0)) is not None:  # or the queue would give up scans meanwhile
                 self._backlog.append(fresh)
             return self._backlog.popleft()
         item = self._fresh(timeout)
-        if item is not None and not self._source.live:
+        if item is not None and not self.source.live:
             self._taken += 1
             self._place = self._feeder.place(self._taken)
         return item
@@ -75,7 +75,7 @@ class Intake:
     def _fresh(self, timeout: float) -> Item | None:
         assert self._feeder is not None
         item = self._feeder.get(timeout)
-        if item is not None and self._source.live:
+        if item is not None and self.source.live:
             for aside in self._aside:
                 aside.came.append(item)
         return item
@@ -84,7 +84,7 @@ class Intake:
         """For a new run: a recording from its beginning, a stream from now on."""
         self._taken, self._place = 0, None
         self._backlog = deque()
-        if self._feeder is not None and (not self._source.live or self._feeder.done):
+        if self._feeder is not None and (not self.source.live or self._feeder.done):
             self.close()
 
     def put_aside(self) -> Aside:
@@ -108,3 +108,8 @@ class Intake:
         if self._feeder is not None:
             self._feeder.close()
             self._feeder = None
+
+    def end(self) -> None:
+        """Close the source: no run will go on with it."""
+        self.source.close()
+        self.close()

@@ -5,10 +5,28 @@ from dataclasses import dataclass
 
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.session.changes import SettingsChange
-from hectorscope.session.commands import Command, Configure, ConfigureAll, Play, Repair, Restart
+from hectorscope.session.commands import (
+    Command,
+    Configure,
+    ConfigureAll,
+    Open,
+    OpenUploaded,
+    Play,
+    Repair,
+    Restart,
+)
 from slam_core.errors import SlamError
 
 NAMED = 4  # settings
+
+# Why a command begins another map.
+WHY: dict[type[Command], str] = {
+    Restart: "Begin again",
+    Repair: "To repair the sensors' messages is to begin again",
+    Play: "The run has stopped; to go on is to begin again",
+    Open: "To open a recording is to leave the stream",
+    OpenUploaded: "To open a recording is to leave the stream",
+}
 
 Change = Callable[[Configure | ConfigureAll], SettingsChange | None]
 
@@ -27,15 +45,14 @@ def loss(command: Command, pipeline: Pipeline, change: Change, *, stopped: bool)
     if not pipeline.scans:
         return None
     match command:
-        case Restart():
-            return _map_loss("Begin again", pipeline)
-        case Repair() if not stopped:
-            return _map_loss("To repair the sensors' messages is to begin again", pipeline)
-        case Play() if stopped:
-            return _map_loss("The run has stopped; to go on is to begin again", pipeline)
+        case Play() if not stopped:
+            return None
+        case Repair() if stopped:
+            return None
         case Configure() | ConfigureAll():
             return _loss_by_settings(command, pipeline, change)
-    return None
+    why = next((why for kind, why in WHY.items() if isinstance(command, kind)), "")
+    return _map_loss(why, pipeline) if why else None
 
 
 def _map_loss(why: str, pipeline: Pipeline) -> Loss:

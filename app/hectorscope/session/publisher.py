@@ -11,7 +11,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.snapshot import LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
+from hectorscope.session.snapshot import Listed, LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
 from hectorscope.session.transport import Transport
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
@@ -31,6 +31,7 @@ class Run:
     The others: as in a `Snapshot`.
     """
 
+    source: Source
     pipeline: Pipeline
     transport: Transport
     config: SlamConfig
@@ -41,16 +42,15 @@ class Run:
     question: Question | None
     undo: UndoOffer | None
     behind: int
+    library: tuple[Listed, ...]
 
 
 class Publisher:
-    """Keeps the log, the map images and the pace of the snapshots of one source."""
+    """Keeps the log, the map images and the pace of the snapshots. event_log: of the recording that is shown."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self) -> None:
         self.mailbox: Mailbox[Snapshot] = Mailbox()
-        self._source = source
-        self._event_log = EventLog()
-        self._noted: set[str] = set()
+        self.event_log = EventLog()
         self._news = True
         self._sequence = 0
         self._published = 0.0
@@ -62,17 +62,17 @@ class Publisher:
 
     def log(self, entry: LogEntry) -> None:
         """One more line for the page."""
-        self._event_log.add(entry)
+        self.event_log.add(entry)
         self.touch()
 
     def touch(self) -> None:
         """There is something new to show."""
         self._news = True
 
-    def due(self, resting: bool) -> bool:
+    def due(self, resting: bool, *, live: bool) -> bool:
         """Whether to publish now: news wait for their turn, unless the engine is about to rest."""
         age = time.monotonic() - self._published
-        return (self._news and (resting or age >= SNAPSHOT_S)) or (self._source.live and age >= STREAM_S)
+        return (self._news and (resting or age >= SNAPSHOT_S)) or (live and age >= STREAM_S)
 
     def publish(self, run: Run, *, complete: bool) -> None:
         """Put a snapshot into the mailbox. complete: show the map as it is now, however recently it was drawn."""
@@ -86,8 +86,8 @@ class Publisher:
         snapshot = Snapshot(
             sequence=self._sequence,
             epoch=run.epoch,
-            source=self._source.name,
-            playback=status(self._source, run),
+            source=run.source.name,
+            playback=status(run),
             config=run.config,
             result=pipeline.result,
             trajectory=pipeline.trajectory,
@@ -99,7 +99,7 @@ class Publisher:
             map_updates=pipeline.slam.map.updates,
             scans=pipeline.scans,
             report=run.report,
-            log=self._event_log.entries,
+            log=self.event_log.entries,
             mode=pipeline.mode,
             searching=pipeline.searching,
             warnings=warnings,
@@ -108,6 +108,7 @@ class Publisher:
             obeyed=run.obeyed,
             question=run.question,
             undo=run.undo,
+            library=run.library,
         )
         self.mailbox.put(snapshot)
 
@@ -123,9 +124,8 @@ class Publisher:
             self.log_once(LogEntry(time_ns, warning, "warning", scans))
 
     def log_once(self, entry: LogEntry) -> None:
-        """A line whose text is not in the log of this session yet."""
-        if entry.text not in self._noted:
-            self._noted.add(entry.text)
+        """A line whose text is not in the log of this recording yet."""
+        if self.event_log.is_new(entry.text):
             self.log(entry)
 
     def _draw_maps(self, pipeline: Pipeline, epoch: int, complete: bool) -> None:
@@ -139,11 +139,11 @@ class Publisher:
         self._maps_s = max(MAPS_S, SHARE * (time.monotonic() - self._published))
 
 
-def status(source: Source, run: Run) -> PlaybackStatus:
+def status(run: Run) -> PlaybackStatus:
     """Where the run is."""
-    pipeline, transport = run.pipeline, run.transport
+    source, pipeline, transport = run.source, run.pipeline, run.transport
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
-    detail = transport.failure or source.report.waiting
+    detail = transport.opening or transport.failure or source.report.waiting
     if run.behind:
         detail = detail or f"catching up with the stream: {run.behind} scans behind"
     if transport.processed_again:

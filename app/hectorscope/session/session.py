@@ -8,7 +8,9 @@ from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
 from hectorscope.session.commands import Configure, ConfigureAll
+from hectorscope.session.event_log import EventLog
 from hectorscope.session.intake import Intake
+from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import LogLevel, Publisher
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
@@ -30,18 +32,21 @@ class Session:
     ) -> None:
         """budget: bytes of checkpoints."""
         self.transport = transport
-        self.intake = Intake(source)
+        self._read(Intake(source))
         self.undone = UndoStack(self._drop)
         self.epoch = 0
-        self._source, self._prior_map, self._publisher = source, prior_map, publisher
-        self._budget = budget
-        self.run = self._new_run(settings, None)
+        self._prior_map, self._publisher, self._budget = prior_map, publisher, budget
+        self.run = self._new_run(source, settings, None)
 
-    def _new_run(self, settings: Settings, now_ns: int | None) -> ActiveRun:
-        span = self._source.span_ns
-        start_ns = span[0] if span else now_ns
+    def _new_run(self, source: Source, settings: Settings, now_ns: int | None) -> ActiveRun:
+        start_ns = source.span_ns[0] if source.span_ns else now_ns
         kept = Checkpoints(self._budget)
-        return ActiveRun(settings, start_ns, self._prior_map, live=self._source.live, checkpoints=kept)
+        return ActiveRun(settings, start_ns, self._prior_map, live=source.live, checkpoints=kept)
+
+    @property
+    def source(self) -> Source:
+        """What the shown run reads."""
+        return self.intake.source
 
     @property
     def now_ns(self) -> int:
@@ -51,7 +56,7 @@ class Session:
     @property
     def report(self) -> SourceReport:
         """Counters of the source, the queue and the core."""
-        return merged(self._source.report, self.run.pipeline.skipped, self.intake.dropped)
+        return merged(self.source.report, self.run.pipeline.skipped, self.intake.dropped)
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
@@ -70,7 +75,7 @@ class Session:
 
     def repair(self) -> None:
         """Begin again with what the sensor check found put right; the source tells what, in its notes."""
-        source = self._source
+        source = self.source
         if not isinstance(source, Repairable) or not source.repair():
             self.log("The sensor check has found nothing that could be repaired", "warning", answer=True)
             return
@@ -79,14 +84,46 @@ class Session:
 
     def begin(self, settings: Settings, what: str = "") -> None:
         """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
-        run = self._new_run(settings, self.run.pipeline.time_ns or None)  # may want more memory than there is
-        if what and self.run.pipeline.scans:
-            self.run.checkpoints.forget_from(0)  # the budget is that of the shown run
-            self.undone.push(what, KeptRun(self.run, self.intake.put_aside(), self.transport.stand))
+        now_ns = self.run.pipeline.time_ns or None
+        run = self._new_run(self.source, settings, now_ns)  # may want more memory than there is
+        if what:
+            self._put_aside(what)
         self.run = run
         self.intake.begin()
         self.transport.begin()
         self._show_anew()
+
+    def open(self, source: Source) -> None:
+        """Another recording, with the settings of now from its start; the present run is kept for a minute."""
+        run = self._new_run(source, Settings(self.run.settings.at(self.now_ns)), None)
+        self._put_aside(f"opening {source.name}")
+        before, self.run, self._publisher.event_log = self.intake, run, EventLog()
+        before.begin()
+        self._read(Intake(source))
+        self._let_go(before)
+        self.transport.begin()
+        self._show_anew()
+
+    def _read(self, intake: Intake) -> None:
+        self.intake = intake
+        self.transport.live, self.transport.empty = intake.source.live, isinstance(intake.source, NoRecording)
+
+    def _put_aside(self, what: str) -> None:
+        """Keep the present run for a minute, if there is anything in it."""
+        if self.run.pipeline.scans:
+            self.run.checkpoints.forget_from(0)  # the budget is that of the shown run
+            aside, log = self.intake.put_aside(), self._publisher.event_log
+            self.undone.push(what, KeptRun(self.run, self.intake, aside, self.transport.stand, log))
+
+    def _let_go(self, intake: Intake) -> None:
+        """Close a recording once no run needs it any more."""
+        if intake is not self.intake and not self.undone.keeps(intake):
+            intake.end()
+
+    def close(self) -> None:
+        """Close what is read, and what is kept for an undo."""
+        self.undone.clear()
+        self.intake.end()
 
     def undo(self) -> None:
         """The last run, or the last values, that something else took the place of."""
@@ -96,7 +133,10 @@ class Session:
             return
         what, before = kept
         if isinstance(before, KeptRun):
-            self.run = before.run
+            self.run, self._publisher.event_log = before.run, before.event_log
+            left = self.intake
+            self._read(before.intake)
+            self._let_go(left)
             self.intake.resume(before.aside)
             self.transport.resume(before.stand)
             self._show_anew()
@@ -107,7 +147,8 @@ class Session:
 
     def _drop(self, kept: Kept) -> None:
         if isinstance(kept, KeptRun):
-            self.intake.forget(kept.aside)
+            kept.intake.forget(kept.aside)
+            self._let_go(kept.intake)
 
     def _show_anew(self) -> None:
         self.epoch += 1
@@ -115,7 +156,7 @@ class Session:
 
     def seek(self, time_ns: int) -> None:
         """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run."""
-        span = self._source.span_ns
+        span = self.source.span_ns
         if span is None:
             self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
             return
@@ -169,7 +210,7 @@ class Session:
             values,
             title,
             self.now_ns,
-            throughout=throughout and not self._source.live,
+            throughout=throughout and not self.source.live,
             prior_map=self._prior_map,
         )
 
@@ -188,7 +229,7 @@ class Session:
         """The same instant with another map; a stream cannot go back, so its map begins anew."""
         target_ns = self.transport.target_ns or self.run.pipeline.time_ns
         self.begin(change.after, change.text)
-        if self._source.live:
+        if self.source.live:
             self.log("A new map was begun: a live stream cannot be run again", "warning")
         else:
             self.transport.seek(target_ns)

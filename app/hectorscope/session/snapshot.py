@@ -17,15 +17,15 @@ from hectorscope.run.settings import Mode
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
-PlaybackState = Literal["loading", "playing", "paused", "seeking", "ended", "waiting", "failed"]
+PlaybackState = Literal["empty", "loading", "playing", "paused", "seeking", "ended", "waiting", "failed"]
 
 
 @dataclass(frozen=True, slots=True)
 class PlaybackStatus:
     """Where the run is. Times are of the recording; a live stream has no end (end_ns None).
 
-    preparing: what the run waits for until it can go on, empty if for nothing. prepared: the share of it that is
-    done, if known.
+    state: "empty" while no recording is open. preparing: what the run waits for until it can go on, empty if for
+    nothing. prepared: the share of it that is done, if known.
     """
 
     state: PlaybackState = "loading"
@@ -66,6 +66,15 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
+class Listed:
+    """A recording that can be opened. key: what it is asked for by. group: where it comes from, in words."""
+
+    key: str
+    name: str
+    group: str
+
+
+@dataclass(frozen=True, slots=True)
 class UndoOffer:
     """What can be taken back, until a time of `time.monotonic`, in seconds."""
 
@@ -86,7 +95,7 @@ class Snapshot:
     robot's place in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
-    question: what waits for an answer. undo: what can be taken back.
+    question: what waits for an answer. undo: what can be taken back. library: what else can be opened.
     """
 
     sequence: int = 0
@@ -113,3 +122,4 @@ class Snapshot:
     obeyed: int = 0
     question: Question | None = None
     undo: UndoOffer | None = None
+    library: tuple[Listed, ...] = ()

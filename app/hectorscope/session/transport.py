@@ -25,14 +25,17 @@ class Stand:
 class Transport:
     """Play, pause, one step, a seek, the end or a failure, of a recording or a live stream.
 
-    A stream flows on while it is paused: its scans are `unwanted`. processed_again: whether the last scan was so,
-    with other settings. preparing, prepared: as in a `PlaybackStatus`. clock: seconds, monotonic.
+    A stream flows on while it is paused: its scans are `unwanted`. live: whether it is one. empty: whether no
+    recording is open. opening: what is being opened, for the time that takes. processed_again: whether the last
+    scan was so, with other settings. preparing, prepared: as in a `PlaybackStatus`. clock: seconds, monotonic.
     """
 
     def __init__(
         self, live: bool, autoplay: bool = True, speed: float = 1.0, clock: Clock = time.monotonic
     ) -> None:
         self.live = live
+        self.empty = False
+        self.opening = ""
         self.preparing = ""
         self.prepared: float | None = None
         self.failure = ""
@@ -105,7 +108,7 @@ class Transport:
     @property
     def running(self) -> bool:
         """Playing, or on the way to another time."""
-        return not self.stopped and (not self._paused or self.target_ns is not None)
+        return not self.stopped and not self.empty and (not self._paused or self.target_ns is not None)
 
     @property
     def unwanted(self) -> bool:
@@ -114,7 +117,7 @@ class Transport:
 
     def patience(self, scan_ns: int | None) -> float | None:
         """Seconds to wait (None: for ever) before going on with a scan of this time, or with other data (None)."""
-        if self.stopped:
+        if self.stopped or self.empty:
             return None
         if scan_ns is None or self.live or self._single or self.target_ns is not None:
             return 0.0
@@ -150,7 +153,9 @@ class Transport:
         if self.live and not self.preparing and self._clock() - self._passed_at > SILENCE_S:
             playing = "waiting"
         choices: list[tuple[bool, PlaybackState]] = [
+            (bool(self.opening), "loading"),
             (bool(self.failure), "failed"),
+            (self.empty, "empty"),
             (self._ended, "ended"),
             (self.target_ns is not None, "seeking"),
             (self._paused and not self._single, "paused"),

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from hectorscope.run.settings import Setting
 from hectorscope.session.active_run import ActiveRun
-from hectorscope.session.intake import Aside
+from hectorscope.session.event_log import EventLog
+from hectorscope.session.intake import Aside, Intake
 from hectorscope.session.snapshot import UndoOffer
 from hectorscope.session.transport import Stand
 
@@ -16,11 +17,13 @@ MOST = 4  # each has a map of its own in memory
 
 @dataclass(frozen=True, slots=True)
 class KeptRun:
-    """A run that another one took the place of."""
+    """A run that another one took the place of. intake, event_log: of its recording."""
 
     run: ActiveRun
+    intake: Intake
     aside: Aside
     stand: Stand
+    event_log: EventLog
 
     @property
     def scans(self) -> int:
@@ -60,6 +63,10 @@ class UndoStack:
         """Seconds until one is given up; None if there is none."""
         return max(0.0, self._kept[0][0].expires - self._clock()) if self._kept else None
 
+    def keeps(self, intake: Intake) -> bool:
+        """Whether a run that is kept goes on with it."""
+        return any(isinstance(kept, KeptRun) and kept.intake is intake for _, kept in self._kept)
+
     def push(self, what: str, kept: Kept) -> None:
         """Keep one, and give up the least one if there are too many: nobody fills the memory by a held key."""
         self._kept.append((UndoOffer(what, self._clock() + UNDO_S), kept))
@@ -78,7 +85,13 @@ class UndoStack:
     def lapse(self) -> bool:
         """Give up those whose minute is over; whether there was one."""
         over = [kept for offer, kept in self._kept if offer.expires <= self._clock()]
+        self._kept = self._kept[len(over) :]
         for kept in over:
             self._drop(kept)
-        self._kept = self._kept[len(over) :]
         return bool(over)
+
+    def clear(self) -> None:
+        """Give up all."""
+        kept, self._kept = self._kept, []
+        for _, each in kept:
+            self._drop(each)

@@ -237,4 +237,4 @@ def _topics(channels: Mapping[Channel, int], beams: dict[str, int]) -> list[Topi
     ]
 
 
-SOURCE = SourceKind(_accepts, _open)
+SOURCE = SourceKind(_accepts, _open, SUFFIXES)

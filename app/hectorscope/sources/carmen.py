@@ -102,4 +102,4 @@ def _accepts(uri: str) -> bool:
     return "://" not in uri and path.suffix in SUFFIXES
 
 
-SOURCE = SourceKind(_accepts, CarmenLog)
+SOURCE = SourceKind(_accepts, CarmenLog, (*SUFFIXES, *(f"{suffix}.gz" for suffix in SUFFIXES)))

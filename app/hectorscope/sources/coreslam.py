@@ -54,4 +54,6 @@ def _open(uri: str, options: SourceOptions) -> TextLog:
     return TextLog(Path(uri), "tinySLAM log", _Parser(), options)
 
 
-SOURCE = SourceKind(accepts=lambda uri: "://" not in uri and Path(uri).suffix == ".dat", open=_open)
+SOURCE = SourceKind(
+    accepts=lambda uri: "://" not in uri and Path(uri).suffix == ".dat", open=_open, suffixes=(".dat",)
+)

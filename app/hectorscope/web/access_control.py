@@ -20,7 +20,8 @@ HOST = re.compile(r"(?P<name>[A-Za-z0-9.\-]+|\[[0-9A-Fa-f:.]+\])(:\d+)?")
 FORBIDDEN_QUERIES = ("websocket", "playbackPath")  # they make the page take scripts or scenes from elsewhere
 HEALTH = "/healthz"  # open to anybody: reports only that the server runs
 PAGE = ("/", "/index.html")
-SOCKET = "/"  # the only path at which a WebSocket is opened
+SOCKET = "/"  # where the page's WebSocket is opened
+UPLOAD = "/upload"  # where one for a recording is opened, if the server takes any; there is no third
 NO_SOCKET = "No WebSocket is opened here.\n"
 FOREIGN_HOST = "Unknown host name: use the address that was printed when the program started.\n"
 FOREIGN_ORIGIN = "Requests from other sites are refused.\n"
@@ -42,13 +43,15 @@ class AccessControl:
     """Decides over HTTP requests. `files` is everything that is served, by path; "/" is the page.
 
     token: None lets everybody in who can reach a loopback address. any_host: the server is reachable by names that
-    it cannot know, so the Host header is not checked (the token then is what protects it).
+    it cannot know, so the Host header is not checked (the token then is what protects it). uploads: whether
+    recordings are taken.
     """
 
     files: Mapping[str, File]
     token: str | None = None
     cookie: str = "hectorscope"
     any_host: bool = False
+    uploads: bool = False
 
     def answer(self, target: str, headers: Mapping[str, str]) -> Reply | None:
         """The reply to a request for `target`; None: a WebSocket is opened. Header names in lower case."""
@@ -70,10 +73,10 @@ class AccessControl:
         return self._serve(unquote(path), headers)
 
     def admits_socket(self, path: str, headers: Mapping[str, str]) -> bool:
-        """Whether a WebSocket is opened: at one path, from our host and origin, with the token; else refused."""
+        """Whether a WebSocket is opened: at two paths, from our host and origin, with the token; else refused."""
         host = headers.get("host", "")
         return (
-            path == SOCKET
+            (path == SOCKET or (path == UPLOAD and self.uploads))
             and headers.get("upgrade", "").strip().lower() == "websocket"
             and self.is_our_host(host)
             and is_same_origin(headers.get("origin"), host)

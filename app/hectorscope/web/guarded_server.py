@@ -8,7 +8,7 @@ import io
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -24,21 +24,29 @@ from websockets.http11 import Request, Response
 
 from hectorscope.common.terminal import silent_logger
 from hectorscope.page.viser_private import input_control
-from hectorscope.web.access_control import AccessControl
+from hectorscope.web.access_control import UPLOAD, AccessControl
 from hectorscope.web.messages import admit
+from hectorscope.web.uploads import Uploads
 from slam_core.errors import SlamError
 
 CAMERA_PERIOD = 0.5  # seconds between camera messages that reach viser: it sends 50 a second and nobody reads them
 MAX_MESSAGE = 64 * 1024  # bytes from a browser; a slider needs a hundred
 _starting = threading.Lock()
 
+Handler = Callable[[Any], Awaitable[None]]
+
 
 class UnguardedError(SlamError):
     """The access control cannot be put before the viser that is installed."""
 
 
-def open_server(listener: socket.socket, access: AccessControl) -> viser.ViserServer:
-    """A viser server that accepts on `listener` only, behind the access control. Takes over the socket."""
+def open_server(
+    listener: socket.socket, access: AccessControl, uploads: Uploads | None = None
+) -> viser.ViserServer:
+    """A viser server that accepts on `listener` only, behind the access control. Takes over the socket.
+
+    uploads: takes the recordings that browsers send; None refuses them.
+    """
     host, port = listener.getsockname()[:2]
     guarded: list[bool] = []
     controls: list[viser.ViserServer] = []
@@ -55,7 +63,7 @@ def open_server(listener: socket.socket, access: AccessControl) -> viser.ViserSe
             "server_header": None,
             "logger": silent_logger("hectorscope.web.websockets"),
         }
-        return websockets.asyncio.server.serve(handler, sock=listener, **options)
+        return websockets.asyncio.server.serve(routed(handler, uploads), sock=listener, **options)
 
     stand_in = SimpleNamespace(**vars(websockets))
     stand_in.asyncio = SimpleNamespace(server=SimpleNamespace(serve=serve, ServerConnection=ServerConnection))
@@ -94,11 +102,28 @@ def answer(access: AccessControl, request: Request) -> Response | None:
     return Response(reply.status.value, reply.status.phrase, sent, reply.body)
 
 
+def routed(handler: Handler, uploads: Uploads | None) -> Handler:
+    """The handler of viser for the page's connections, and that of the uploads for theirs."""
+
+    async def handle(connection: Any) -> None:
+        if connection.request.path.partition("?")[0] != UPLOAD:
+            await handler(connection)
+        elif uploads is not None:
+            with contextlib.suppress(websockets.exceptions.ConnectionClosed):
+                await uploads.receive(connection)
+
+    return handle
+
+
 def listening(find: Callable[[str], Any]) -> type[ServerConnection]:
     """A connection class that hands on only what `admit` lets pass."""
 
     class Listening(ServerConnection):
         camera_seen = -CAMERA_PERIOD
+
+        async def piece(self) -> str | bytes:
+            """For an upload: as it came."""
+            return await super().recv()
 
         async def recv(self, decode: bool | None = None) -> Any:
             while True:

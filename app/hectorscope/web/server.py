@@ -5,6 +5,7 @@ import re
 import socket
 import threading
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, Protocol
 
 from hectorscope.common.resources import resource_folder
@@ -12,7 +13,7 @@ from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
 from hectorscope.page.static_files import File, page, static_files
 from hectorscope.panels import panel_classes
-from hectorscope.session.commands import Command
+from hectorscope.session.commands import Command, OpenUploaded
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views import view_classes
@@ -20,6 +21,7 @@ from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.heartbeat import Heartbeat
 from hectorscope.web.renderer import Renderer
+from hectorscope.web.uploads import Uploads
 from slam_core.errors import SlamError
 
 log = logging.getLogger(__name__)
@@ -46,13 +48,26 @@ class Driver(Protocol):
 class PageServer:
     """Serves one engine's page from `start` to `stop`; ServerError when the address cannot be had.
 
-    port 0 takes any free one. An address that others on the network can reach needs a token (8 to 128 letters,
-    digits, _ or -), which then is part of `url`.
+    port 0 takes any free one. upload_limit: bytes of recordings that browsers may send; 0 takes none. An address
+    that others on the network can reach needs a token (8 to 128 letters, digits, _ or -), which then is part of
+    `url`.
     """
 
-    def __init__(self, engine: Driver, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None):
+    def __init__(
+        self,
+        engine: Driver,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        token: str | None = None,
+        upload_limit: int = 0,
+    ) -> None:
         self._engine, self._host, self._port, self._token = engine, host, port, token
+        self._uploads = Uploads(upload_limit, self._arrived) if upload_limit else None
         self._check()
+
+    def _arrived(self, path: Path, name: str) -> None:
+        self._engine.send(OpenUploaded(path, name))
 
     def _check(self) -> None:
         if not 0 <= self._port <= LAST_PORT:
@@ -74,7 +89,7 @@ class PageServer:
         """Take the port, build the page and begin to draw; returns at once."""
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
-        self._server = open_server(listener, self._access())
+        self._server = open_server(listener, self._access(), self._uploads)
         self.scene = Scene(self._server, self._engine.send)
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
@@ -83,9 +98,11 @@ class PageServer:
         self._renderer.start()
 
     def stop(self) -> None:
-        """Close the page and give the port back."""
+        """Close the page, give the port back, and remove what browsers sent."""
         self._renderer.stop()
         stop_server(self._server)
+        if self._uploads:
+            self._uploads.close()
 
     def _access(self) -> AccessControl:
         static = static_files(resource_folder("static"))
@@ -96,17 +113,15 @@ class PageServer:
         }
         # Cookies are shared by the ports of a host: the name keeps two programs apart.
         cookie = f"hectorscope_{self._port}"
-        return AccessControl(files, self._token, cookie, any_host=not is_loopback(self._host))
+        any_host = not is_loopback(self._host)
+        return AccessControl(files, self._token, cookie, any_host=any_host, uploads=self._uploads is not None)
 
 
-def serve(
-    engine: Driver, up: Callable[[], None], *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None
-) -> None:
+def serve(server: PageServer, up: Callable[[], None]) -> None:
     """Serve the page until interrupted; prints its address. ServerError when the port is taken.
 
     up: called once the page is there. What the engine loads would only keep a browser waiting before.
     """
-    server = PageServer(engine, host=host, port=port, token=token)
     server.start()
     print(f"Hectorscope is at {server.url}", flush=True)
     try:

@@ -71,3 +71,23 @@ def test_help_and_defaults_are_those_of_the_packages_behind() -> None:
     assert PageFlags().checkpoints == BUDGET_MB
     described = repr(get_args(ExportArg)[1])
     assert f"default: {','.join(exporter.name for exporter in chosen())}." in described
+
+
+def test_without_a_command_the_page_is_served(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    """As by `view` without a recording: what is wrong with its address is told."""
+    monkeypatch.setenv(TOKEN, "short")
+    assert main([]) == MISTAKE
+    assert "the token has 5 characters" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        (["--folder", "no/such/folder"], "--folder no/such/folder does not exist"),
+        (["--upload-limit", "-1"], "--upload-limit -1 is less than nothing"),
+    ],
+)
+def test_what_the_page_cannot_open_is_named(flags: list[str], words: str, capsys: pytest.CaptureFixture[str]):
+    """Before it is served."""
+    assert main(["view", *flags]) == MISTAKE
+    assert words in capsys.readouterr().err

@@ -44,6 +44,13 @@ def test_a_run_that_waits_later_says_so_in_a_line() -> None:
     assert "arena" not in html
 
 
+def test_without_a_recording_one_can_be_opened() -> None:
+    """The card has the button of the list, and says that a file can be dropped."""
+    html = start_html(Snapshot(playback=PlaybackStatus(state="empty")))
+    assert 'data-hs-do="recordings"' in html
+    assert "drop a file" in html
+
+
 @pytest.mark.parametrize("state", ["playing", "paused", "waiting", "failed", "ended"])
 def test_a_run_that_waits_for_nothing_shows_the_scene(state: str) -> None:
     """Nothing lies over it."""

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from mcap.writer import Writer as McapWriter
 
-from hectorscope.cli.main import demo_bag
+from hectorscope.cli.opening import demo_bag
 from hectorscope.ros.recorder import Recorder
 from slam_core.measurements import Imu, LaserScan, TruthPose
 from tests.bags import CONTAINERS, TENTH, kinds, messages_for, open_run, small_run

@@ -1,6 +1,7 @@
 """What the access control decides, request by request."""
 
 import itertools
+from dataclasses import replace
 from http import HTTPStatus
 
 import pytest
@@ -13,6 +14,7 @@ SOCKET = {**OURS, "upgrade": "websocket"}
 FILES = {"/": File("text/html; charset=utf-8", b"<html>page</html>"), "/healthz": File("text/plain", b"ok\n")}
 OPEN = AccessControl(FILES)
 LOCKED = AccessControl(FILES, token="sesame-1234", cookie="hectorscope_8080", any_host=True)
+TAKING = replace(LOCKED, uploads=True)
 
 
 def status(reply: Reply | None) -> HTTPStatus | None:
@@ -140,6 +142,11 @@ PATHS = (
     "/healthz/",
     "/?",
     "/healthz?x=/",
+    "/upload",
+    "/upload?x=/",
+    "/upload/",
+    "//upload",
+    "/%75pload",
     "*",
     "",
 )
@@ -149,9 +156,12 @@ ORIGINS = (None, "http://robot:8080", "https://robot:8080", "http://evil.example
 HOSTS = ("robot:8080", "127.0.0.1:8080", "evil example", "")
 
 
-@pytest.mark.parametrize("access", [OPEN, LOCKED], ids=["open", "locked"])
+@pytest.mark.parametrize("access", [OPEN, LOCKED, TAKING], ids=["open", "locked", "taking"])
 def test_a_socket_is_opened_for_one_kind_of_request_only(access: AccessControl) -> None:
-    """Of every path, upgrade, cookie, origin and host: at "/", from our host and origin, with the token if any."""
+    """Of every path, upgrade, cookie, origin and host: from our host and origin, with the token if any.
+
+    At "/", and at "/upload" if the server takes recordings.
+    """
     opened = set()
     for path, upgrade, cookie, origin, host in itertools.product(PATHS, UPGRADES, COOKIES, ORIGINS, HOSTS):
         given = {"upgrade": upgrade, "cookie": cookie, "origin": origin, "host": host}
@@ -162,11 +172,11 @@ def test_a_socket_is_opened_for_one_kind_of_request_only(access: AccessControl) 
             assert reply.status >= HTTPStatus.BAD_REQUEST, (path, given)
         elif access.token and reply.status == HTTPStatus.OK:
             assert path.partition("?")[0] == "/healthz" or cookie == COOKIES[1], (path, given)
-    hosts = ("robot:8080", "127.0.0.1:8080") if access is LOCKED else ("127.0.0.1:8080",)
-    cookies = COOKIES[1:2] if access is LOCKED else COOKIES
+    hosts = ("robot:8080", "127.0.0.1:8080") if access.any_host else ("127.0.0.1:8080",)
+    cookies = COOKIES[1:2] if access.token else COOKIES
     assert opened == {
         (path, upgrade, cookie, origin, host)
-        for path in ("/", "/?")
+        for path in ("/", "/?", *(("/upload", "/upload?x=/") if access.uploads else ()))
         for upgrade in ("websocket", "WebSocket")
         for cookie in cookies
         for host in hosts

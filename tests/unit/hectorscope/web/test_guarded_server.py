@@ -2,6 +2,8 @@
 
 import asyncio
 import itertools
+import json
+import random
 import socket
 import threading
 from collections.abc import Iterator
@@ -10,15 +12,18 @@ import msgspec.msgpack
 import pytest
 import viser
 from websockets.asyncio.client import connect
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Subprotocol
 
 from hectorscope.page.static_files import File
 from hectorscope.web.access_control import AccessControl
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.server import listen
+from hectorscope.web.uploads import Uploads
 
 TOKEN = "open-sesame"
+LIMIT = 3 * 2**20  # bytes of recordings
+ARRIVED: list[tuple[bytes, str]] = []
 CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": [1.0, 0.0, 0.0, 0.0],
@@ -31,10 +36,12 @@ CAMERA = {
 @pytest.fixture(scope="module")
 def locked() -> Iterator[viser.ViserServer]:
     """A server that asks for a token."""
-    access = AccessControl({"/healthz": File("text/plain", b"ok")}, token=TOKEN)
-    made = open_server(listen("127.0.0.1", 0), access)
+    access = AccessControl({"/healthz": File("text/plain", b"ok")}, token=TOKEN, uploads=True)
+    uploads = Uploads(LIMIT, lambda path, name: ARRIVED.append((path.read_bytes(), name)))
+    made = open_server(listen("127.0.0.1", 0), access, uploads)
     yield made
     stop_server(made)
+    uploads.close()
 
 
 def knock(server: viser.ViserServer, path: str, cookie: str = "") -> int:
@@ -153,8 +160,8 @@ def test_strange_addresses_are_refused(locked: viser.ViserServer, target: str) -
 
 ABSENT = ""
 REQUESTS = {
-    "path": ("/", "/healthz", "/index.html", "//", "/%2f", "/anything"),
-    "method": ("GET", "POST"),
+    "path": ("/", "/healthz", "/index.html", "//", "/%2f", "/anything", "/upload", "/upload/"),
+    "method": ("GET", "POST", "PUT"),
     "upgrade": (ABSENT, "websocket", "h2c"),
     "cookie": (ABSENT, f"hectorscope={TOKEN}", "hectorscope=wrong"),
     "origin": (ABSENT, "http://OWN", "http://evil.example", "null"),
@@ -182,7 +189,7 @@ def expected(path: str, method: str, upgrade: str, cookie: str, origin: str, hos
         (method != "GET", 0),
         (host != "OWN", 421),
         (origin not in (ABSENT, "http://OWN"), 403),
-        (upgrade == "websocket" and path == "/" and token, 101),
+        (upgrade == "websocket" and path in ("/", "/upload") and token, 101),
         (upgrade != ABSENT, 403),
         (path == "/healthz", 200),
         (not token, 401),
@@ -192,7 +199,44 @@ def expected(path: str, method: str, upgrade: str, cookie: str, origin: str, hos
 
 
 def test_the_table_of_answers(locked: viser.ViserServer) -> None:
-    """Every path, method, upgrade, cookie, Origin and Host: one kind of request opens a socket."""
+    """Every path, method, upgrade, cookie, Origin and Host: two kinds of requests open a socket."""
     requests = list(itertools.product(*REQUESTS.values()))
     answers = {request: ask(locked.get_port(), *request) for request in requests}
     assert answers == {request: expected(*request) for request in requests}
+
+
+def upload(port: int, name: str, content: bytes, piece: int = 60 * 1024) -> list[dict[str, str]]:
+    """The answers to a recording that is sent as the page does."""
+
+    async def talk() -> list[dict[str, str]]:
+        address, cookie = f"ws://127.0.0.1:{port}/upload", {"Cookie": f"hectorscope={TOKEN}"}
+        async with connect(address, additional_headers=cookie) as link:
+            await link.send(json.dumps({"name": name, "size": len(content)}))
+            answers = [json.loads(await link.recv())]
+            if "send" in answers[0]:
+                for at in range(0, len(content), piece):
+                    await link.send(content[at : at + piece])
+                answers.append(json.loads(await link.recv()))
+            return answers
+
+    return asyncio.run(talk())
+
+
+def test_a_recording_is_taken_within_the_limit(locked: viser.ViserServer) -> None:
+    """Byte by byte as it was sent; what is beyond the limit is refused before it is sent."""
+    content = random.Random(1).randbytes(2 * 2**20 + 17)
+    assert upload(locked.get_port(), "run.bag", content)[-1] == {"arrived": "run.bag"}
+    assert [(content, "run.bag")] == ARRIVED
+    (refused,) = upload(locked.get_port(), "more.bag", content)
+    assert "2.0 MiB, and 1.0 MiB of 3.0 MiB are left" in refused["refused"]
+
+
+def test_a_message_that_is_too_long_ends_the_upload(
+    locked: viser.ViserServer, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Nobody makes the server keep more than a piece in memory; nothing is printed, and it goes on."""
+    with pytest.raises(ConnectionClosed):
+        upload(locked.get_port(), "run.bag", bytes(100 * 1024), piece=100 * 1024)
+    assert upload(locked.get_port(), "run.bag", bytes(9))[-1] == {"arrived": "run.bag"}
+    assert not caplog.records
+    assert "Traceback" not in "".join(capfd.readouterr())

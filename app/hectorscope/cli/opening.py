@@ -1,0 +1,61 @@
+"""Opens what the command line names: recordings, streams, and the recordings that come with the program."""
+
+import gc
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from hectorscope.cli.options import SettingFlags, source_options
+from hectorscope.common.resources import resource_folder
+from hectorscope.inputs import Source, SourceOptions
+from hectorscope.run.report import Report
+from hectorscope.sources import open_source
+from slam_core.errors import SlamError
+
+if TYPE_CHECKING:
+    from hectorscope.checks.sensor_check import CheckedSource
+
+Scene = Literal["arena", "littoral", "handheld"]
+
+
+class DemoError(SlamError):
+    """The recordings that come with the program are not there."""
+
+
+def checked(uri: str, flags: Any, settings: SettingFlags) -> "CheckedSource":
+    """The source behind a path or address, whose sensors are checked as it is read; SlamError for a bad one."""
+    from hectorscope.checks.sensor_check import CheckedSource  # noqa: PLC0415
+
+    settings.settings()  # a bad file is named before the source is opened
+    options = source_options(flags, settings)
+    return CheckedSource(partial(open_source, uri), options, repairs=flags.repair)
+
+
+def opened(flags: Any, settings: SettingFlags, path: Path) -> Source:
+    """A recording by the flags about the sensors; those that come with the program need none."""
+    if path in demos().values():
+        return open_source(str(path), SourceOptions())
+    return checked(str(path), flags, settings)
+
+
+def demos() -> dict[str, Path]:
+    """The recordings that come with the program, by their scenes, in a checkout or in an installed package."""
+    folder, scenes = resource_folder("demo_bags"), get_args(Scene)
+    places = {scene: [folder / name for name in (f"{scene}.bag", f"{scene}.mcap", scene)] for scene in scenes}
+    there = ((scene, next(filter(Path.exists, paths), None)) for scene, paths in places.items())
+    return {scene: path for scene, path in there if path is not None}
+
+
+def demo_bag(scene: Scene) -> Path:
+    """The recording of a scene; DemoError if it is not there."""
+    if (path := demos().get(scene)) is None:
+        raise DemoError(f"the recording of {scene!r} is missing: make one by `hectorscope simulate --help`")
+    return path
+
+
+def get_ready(*report: Report) -> None:
+    """Load or compile the kernels of the first scan; what is compiled is told to a `report`, if there is one."""
+    from hectorscope.run.warmup import warm_up  # noqa: PLC0415
+
+    warm_up(*report)
+    gc.enable()

@@ -1,0 +1,135 @@
+"""Another recording is opened from the page: from the list of the server, or by dropping a file onto it."""
+
+import base64
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from hectorscope.inputs import Source, SourceOptions
+from hectorscope.run.warmup import load_everything
+from hectorscope.session.engine import Engine
+from hectorscope.session.library import Library
+from hectorscope.simulation import SimulateOptions, simulate
+from hectorscope.sources import open_source
+from hectorscope.web.server import PageServer
+from tests.browser.conftest import Open
+from tests.engines import START, state, until
+
+pytestmark = pytest.mark.browser
+
+LIMIT = 8 * 2**20
+PATIENCE_S = 120.0
+LISTED = "!!document.querySelector('[data-hs-library]') && !!window.hectorscope?.recordings"
+# What a hand does that lets a file go over the page.
+DROP = """([name, base64]) => {
+  const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  const carried = new DataTransfer();
+  carried.items.add(new File([bytes], name));
+  for (const kind of ['dragover', 'drop'])
+    document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: carried, bubbles: true, cancelable: true }));
+}"""
+
+
+@pytest.fixture(scope="module")
+def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two short recordings, one with a name that looks like markup."""
+    load_everything()
+    folder = tmp_path_factory.mktemp("bags")
+    for name, scenario in (("kitchen.bag", "rooms"), ("<b>hall<b>.bag", "corridor")):
+        simulate(SimulateOptions(scenario=scenario, out=folder / name, duration=4.0, scan_rate=10.0, beams=181))
+    return folder
+
+
+class Opened:
+    """A page without a recording, in front of a server that has some."""
+
+    def __init__(self, bags: Path) -> None:
+        self.library = Library(self._open, [bags])
+        self.engine = Engine(None, START, library=self.library, speed=float("inf"))
+        self.server = PageServer(self.engine, port=0, upload_limit=LIMIT)
+        self.server.start()
+        self.engine.start()
+
+    def _open(self, path: Path) -> Source:
+        return open_source(str(path), SourceOptions())
+
+    def stop(self) -> None:
+        """End both."""
+        self.engine.stop()
+        self.server.stop()
+
+
+@pytest.fixture
+def opened(bags: Path) -> Iterator[Opened]:
+    made = Opened(bags)
+    yield made
+    made.stop()
+
+
+def drop(page: Page, name: str, content: bytes) -> None:
+    """Let a file go over the page."""
+    page.evaluate(DROP, [name, base64.b64encode(content).decode()])
+
+
+def test_a_recording_is_chosen_from_the_list(opened: Opened, open_page: Open) -> None:
+    """The empty page offers the list, with names as they are; the one that is clicked runs for every browser."""
+    page, other = (open_page(opened.server.url, LISTED) for _ in range(2))
+    page.get_by_role("button", name="Open a recording", exact=True).click()
+    listed = page.locator(".hs-recordings-list button")
+    expect(listed).to_have_text(["<b>hall<b>.bag", "kitchen.bag"])
+    page.get_by_role("searchbox", name="Find a recording").fill("hall")
+    expect(listed).to_have_count(1)
+    listed.click()
+    until(opened.engine, lambda now: now.source == "<b>hall<b>.bag" and now.scans, PATIENCE_S)
+    for each in (page, other):
+        expect(each.locator(".hs-source")).to_have_text("<b>hall<b>.bag")
+        each.wait_for_function("!!window.__viserMutable.nodeRefFromName['/floor/map/level0']")
+    expect(page.locator(".hs-recordings")).to_be_hidden()
+
+
+def test_a_new_recording_is_in_the_list_when_it_is_opened(opened: Opened, open_page: Open, bags: Path) -> None:
+    """By the key O; the folder is looked at anew."""
+    page = open_page(opened.server.url, LISTED)
+    new = bags / "new.bag"
+    new.write_bytes((bags / "kitchen.bag").read_bytes())
+    try:
+        page.locator("body").press("o")
+        expect(page.locator(".hs-recordings-list button", has_text="new.bag")).to_be_visible()
+    finally:
+        new.unlink()
+
+
+def test_a_file_that_is_dropped_is_opened(opened: Opened, open_page: Open, bags: Path) -> None:
+    """Under its own name, with the same result as from the folder; then it is in the list."""
+    page = open_page(opened.server.url, LISTED)
+    drop(page, "mine.bag", (bags / "kitchen.bag").read_bytes())
+    ended = state("ended")
+    shown = until(opened.engine, lambda now: now.source == "mine.bag" and ended(now), PATIENCE_S)
+    expect(page.locator(".hs-source")).to_have_text("mine.bag")
+    expect(page.locator(".hs-recordings")).to_be_hidden()
+    assert shown.scans > 30
+    assert "mine.bag" in [each.name for each in shown.library]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reason"),
+    [
+        ("huge.bag", bytes(LIMIT + 1), "huge.bag has 8.0 MiB, and 8.0 MiB of 8.0 MiB are left"),
+        ("notes.txt", b"words", "notes.txt is no recording by its name"),
+    ],
+)
+def test_a_file_that_is_not_taken_is_refused_in_words(
+    opened: Opened, open_page: Open, name: str, content: bytes, reason: str
+) -> None:
+    """In the dialogue, which stays open; nothing else changes, and another file can be dropped."""
+    page = open_page(opened.server.url, LISTED)
+    drop(page, name, content)
+    status = page.locator(".hs-recordings-status")
+    expect(status).to_contain_text(reason)
+    expect(page.locator(".hs-recordings")).to_be_visible()
+    drop(page, "broken.bag", b"nothing of use")
+    until(opened.engine, lambda now: any("broken.bag" in entry.text for entry in now.log), PATIENCE_S)
+    assert opened.engine.mailbox.latest is not None
+    assert opened.engine.mailbox.latest.playback.state == "empty"

@@ -1,0 +1,141 @@
+"""A recording that a browser sends: taken piece by piece, within the limit, and never under a path of its own."""
+
+import asyncio
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hectorscope.web import uploads as module
+from hectorscope.web.uploads import Uploads
+
+LIMIT = 1000
+
+
+class Browser:
+    """Sends what the test says and keeps the answers; gone when it has nothing more."""
+
+    def __init__(self, *messages: str | bytes) -> None:
+        self._messages = list(messages)
+        self.answers: list[dict[str, Any]] = []
+
+    async def piece(self) -> str | bytes:
+        """The next."""
+        if not self._messages:
+            raise ConnectionError("gone")
+        return self._messages.pop(0)
+
+    async def send(self, message: str) -> None:
+        """Keep it."""
+        self.answers.append(json.loads(message))
+
+
+class Shelf:
+    """What arrived."""
+
+    def __init__(self, limit: int = LIMIT) -> None:
+        self.arrived: list[tuple[Path, str, bytes]] = []
+        self.uploads = Uploads(limit, lambda path, name: self.arrived.append((path, name, path.read_bytes())))
+
+    def receive(self, *messages: str | bytes) -> list[dict[str, Any]]:
+        """The answers to a browser that sends these."""
+        browser = Browser(*messages)
+        try:
+            asyncio.run(self.uploads.receive(browser))
+        except ConnectionError:
+            browser.answers.append({"gone": True})
+        return browser.answers
+
+    def files(self) -> list[Path]:
+        """What lies in the folder."""
+        assert self.uploads._folder is not None
+        return list(Path(self.uploads._folder.name).iterdir())
+
+
+def head(name: str, size: object) -> str:
+    return json.dumps({"name": name, "size": size})
+
+
+def test_a_recording_arrives_whole() -> None:
+    """The server says go, takes the pieces in order, and tells when it has all; the end removes it."""
+    shelf = Shelf()
+    answers = shelf.receive(head("run.bag", 6), b"abc", b"def")
+    assert answers == [{"send": 6}, {"arrived": "run.bag"}]
+    ((path, name, content),) = shelf.arrived
+    assert (name, content, path.suffix) == ("run.bag", b"abcdef", ".bag")
+    shelf.uploads.close()
+    assert not path.parent.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("../../etc/run.bag", "run.bag"),
+        ("C:\\bags\\run.bag", "run.bag"),
+        ("a\x1b[31m\n.bag", "a\N{REPLACEMENT CHARACTER}[31m\N{REPLACEMENT CHARACTER}.bag"),
+        ("x" * 500 + ".mcap", "x" * 115 + ".mcap"),
+        ("..bag", "..bag"),
+    ],
+)
+def test_the_name_is_only_a_label(name: str, label: str) -> None:
+    """No part of it but a known suffix is in the path; the label is short and can be printed."""
+    shelf = Shelf()
+    shelf.receive(head(name, 1), b"x")
+    ((path, shown, _),) = shelf.arrived
+    assert shown == label
+    assert path.name in ("0.bag", "0.mcap")
+    shelf.uploads.close()
+
+
+def test_beyond_the_limit_a_recording_is_refused() -> None:
+    """Together with those that came before; the remedy is named, and nothing of it is kept."""
+    shelf = Shelf()
+    shelf.receive(head("first.bag", 600), b"x" * 600)
+    (refused,) = shelf.receive(head("second.bag", 401))
+    assert "second.bag has" in refused["refused"] and "--upload-limit" in refused["refused"]
+    assert [path.name for path in shelf.files()] == ["0.bag"]
+    assert shelf.receive(head("third.bag", 400), b"x" * 400)[-1] == {"arrived": "third.bag"}
+    shelf.uploads.close()
+
+
+@pytest.mark.parametrize("pieces", [(b"x" * 11,), (b"x" * 6, b"x" * 5), ("text",), (b"",), (b"x" * 4,)], ids=len)
+def test_what_is_not_as_announced_leaves_nothing(pieces: tuple[str | bytes, ...]) -> None:
+    """More than was said, another kind of message, a browser that goes: the file is removed, the room is free."""
+    shelf = Shelf()
+    answers = shelf.receive(head("run.bag", 10), *pieces)
+    assert "refused" in answers[-1] or answers[-1] == {"gone": True}
+    assert shelf.arrived == shelf.files() == []
+    assert shelf.receive(head("next.bag", LIMIT), b"x" * LIMIT)[-1] == {"arrived": "next.bag"}
+    shelf.uploads.close()
+
+
+@pytest.mark.parametrize(
+    "first",
+    [
+        b"bytes", "{", "[]", "null", "[" * 1500, "x" * 3000, head("run.bag", -1), head("run.bag", True), "{}",
+        head("run.bag", 1.5), head("run.bag", "9"), '{"name": 3, "size": 9}', head("run.exe", 9), head("run", 9),
+        head(".", 9), head("", 9), head("run.bag", 0),
+    ],
+)  # fmt: skip
+def test_what_makes_no_sense_is_refused_in_a_sentence(first: str | bytes) -> None:
+    """And no folder is made for it."""
+    shelf = Shelf()
+    (answer,) = shelf.receive(first)
+    assert answer["refused"]
+    assert shelf.uploads._folder is None
+
+
+def test_a_browser_that_falls_silent_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its room is free again."""
+    monkeypatch.setattr(module, "IDLE_S", 0.01)
+
+    class Silent(Browser):
+        async def piece(self) -> str | bytes:
+            return await super().piece() if self._messages else await asyncio.sleep(60.0, b"")
+
+    shelf, browser = Shelf(), Silent(head("run.bag", 10), b"x")
+    asyncio.run(shelf.uploads.receive(browser))
+    assert "nothing came" in browser.answers[-1]["refused"]
+    assert shelf.files() == []
+    shelf.uploads.close()
