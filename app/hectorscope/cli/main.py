@@ -162,7 +162,15 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
     chosen, token, budget = settings.settings(), page.secret(), page.budget()
     with reserved(page.out) if page.out is not None else nullcontext():
         prior = saved.prior_map(chosen)
-        engine = Engine(source, chosen, prior, prepare=_get_ready, out=page.out, checkpoints=budget)
+        engine = Engine(
+            source,
+            chosen,
+            prior,
+            prepare=_get_ready,
+            out=page.out,
+            checkpoints=budget,
+            runs_ahead=page.ahead,
+        )
         try:
             serve(engine, engine.start, host=page.host, port=page.port, token=token)
         except KeyboardInterrupt:  # once more, while the page was being closed

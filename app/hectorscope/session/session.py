@@ -2,18 +2,22 @@
 
 from collections.abc import Mapping
 
-from hectorscope.inputs import Repairable, Source, SourceReport, merged
+from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
+from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
 from hectorscope.session.commands import Configure, ConfigureAll
+from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
 from hectorscope.session.publisher import LogLevel, Publisher
-from hectorscope.session.snapshot import LogEntry
+from hectorscope.session.snapshot import Ahead, LogEntry
 from hectorscope.session.transport import Transport
 from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
+
+PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 
 
 class Session:
@@ -27,14 +31,16 @@ class Session:
         transport: Transport,
         publisher: Publisher,
         budget: int,
+        *,
+        runs_ahead: bool = True,
     ) -> None:
-        """budget: bytes of checkpoints."""
+        """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown."""
         self.transport = transport
         self.intake = Intake(source)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
         self._source, self._prior_map, self._publisher = source, prior_map, publisher
-        self._budget = budget
+        self._budget, self._runs_ahead = budget, runs_ahead and not source.live
         self.run = self._new_run(settings, None)
 
     def _new_run(self, settings: Settings, now_ns: int | None) -> ActiveRun:
@@ -52,6 +58,20 @@ class Session:
     def report(self) -> SourceReport:
         """Counters of the source, the queue and the core."""
         return merged(self._source.report, self.run.pipeline.skipped, self.intake.dropped)
+
+    @property
+    def ahead(self) -> Ahead:
+        """What is known of the run, by what is shown or by what runs ahead of it."""
+        run = self.run
+        known = run.furthest
+        return Ahead(
+            lineage=(run.number, run.revision),
+            time_ns=known.time_ns,
+            whole=run.head is not None and run.head.done,
+            series=known.series.view(SERIES_DTYPE).reshape(-1),
+            settings=run.settings,
+            warned=known.warned.copy(),
+        )
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
@@ -74,14 +94,14 @@ class Session:
         if not isinstance(source, Repairable) or not source.repair():
             self.log("The sensor check has found nothing that could be repaired", "warning", answer=True)
             return
-        self.intake.close()
+        self.close()
         self.begin(self.run.settings, "repair")
 
     def begin(self, settings: Settings, what: str = "") -> None:
         """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
         run = self._new_run(settings, self.run.pipeline.time_ns or None)  # may want more memory than there is
+        self.run.put_aside()
         if what and self.run.pipeline.scans:
-            self.run.checkpoints.forget_from(0)  # the budget is that of the shown run
             self.undone.push(what, KeptRun(self.run, self.intake.put_aside(), self.transport.stand))
         self.run = run
         self.intake.begin()
@@ -96,6 +116,7 @@ class Session:
             return
         what, before = kept
         if isinstance(before, KeptRun):
+            self.run.put_aside()
             self.run = before.run
             self.intake.resume(before.aside)
             self.transport.resume(before.stand)
@@ -139,13 +160,11 @@ class Session:
 
     def _go_to(self, checkpoint: Checkpoint | None) -> None:
         """The same run at a checkpoint, or at its beginning."""
-        if checkpoint is None:
-            checkpoints = self.run.checkpoints
-            self.begin(self.run.settings)
-            self.run.checkpoints = checkpoints
-            return
         self.run.go_to(checkpoint)
-        self.intake.go_to(checkpoint.place)
+        if checkpoint is None:
+            self.intake.begin()
+        else:
+            self.intake.go_to(checkpoint.place)
         self.transport.begin()
         self._show_anew()
 
@@ -153,6 +172,29 @@ class Session:
         """Keep a checkpoint if the run is at a place where the recording can be gone on from."""
         if place := self.intake.place:
             self.run.checkpoints.add(self.run.pipeline, place)
+
+    def run_ahead(self, seconds: float) -> bool:
+        """Run on ahead of what is shown for about so long; whether there is more to do."""
+        head = self.run.head or self._begun_head()
+        if head is None or head.done:
+            return False
+        head.advance(seconds)
+        if head.done or self._publisher.age >= PROGRESS_S:
+            self._publisher.touch()
+        return True
+
+    def _begun_head(self) -> Head | None:
+        """Once the source gives items: before, its sensors are checked, and may be repaired."""
+        if not self._runs_ahead or not self.intake.begun:
+            return None
+        source = self._source.again() if isinstance(self._source, Rereadable) else None
+        self._runs_ahead = source is not None
+        return self.run.run_ahead(source) if source else None
+
+    def close(self) -> None:
+        """Stop reading. A live source must be closed before."""
+        self.run.put_aside()
+        self.intake.close()
 
     # ----------------------------------------------------------------------------------------------- settings
 
