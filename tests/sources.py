@@ -3,6 +3,8 @@
 import queue
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from copy import copy
+from typing import Self
 
 from hectorscope.inputs import Item, SourceReport
 
@@ -39,6 +41,12 @@ class MemoryRecording:
         assert isinstance(place, Counter)
         self._read = place.copy()
         return self._after(place.total())
+
+    def again(self) -> Self:
+        """A reading of its own."""
+        other = copy(self)
+        other._read = Counter()
+        return other
 
     def items(self) -> Iterator[Item]:
         """Everything, from the beginning."""

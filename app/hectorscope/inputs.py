@@ -146,6 +146,14 @@ class Seekable(Source, Protocol):
 
 
 @runtime_checkable
+class Rereadable(Source, Protocol):
+    """A recording that can be read at several places at the same time."""
+
+    def again(self) -> "Seekable | None":
+        """The same recording, with a place and counters of its own; close it first. None: not possible."""
+
+
+@runtime_checkable
 class Repairable(Source, Protocol):
     """An input whose sensors are checked, and that can be opened again with what was found put right.
 

@@ -10,6 +10,7 @@ from hectorscope.inputs import (
     SENSOR_OPTIONS,
     Finding,
     Item,
+    Rereadable,
     Seekable,
     Source,
     SourceError,
@@ -136,6 +137,10 @@ class CheckedSource:
         """Of the source, which gave the place."""
         assert isinstance(self._source, Seekable)
         return self._source.items_from(place)
+
+    def again(self) -> Seekable | None:
+        """Of the source, which must be checked already."""
+        return self._source.again() if isinstance(self._source, Rereadable) else None
 
     def check(self) -> None:
         """Look at the beginning of a recording, once; DeviceError if it does not bear out its messages."""

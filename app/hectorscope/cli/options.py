@@ -193,6 +193,11 @@ class PageFlags:
         int, tyro.conf.arg(help="Most memory for checkpoints of a recording, in MiB; 0 makes seeks slow.")
     ] = 512
 
+    ahead: Annotated[
+        bool,
+        tyro.conf.arg(name="pass", help="Run a recording to its end in spare time, ahead of what is shown."),
+    ] = True
+
     def budget(self) -> int:
         """MiB of checkpoints; SlamError for less than none."""
         if self.checkpoints < 0:

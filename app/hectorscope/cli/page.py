@@ -30,7 +30,14 @@ def show(
     with reserved(page.out) if page.out is not None else nullcontext():
         prior = saved.prior_map(chosen)
         engine = Engine(
-            source, chosen, prior, library=library, prepare=get_ready, out=page.out, checkpoints=budget
+            source,
+            chosen,
+            prior,
+            library=library,
+            out=page.out,
+            checkpoints=budget,
+            runs_ahead=page.ahead,
+            prepare=get_ready,
         )
         server = PageServer(
             engine, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads()

@@ -104,9 +104,14 @@ class Checkpoints:
     def __len__(self) -> int:
         return len(self._kept)
 
+    @property
+    def last(self) -> Checkpoint | None:
+        """The one that is furthest; None without any."""
+        return self._kept[-1] if self._kept else None
+
     def add(self, pipeline: Pipeline, place: Place) -> None:
         """The run is at a place: the pipeline is kept if it is further than all kept ones, and it is time."""
-        last = self._kept[-1] if self._kept else None
+        last = self.last
         since = pipeline.scans_read - (last.scans_read if last else 0)
         if not self._budget or not pipeline.scans or since < self._apart:
             return

@@ -2,23 +2,30 @@
 
 from collections import deque
 from collections.abc import Callable
+from functools import partial
+from itertools import count
 from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
-from hectorscope.inputs import Item
+from hectorscope.inputs import Item, Source
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
+from hectorscope.session.head import Head
 from hectorscope.session.rework import Rework
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
 from slam_core.results import StepResult
 
+_numbers = count(1)
+
 
 class ActiveRun:
     """Everything that makes a run what it is: put aside and taken up again, it goes on as if nothing had been.
 
+    number: no other run has it. revision: grows with each change of settings. pipeline: what is shown. head: runs
+    ahead of it; None for a stream, and before `run_ahead`. checkpoints: of both.
     sought: whether it was said that the robot is not found in the map. folder: where it was saved.
     """
 
@@ -31,14 +38,23 @@ class ActiveRun:
         live: bool,
         checkpoints: Checkpoints | None = None,
     ) -> None:
-        self.pipeline = Pipeline(settings, start_ns, prior_map, live=live)
+        self._begun = partial(Pipeline, start_ns=start_ns, prior_map=prior_map, live=live)
+        self.pipeline = self._begun(settings)
         self.settings = settings
         self.checkpoints = Checkpoints() if checkpoints is None else checkpoints
+        self.head: Head | None = None
+        self.number, self.revision = next(_numbers), 0
         self.sought = False
         self.folder: Path | None = None
         self._ready: deque[Measurement] = deque()
         self._rework: Rework | None = None
         self._outdated = False
+
+    @property
+    def furthest(self) -> Pipeline:
+        """What is shown, or what has run ahead of it."""
+        ahead = self.head.pipeline if self.head else self.pipeline
+        return ahead if ahead.scans_read > self.pipeline.scans_read else self.pipeline
 
     @property
     def waiting(self) -> Measurement | None:
@@ -85,12 +101,27 @@ class ActiveRun:
     def configure(self, settings: Settings, now_ns: int) -> None:
         """Other settings, changed at that time."""
         self.settings = self.pipeline.settings = settings
+        self.revision += 1
         self.checkpoints.forget_from(now_ns)
+        if self.head is not None:
+            self.head.configure(settings, now_ns)
         self._outdated = now_ns <= self.pipeline.time_ns
 
-    def go_to(self, checkpoint: Checkpoint) -> None:
-        """Go on from an instant that was passed."""
-        self.pipeline = checkpoint.pipeline(self.settings)
+    def run_ahead(self, source: Source) -> Head:
+        """Begin to run ahead of what is shown, by a reading of its own."""
+        self.head = Head(source, self._begun, self.settings, self.checkpoints)
+        return self.head
+
+    def put_aside(self) -> None:
+        """Another run is shown from now on: it has the budget of the checkpoints, and the time to run ahead."""
+        self.checkpoints.forget_from(0)
+        if self.head is not None:
+            self.head.close()
+            self.head = None
+
+    def go_to(self, checkpoint: Checkpoint | None) -> None:
+        """Go on from an instant that was passed, or from the beginning."""
+        self.pipeline = checkpoint.pipeline(self.settings) if checkpoint else self._begun(self.settings)
         self._ready.clear()
         self._rework, self._outdated = None, False
 

@@ -27,6 +27,8 @@ from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
 
 ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
+AHEAD_S = 0.008  # how long a command or a scan may wait while the recording is run ahead
+BREAK_S = 0.001  # between two such slices the threads that serve the page have the interpreter
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
 
 _logger = logging.getLogger("hectorscope")
@@ -37,8 +39,9 @@ class Engine:
 
     source: None shows nothing yet. library: what can be opened instead.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
-    prepare: called on the engine's thread
-    before anything is read, with what shows on the page what the run waits for, then or later, from any thread.
+    runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
+    prepare: called on the engine's thread before anything is read, with what shows on the page what the run waits
+    for, then or later, from any thread.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
     What would take the map of a stream away is not done before a person agrees, and what was taken away can be
@@ -58,6 +61,7 @@ class Engine:
         speed: float = 1.0,
         out: Path | None = None,
         checkpoints: int = BUDGET_MB,
+        runs_ahead: bool = True,
         prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
         source = source or NoRecording()
@@ -69,7 +73,9 @@ class Engine:
         self._publisher = Publisher()
         self._transport = Transport(source.live, autoplay, speed)
         start, budget = settings or Settings(), checkpoints * MEBIBYTE
-        self._session = Session(source, start, prior_map, self._transport, self._publisher, budget)
+        self._session = Session(
+            source, start, prior_map, self._transport, self._publisher, budget, runs_ahead=runs_ahead
+        )
         self._saver = Saver(out, self._commands.put)
         self._library = library or Library()
         self._control = Control(self._session, self._saver, self._library, self._show_opening)
@@ -172,13 +178,20 @@ class Engine:
             self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
             if patience == 0.0 and self._commands.empty():
                 return None
-            lapse = self._control.patience
-            sooner = patience if lapse is None or (patience is not None and patience <= lapse) else lapse
+            left = (patience, self._control.patience, self._run_ahead(patience))
+            sooner = min((seconds for seconds in left if seconds is not None), default=None)
             try:
                 return self._commands.get(timeout=sooner)
             except Empty:
                 if sooner == patience:
                     return None
+
+    def _run_ahead(self, patience: float | None) -> float | None:
+        """Use the time before the next scan to run ahead; seconds until the next such turn, if any."""
+        slice_s = AHEAD_S if patience is None else min(AHEAD_S, patience)
+        if slice_s < BREAK_S or not self._commands.empty() or not self._session.run_ahead(slice_s):
+            return None
+        return BREAK_S
 
     def _is_paced(self, waiting: Measurement) -> bool:
         """Whether it is a scan that waits for its time; there is nothing to see before the filter is aligned."""
@@ -245,6 +258,8 @@ class Engine:
             self.send(Repair())
 
     def _publish(self, resting: bool) -> None:
+        if self._transport.hurries:
+            return
         session = self._session
         if not self._publisher.due(resting, live=session.source.live):
             return
@@ -259,6 +274,7 @@ class Engine:
             obeyed=self._obeyed,
             question=self._control.questions.open,
             undo=session.undone.offer,
+            ahead=session.ahead,
             behind=session.intake.behind,
             library=self._library.listed,
         )

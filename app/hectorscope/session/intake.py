@@ -63,6 +63,11 @@ class Intake:
         return item
 
     @property
+    def begun(self) -> bool:
+        """Whether an item was handed out since the beginning."""
+        return self._taken > 0
+
+    @property
     def place(self) -> Place | None:
         """Where the next item comes from, if that was noted."""
         return self._place

@@ -11,7 +11,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.snapshot import Listed, LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
+from hectorscope.session.snapshot import Ahead, Listed, LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
 from hectorscope.session.transport import Transport
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
@@ -41,6 +41,7 @@ class Run:
     obeyed: int
     question: Question | None
     undo: UndoOffer | None
+    ahead: Ahead
     behind: int
     library: tuple[Listed, ...]
 
@@ -69,10 +70,15 @@ class Publisher:
         """There is something new to show."""
         self._news = True
 
+    @property
+    def age(self) -> float:
+        """Seconds since the last snapshot."""
+        return time.monotonic() - self._published
+
     def due(self, resting: bool, *, live: bool) -> bool:
         """Whether to publish now: news wait for their turn, unless the engine is about to rest."""
-        age = time.monotonic() - self._published
-        return (self._news and (resting or age >= SNAPSHOT_S)) or (live and age >= STREAM_S)
+        waited = self._news and (resting or self.age >= SNAPSHOT_S)
+        return waited or (live and self.age >= STREAM_S)
 
     def publish(self, run: Run, *, complete: bool) -> None:
         """Put a snapshot into the mailbox. complete: show the map as it is now, however recently it was drawn."""
@@ -109,6 +115,7 @@ class Publisher:
             question=run.question,
             undo=run.undo,
             library=run.library,
+            ahead=run.ahead,
         )
         self.mailbox.put(snapshot)
 

@@ -2,20 +2,24 @@
 
 from collections.abc import Mapping
 
-from hectorscope.inputs import Repairable, Source, SourceReport, merged
+from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
+from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
 from hectorscope.session.commands import Configure, ConfigureAll
 from hectorscope.session.event_log import EventLog
+from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
 from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import LogLevel, Publisher
-from hectorscope.session.snapshot import LogEntry
+from hectorscope.session.snapshot import Ahead, LogEntry
 from hectorscope.session.transport import Transport
 from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
+
+PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 
 
 class Session:
@@ -29,13 +33,16 @@ class Session:
         transport: Transport,
         publisher: Publisher,
         budget: int,
+        *,
+        runs_ahead: bool = True,
     ) -> None:
-        """budget: bytes of checkpoints."""
+        """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown."""
         self.transport = transport
         self._read(Intake(source))
         self.undone = UndoStack(self._drop)
         self.epoch = 0
-        self._prior_map, self._publisher, self._budget = prior_map, publisher, budget
+        self._prior_map, self._publisher = prior_map, publisher
+        self._budget, self._runs_ahead = budget, runs_ahead
         self.run = self._new_run(source, settings, None)
 
     def _new_run(self, source: Source, settings: Settings, now_ns: int | None) -> ActiveRun:
@@ -58,6 +65,20 @@ class Session:
         """Counters of the source, the queue and the core."""
         return merged(self.source.report, self.run.pipeline.skipped, self.intake.dropped)
 
+    @property
+    def ahead(self) -> Ahead:
+        """What is known of the run, by what is shown or by what runs ahead of it."""
+        run = self.run
+        known = run.furthest
+        return Ahead(
+            lineage=(run.number, run.revision),
+            time_ns=known.time_ns,
+            whole=run.head is not None and run.head.done,
+            series=known.series.view(SERIES_DTYPE).reshape(-1),
+            settings=run.settings,
+            warned=known.warned.copy(),
+        )
+
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
         self._publisher.log(self.entry(text, level, answer=answer))
@@ -79,6 +100,7 @@ class Session:
         if not isinstance(source, Repairable) or not source.repair():
             self.log("The sensor check has found nothing that could be repaired", "warning", answer=True)
             return
+        self.run.put_aside()
         self.intake.close()
         self.begin(self.run.settings, "repair")
 
@@ -86,8 +108,7 @@ class Session:
         """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
         now_ns = self.run.pipeline.time_ns or None
         run = self._new_run(self.source, settings, now_ns)  # may want more memory than there is
-        if what:
-            self._put_aside(what)
+        self._put_aside(what)
         self.run = run
         self.intake.begin()
         self.transport.begin()
@@ -107,11 +128,12 @@ class Session:
     def _read(self, intake: Intake) -> None:
         self.intake = intake
         self.transport.live, self.transport.empty = intake.source.live, isinstance(intake.source, NoRecording)
+        self._is_rereadable = isinstance(intake.source, Rereadable) and not intake.source.live
 
     def _put_aside(self, what: str) -> None:
-        """Keep the present run for a minute, if there is anything in it."""
-        if self.run.pipeline.scans:
-            self.run.checkpoints.forget_from(0)  # the budget is that of the shown run
+        """Another run is shown from now on; keep the present one for a minute if `what` says why."""
+        self.run.put_aside()
+        if what and self.run.pipeline.scans:
             aside, log = self.intake.put_aside(), self._publisher.event_log
             self.undone.push(what, KeptRun(self.run, self.intake, aside, self.transport.stand, log))
 
@@ -122,6 +144,7 @@ class Session:
 
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
+        self.run.put_aside()
         self.undone.clear()
         self.intake.end()
 
@@ -133,6 +156,7 @@ class Session:
             return
         what, before = kept
         if isinstance(before, KeptRun):
+            self.run.put_aside()
             self.run, self._publisher.event_log = before.run, before.event_log
             left = self.intake
             self._read(before.intake)
@@ -180,13 +204,11 @@ class Session:
 
     def _go_to(self, checkpoint: Checkpoint | None) -> None:
         """The same run at a checkpoint, or at its beginning."""
-        if checkpoint is None:
-            checkpoints = self.run.checkpoints
-            self.begin(self.run.settings)
-            self.run.checkpoints = checkpoints
-            return
         self.run.go_to(checkpoint)
-        self.intake.go_to(checkpoint.place)
+        if checkpoint is None:
+            self.intake.begin()
+        else:
+            self.intake.go_to(checkpoint.place)
         self.transport.begin()
         self._show_anew()
 
@@ -194,6 +216,24 @@ class Session:
         """Keep a checkpoint if the run is at a place where the recording can be gone on from."""
         if place := self.intake.place:
             self.run.checkpoints.add(self.run.pipeline, place)
+
+    def run_ahead(self, seconds: float) -> bool:
+        """Run on ahead of what is shown for about so long; whether there is more to do."""
+        head = self.run.head or self._begun_head()
+        if head is None or head.done:
+            return False
+        head.advance(seconds)
+        if head.done or self._publisher.age >= PROGRESS_S:
+            self._publisher.touch()
+        return True
+
+    def _begun_head(self) -> Head | None:
+        """Once the source gives items: before, its sensors are checked, and may be repaired."""
+        if not (self._runs_ahead and self._is_rereadable and self.intake.begun):
+            return None
+        source = self.source.again() if isinstance(self.source, Rereadable) else None
+        self._is_rereadable = source is not None
+        return self.run.run_ahead(source) if source else None
 
     # ----------------------------------------------------------------------------------------------- settings
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hectorscope.inputs import SourceReport
 from hectorscope.run.map_images import MapImage
 from hectorscope.run.series import SERIES_DTYPE
-from hectorscope.run.settings import Mode
+from hectorscope.run.settings import Mode, Settings
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
@@ -83,6 +83,23 @@ class UndoOffer:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Ahead:
+    """What is known of a run, which may be more than is shown of it.
+
+    lineage: another one once what was known is no longer true, as after a change of settings. time_ns: of the last
+    scan that is known. whole: whether no more will come. series: as in a `Snapshot`, up to there. settings: with
+    their changes. warned: as in a `Pipeline`.
+    """
+
+    lineage: tuple[int, int] = (0, 0)
+    time_ns: int = 0
+    whole: bool = False
+    series: NDArray[np.void] = field(default_factory=lambda: np.empty(0, SERIES_DTYPE))
+    settings: Settings = field(default_factory=Settings)
+    warned: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Snapshot:
     """The whole run at one moment, for whoever draws it.
 
@@ -96,6 +113,7 @@ class Snapshot:
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
     question: what waits for an answer. undo: what can be taken back. library: what else can be opened.
+    ahead: of the same run, with what follows.
     """
 
     sequence: int = 0
@@ -123,3 +141,4 @@ class Snapshot:
     question: Question | None = None
     undo: UndoOffer | None = None
     library: tuple[Listed, ...] = ()
+    ahead: Ahead = field(default_factory=Ahead)

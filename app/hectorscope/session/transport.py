@@ -10,6 +10,7 @@ from hectorscope.session.snapshot import PlaybackState
 SLOWEST = 0.1
 NEAR = 1.5  # times the last interval between scans: so near to its target may a scan be the last of a seek
 PAUSED = "scan while the stream was paused"  # the reason for which such a scan is skipped
+HURRY_S = 0.25  # a seek that takes no longer shows nothing on its way: to draw it would take as long again
 SILENCE_S = 1.0  # a live stream without a scan for so long is waited for
 
 
@@ -51,7 +52,7 @@ class Transport:
         self.processed_again = False
         self.target_ns: int | None = None
         self._last_ns: int | None = None
-        self._passed_at = self._clock()
+        self._passed_at = self._sought_at = self._clock()
         self._rest()
 
     @property
@@ -82,6 +83,7 @@ class Transport:
     def seek(self, time_ns: int) -> None:
         """As fast as it goes through every scan up to this time, then as before."""
         self._single, self.target_ns = False, None if self.stopped else time_ns
+        self._sought_at = self._clock()
 
     def end(self) -> None:
         """There is no more."""
@@ -109,6 +111,11 @@ class Transport:
     def running(self) -> bool:
         """Playing, or on the way to another time."""
         return not self.stopped and not self.empty and (not self._paused or self.target_ns is not None)
+
+    @property
+    def hurries(self) -> bool:
+        """Whether it has just set out for another time, and may be there soon."""
+        return self.target_ns is not None and self._clock() - self._sought_at < HURRY_S
 
     @property
     def unwanted(self) -> bool:

@@ -168,7 +168,10 @@ class _Readers:
     @contextmanager
     def one(self) -> Iterator[Any]:
         """One that nobody else has."""
-        reader = self._idle.pop() if self._idle else self._opened()
+        try:
+            reader = self._idle.pop()  # in one go, as two threads may want one
+        except IndexError:
+            reader = self._opened()
         try:
             yield reader
         finally:

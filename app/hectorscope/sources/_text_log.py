@@ -4,6 +4,7 @@ import gzip
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -95,6 +96,12 @@ class TextLog:
         """The measurements behind a place."""
         assert isinstance(place, _Reading)
         return self._items(replace(place))
+
+    def again(self) -> "TextLog":
+        """A reading of its own of the same lines."""
+        other = copy(self)
+        other._reading = _Reading()
+        return other
 
     def _items(self, reading: _Reading) -> Iterator[Item]:
         self._reading = reading

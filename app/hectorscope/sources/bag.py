@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Collection, Iterator, Mapping
-from copy import deepcopy
+from copy import copy, deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -93,6 +93,13 @@ class BagSource:
         """The measurements behind a place."""
         assert isinstance(place, _Reading)
         return self._items(deepcopy(place))
+
+    def again(self) -> "BagSource":
+        """A reading of its own in the same files, which stay open when it is closed."""
+        other = copy(self)
+        other.recording, other._failure = replace(self.recording, close=lambda: None), ""
+        other._reading = _Reading(Converter(self.roles, self._options))
+        return other
 
     def _items(self, reading: _Reading) -> Iterator[Item]:
         self._failure = ""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hectorscope.inputs import Item, Seekable, SourceOptions
+from hectorscope.inputs import Item, Rereadable, Seekable, SourceOptions
 from hectorscope.sources import open_source
 from tests.bags import CONTAINERS, messages_for, open_run, small_run
 from tests.conftest import ROOT
@@ -46,12 +46,29 @@ def check_places(source: Seekable, seed: int) -> None:
             assert source.report == report
 
 
+def check_again(source: Seekable) -> None:
+    """Two readings in turn give the same items, with counters of their own; a place of one holds in the other."""
+    whole, report = listed(source.items()), source.report
+    assert isinstance(source, Rereadable)
+    other = source.again()
+    assert other is not None
+    here, there = source.items(), other.items()
+    assert listed(islice(here, 3)) == whole[:3]
+    assert listed(islice(there, len(whole) // 2)) == whole[: len(whole) // 2]
+    place = other.place()
+    assert listed(here) == whole[3:]
+    assert source.report == report
+    other.close()
+    assert listed(source.items_from(place)) == whole[len(whole) // 2 :]
+
+
 @pytest.mark.parametrize("name", CONTAINERS)
 def test_every_container_goes_on_at_any_item(tmp_path: Path, name: str) -> None:
     """With index and without, the items behind a place are the same to the byte, with the same counters."""
     source = open_run(write_bag(tmp_path / name, small_run(messages_for(name))))
     assert isinstance(source, Seekable)
     check_places(source, 1)
+    check_again(source)
 
 
 def test_a_bag_without_an_index_goes_on_at_any_item(tmp_path: Path) -> None:
@@ -81,3 +98,4 @@ def test_a_text_log_goes_on_at_any_item(tmp_path: Path) -> None:
     source = open_source(write(tmp_path / "a.log", lines), SourceOptions())
     assert isinstance(source, Seekable)
     check_places(source, 3)
+    check_again(source)
