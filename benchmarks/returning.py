@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.inputs import Item
-from hectorscope.run.map_images import MapImage, map_images
+from hectorscope.run.map_image import MapImage
+from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig

@@ -5,6 +5,11 @@ from typing import Generic, Literal, NamedTuple, TypeVar
 
 SHOWN_NS = 5_000_000_000  # a diagnostic that no longer holds is reported for this long
 
+# Reasons for which a scan has no result.
+NO_BEAM = "scan without a beam in range"
+NO_ATTITUDE = "scan before the attitude was known"
+NOT_LOCALISED = "scan before the robot was found in the map"
+
 Code = Literal[
     "map_limit",  # the map stopped growing; value: its limit in megabytes
     "no_gravity",  # the accelerometers measure no gravity: only the yaw rate is used

@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from slam_core.config import ConfigError, SlamConfig, needs_restart
-from slam_core.diagnostics import Diagnostic
+from slam_core.diagnostics import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED, Diagnostic
 from slam_core.localization.localiser import Localiser
 from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.navigation.monitor import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED
 from slam_core.results import PoseRecord, Poses, Status, StepResult
 from slam_core.scan.stabilise import stabilise
 from slam_core.sequencer import Sequencer

@@ -5,6 +5,7 @@
 (() => {
   const { own } = window.hectorscope;
   const PATIENCE = 100; // milliseconds between two drawings of new rows
+  const LATEST = 1000; // milliseconds that a drawing may wait until the page has nothing else to do, as at its start
   const TIMELINE = "div:has(> div > .hs-bar-transport) .mantine-Slider-root";
   const WINDOWS = { 10: "10 s", 30: "30 s", 120: "2 min", 1e9: "all" };
   const tables = {};
@@ -13,6 +14,7 @@
   let figures = [];
   let at = null; // seconds, where the cursor is
   let due = 0;
+  let waits = false; // for a moment to draw in
 
   // ---------------------------------------------------------------------------------------------- rows
 
@@ -78,7 +80,7 @@
     const wanted = names.filter((name) => own.get("pages").includes(name));
     figures = wanted.flatMap((name) => pages.pages[name]).map(figure);
     charts.replaceChildren(...figures.map(({ element }) => element));
-    draw();
+    drawLater();
   }
 
   function figure(chart) {
@@ -196,18 +198,23 @@
     }
   }
 
+  function drawLater() {
+    if (!waits) requestIdleCallback(() => (waits = false) || draw(), { timeout: LATEST });
+    waits = true;
+  }
+
   // New rows are drawn some times a second, and not while nobody sees them.
   setInterval(() => {
     if (described() && !tabs.childElementCount) build();
     if (!due || performance.now() < due || document.hidden) return;
     due = 0;
-    draw();
+    drawLater();
   }, PATIENCE);
   own.listen((name) => {
     if (name === "pages") build();
     else if (["window", "theme", "plots", "height", "present"].includes(name)) requestAnimationFrame(draw);
   });
-  new ResizeObserver(() => requestAnimationFrame(draw)).observe(charts);
+  new ResizeObserver(drawLater).observe(charts);
 
   const grip = area.querySelector(".hs-grip");
   grip.addEventListener("pointerdown", (event) => {

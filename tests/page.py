@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.session.commands import Command
 from hectorscope.session.mailbox import Mailbox

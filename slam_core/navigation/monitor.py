@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from slam_core.diagnostics import Code, Diagnostic, Recent
+from slam_core.diagnostics import NO_BEAM, Code, Diagnostic, Recent
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.navigation.gates import LEAST_STREAK
 from slam_core.navigation.imu_check import AT_RANGE, NO_NUMBER
@@ -13,9 +13,6 @@ from slam_core.results import AidingStatus
 
 SILENT_NS = 500_000_000
 CONTRADICTED_NS = 1_000_000_000  # a source that is rejected for longer is reported
-NO_BEAM = "scan without a beam in range"
-NO_ATTITUDE = "scan before the attitude was known"
-NOT_LOCALISED = "scan before the robot was found in the map"
 
 # Diagnostics of what is counted, by the reason of the count.
 COUNTED: Mapping[str, Code] = {

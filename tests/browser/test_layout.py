@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, ViewportSize, expect
 
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from tests.browser.conftest import Open, Show
 from tests.page import RESOLUTION, room_maps, room_snapshot
 from tests.scene import PROJECT, RESTS, choose_own, look, node

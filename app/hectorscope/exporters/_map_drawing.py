@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 
 MOST = 1 << 22  # pixels
 POINTS = 4000  # of the trajectory

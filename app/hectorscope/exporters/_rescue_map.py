@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from slam_core.geometry import to_euler
 
 MOST = 1 << 25  # pixels: of a larger map a coarser level is drawn

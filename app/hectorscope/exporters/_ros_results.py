@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.typesys import Stores, get_typestore
 
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.wording import verdict_text
 from slam_core.results import StepResult, Tracking
 

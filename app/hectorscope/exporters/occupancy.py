@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hectorscope.exporters import Exporter, _grid
 from hectorscope.exporters._files import write_whole
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.results import Run
 
 # Greys of the classes 0 unknown, 1 free, 2 occupied. Unknown lies a hair above FREE_BELOW, as is the custom.

@@ -6,20 +6,22 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+LEVEL = 6  # of compression: 9 takes half as long again for two thousandths less
 TEXT = {".css": "text/css", ".js": "text/javascript", ".html": "text/html", ".svg": "image/svg+xml"}
 
 
 @dataclass(frozen=True)
 class File:
-    """Bytes with their media type."""
+    """Bytes with their media type. lasting: what is at its path never changes."""
 
     kind: str
     content: bytes
+    lasting: bool = False
 
     @cached_property
     def zipped(self) -> bytes:
         """The same, compressed once."""
-        return gzip.compress(self.content, mtime=0)
+        return gzip.compress(self.content, LEVEL, mtime=0)
 
 
 def static_files(folder: Path) -> dict[str, File]:

@@ -10,7 +10,7 @@ from hectorscope.panels._handles import put
 from hectorscope.panels._message import message
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.transport import PAUSED
-from slam_core.navigation.monitor import NO_ATTITUDE
+from slam_core.diagnostics import NO_ATTITUDE
 
 REASONS_SHOWN = 12
 EXPECTED = (NO_ATTITUDE, PAUSED)  # the initial alignment takes some scans, and a pause was somebody's wish

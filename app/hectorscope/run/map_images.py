@@ -1,34 +1,15 @@
 """The levels of the map as images of classes: unknown, free, occupied."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from numpy.typing import NDArray
 
+from hectorscope.run.map_image import MapImage
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.mapping.tiles import Box, common, part, tiles_around
 from slam_core.measurements import Float32s
 
 PAGE = 1 << 23  # cells of a level that the page draws one by one
 FILE = 1 << 27  # and a file: 128 MB as an image
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MapImage:
-    """One level as classes, cropped to what is known. Row 0 is the lowest y.
-
-    cells: (rows, cols) uint8, 0 unknown, 1 free, 2 occupied. x, y: map coordinates of the lower left corner of
-    cells[0, 0]. revision grows whenever the level changes. surfels: of the same cells as in a GridLevel; no rows
-    if the level has none.
-    """
-
-    level: int
-    resolution: float
-    x: float
-    y: float
-    cells: NDArray[np.uint8]
-    revision: int
-    surfels: NDArray[np.uint32] = field(default_factory=lambda: np.zeros((0, 0), np.uint32))
 
 
 def map_images(pyramid: Pyramid, revision: int = 0, most: int = PAGE) -> tuple[MapImage, ...]:

@@ -13,10 +13,10 @@ from hectorscope.run.rows import GrowingRows, Rows
 from hectorscope.run.series import SERIES_FIELDS, series_row
 from hectorscope.run.settings import Mode, Settings
 from hectorscope.run.wording import arrival_text, diagnostic_text, search_text, start_text
+from slam_core.diagnostics import NO_ATTITUDE
 from slam_core.evaluation.trajectory import Trajectory, first_on_first, interpolate
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import Imu, LaserScan, Measurement, Transform, TruthPose
-from slam_core.navigation.monitor import NO_ATTITUDE
 from slam_core.results import StepResult, Tracking
 from slam_core.sequencer import Sequencer
 from slam_core.slam import HectorSlam

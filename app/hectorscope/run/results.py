@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.inputs import SourceReport
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.series import SERIES_FIELDS
 from hectorscope.run.settings import Settings
 from slam_core.localization.prior_map import SavedLevel

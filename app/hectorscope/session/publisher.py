@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hectorscope.inputs import Source, SourceReport
-from hectorscope.run.map_images import MapImage, map_images
+from hectorscope.run.map_image import MapImage
+from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.inputs import SourceReport
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
 from slam_core.config import SlamConfig

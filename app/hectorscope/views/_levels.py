@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from slam_core.measurements import Float64s
 
 OCCUPIED = 2  # class of a cell

@@ -77,7 +77,8 @@ class _Ellipse:
             *disc(),
             color=colour,
             opacity=SEE_THROUGH,
-            side="double",
+            flat_shading=True,  # like the robot, and one side only: a browser compiles a program for each kind
+            side="front",
             cast_shadow=False,
             receive_shadow=False,
         )

@@ -7,7 +7,7 @@ from hectorscope.page import palette_png
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import SENT
 from hectorscope.page.viser_private import set_png
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.session.snapshot import Snapshot
 
 BLOCK = 64  # cells of the finest level: images grow by whole blocks, so that their size seldom changes

@@ -9,6 +9,7 @@ from hectorscope.views._shapes import prism, ring
 from slam_core.geometry import heading, yaw_quaternion
 
 HULL = np.array([[-0.3, -0.2], [0.1, -0.2], [0.36, 0.0], [0.1, 0.2], [-0.3, 0.2]])  # metres, nose at +x
+LASER = 0.07 * ring(16)[:, 0, :2] + np.array([0.08, 0.0])
 LIFT = 0.02  # metres over the floor
 LASER_COLOUR = (40, 44, 52)
 
@@ -26,8 +27,8 @@ class RobotView:
         self._hull = nodes.add_mesh_simple(
             f"{name}/hull", *prism(HULL, 0.0, 0.16), flat_shading=True, visible=False, color=SENT.robot
         )
-        nodes.add_cylinder(
-            f"{name}/hull/laser", radius=0.07, height=0.1, color=LASER_COLOUR, position=(0.08, 0.0, 0.21)
+        nodes.add_mesh_simple(
+            f"{name}/hull/laser", *prism(LASER, 0.16, 0.26), flat_shading=True, color=LASER_COLOUR
         )
         self._ring = nodes.add_line_segments(
             f"{scene.floor.name}/footprint", ring(32) * 0.45, for_line(SENT.robot), thickness=2.0,

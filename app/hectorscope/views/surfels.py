@@ -4,9 +4,8 @@ import numpy as np
 import viser
 
 from hectorscope.page.scene import Scene
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.session.snapshot import Snapshot
-from slam_core.mapping.surfels import pieces
 from slam_core.measurements import Float32s
 
 LIFT = 0.02  # metres over the floor
@@ -45,6 +44,8 @@ class SurfelsView:
         """Segments (n, 2, 3), and greys that say how much they count; static/dress.js colours them."""
         if finest is None:
             return np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8)
+        from slam_core.mapping.surfels import pieces  # noqa: PLC0415 - needs numba, and few ask for surfels
+
         ends, counts = pieces(finest.surfels, finest.resolution, finest.x, finest.y)
         segments = np.concatenate([ends, np.full((len(ends), 2, 1), LIFT, np.float32)], axis=2)
         grey = np.rint(255.0 * counts).astype(np.uint8)

@@ -20,6 +20,7 @@ HOST = re.compile(r"(?P<name>[A-Za-z0-9.\-]+|\[[0-9A-Fa-f:.]+\])(:\d+)?")
 FORBIDDEN_QUERIES = ("websocket", "playbackPath")  # they make the page take scripts or scenes from elsewhere
 HEALTH = "/healthz"  # open to anybody: reports only that the server runs
 PAGE = ("/", "/index.html")
+LASTING = "private, max-age=31536000, immutable"
 SOCKET = "/"  # where the page's WebSocket is opened
 UPLOAD = "/upload"  # where one for a recording is opened, if the server takes any; there is no third
 NO_SOCKET = "No WebSocket is opened here.\n"
@@ -109,7 +110,8 @@ class AccessControl:
         found = self.files.get("/" if path == "/index.html" else path)
         if found is None:
             return plain(HTTPStatus.NOT_FOUND, "Not found.\n")
-        sent = {"Content-Type": found.kind, "Cache-Control": "no-cache", **guards(headers.get("host", ""))}
+        keep = LASTING if found.lasting else "no-cache"
+        sent = {"Content-Type": found.kind, "Cache-Control": keep, **guards(headers.get("host", ""))}
         if "gzip" in headers.get("accept-encoding", ""):
             return Reply(HTTPStatus.OK, {**sent, "Content-Encoding": "gzip"}, found.zipped)
         return Reply(HTTPStatus.OK, sent, found.content)

@@ -12,6 +12,7 @@ from hectorscope.common.resources import resource_folder
 from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
 from hectorscope.page.static_files import File, page, static_files
+from hectorscope.page.viser_client import unpacked
 from hectorscope.panels import panel_classes
 from hectorscope.session.commands import Command, OpenUploaded
 from hectorscope.session.mailbox import Mailbox
@@ -106,9 +107,11 @@ class PageServer:
 
     def _access(self) -> AccessControl:
         static = static_files(resource_folder("static"))
+        client = unpacked(viser_private.INDEX.read_bytes())
         files = {
-            "/": page(viser_private.INDEX.read_bytes(), static),
+            "/": page(client.page, static),
             HEALTH: File("text/plain", b"ok\n"),
+            **client.files,
             **static,
         }
         # Cookies are shared by the ports of a host: the name keeps two programs apart.

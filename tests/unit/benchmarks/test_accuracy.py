@@ -10,7 +10,7 @@ import pytest
 from benchmarks.accuracy import along_and_across, corridor, drive, process, replay
 from benchmarks.cases import METHODS, Recording
 from benchmarks.returning import agreement
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.measurements import LaserScan, Transform, TruthPose
 

@@ -9,7 +9,7 @@ import pytest
 from hectorscope.exporters import FormatError, chosen, exporters
 from hectorscope.exporters.occupancy import GREYS, description, pgm
 from hectorscope.exporters.tum import tum_lines
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from hectorscope.run.settings_file import read_toml

@@ -12,7 +12,7 @@ from rasterio.warp import transform
 from hectorscope.exporters import chosen
 from hectorscope.exporters._rescue_map import EXPLORED, PATH, START, WALL
 from hectorscope.inputs import SourceReport
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from slam_core.navigation.aiding.geodesy import TangentPlane

@@ -13,7 +13,7 @@ from hectorscope.exporters._charts import BINS, HEIGHT, LEFT, TOP, WIDTH, chart
 from hectorscope.exporters.report import charts, page
 from hectorscope.inputs import Finding, SourceReport
 from hectorscope.run.fingerprint import fingerprints
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.results import Run
 from hectorscope.run.series import SERIES_FIELDS
 from hectorscope.run.settings import Change, Settings

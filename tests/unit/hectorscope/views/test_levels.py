@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hectorscope.page.scene import Scene
-from hectorscope.run.map_images import MapImage
+from hectorscope.run.map_image import MapImage
 from hectorscope.views._levels import bulk
 from hectorscope.views.levels import BLOCK, LevelsView, aligned
 from tests.page import RESOLUTION, room_snapshot

@@ -202,3 +202,13 @@ def test_a_token_redirects_nowhere_but_to_the_page(target: str) -> None:
     assert "Location" not in reply.headers
     page = LOCKED.answer("/?token=sesame-1234", {"host": "robot:8080"})
     assert page is not None and page.headers["Location"] == "./"
+
+
+def test_a_file_that_never_changes_is_kept_by_browsers() -> None:
+    """Others are asked for again each time; what a proxy shares between people is neither."""
+    files = {"/a": File("text/css", b"a", lasting=True), "/b": File("text/css", b"b")}
+    kept, asked = (AccessControl(files).answer(path, {"host": "localhost"}) for path in files)
+    assert kept
+    assert asked
+    assert kept.headers["Cache-Control"] == "private, max-age=31536000, immutable"
+    assert asked.headers["Cache-Control"] == "no-cache"
