@@ -1,20 +1,23 @@
 """Serves the page, with the engine behind it, until the program is interrupted."""
 
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hectorscope.cli.interruption import undisturbed
 from hectorscope.cli.opening import demos, get_ready
 from hectorscope.cli.options import MapFlags, PageFlags, SettingFlags
 from hectorscope.common.recent import Recent, recent_file
 from hectorscope.common.terminal import printable
-from hectorscope.exporters import reserved
 from hectorscope.inputs import Source
-from hectorscope.session.engine import Engine
+from hectorscope.session.exchange import Exchange
 from hectorscope.session.library import Library, check_folders
 from hectorscope.web.access_control import is_loopback
 from hectorscope.web.server import PageServer, serve
+
+if TYPE_CHECKING:
+    from hectorscope.session.engine import Engine
 
 
 def show(
@@ -25,33 +28,64 @@ def show(
     opened: Callable[[Path], Source],
     shown: Path | None = None,
 ) -> None:
-    """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording."""
-    chosen, budget, library = settings.settings(), page.budget(), _library(page, opened, shown)
-    with reserved(page.out) if page.out is not None else nullcontext():
+    """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording.
+
+    The engine needs numba and the core, which take long to import: they come while a browser opens the page.
+    """
+    chosen, library, exchange = settings.settings(), _library(page, opened, shown), Exchange()
+    budget = page.budget()  # a bad one is named before the page is served
+    server = PageServer(exchange, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads())
+    with _reserved(page.out):
         prior = saved.prior_map(chosen)
-        engine = Engine(
-            source,
-            chosen,
-            prior,
-            library=library,
-            out=page.out,
-            checkpoints=budget,
-            runs_ahead=page.ahead,
-            prepare=get_ready,
-        )
-        server = PageServer(
-            engine, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads()
-        )
-        try:
-            serve(server, engine.start)
-        except KeyboardInterrupt:  # once more, while the page was being closed
-            pass
-        finally:
-            with undisturbed():
-                engine.stop()
-                message = engine.save() if engine.saves else ""
+
+        def engine() -> "Engine":
+            from hectorscope.session.engine import Engine  # noqa: PLC0415
+
+            return Engine(
+                source,
+                chosen,
+                prior,
+                exchange=exchange,
+                library=library,
+                out=page.out,
+                checkpoints=budget,
+                runs_ahead=page.ahead,
+                prepare=get_ready,
+            )
+
+        message = _serve(server, engine)
     if message:
         print(printable(message))
+
+
+def _serve(server: PageServer, made: Callable[[], "Engine"]) -> str:
+    """Serve until interrupted; what to say of the results that were saved then."""
+    engines: list[Engine] = []
+
+    def begin() -> None:
+        engines.append(made())
+        engines[0].start()
+
+    message = ""
+    try:
+        serve(server, begin)
+    except KeyboardInterrupt:  # once more, while the page was being closed
+        pass
+    finally:
+        with undisturbed():
+            for engine in engines:
+                engine.stop()
+                message = engine.save() if engine.saves else ""
+    return message
+
+
+def _reserved(out: Path | None) -> AbstractContextManager[None]:
+    """The folder for results, for this program alone."""
+    if out is None:
+        return nullcontext()
+    from hectorscope.exporters import reserved  # noqa: PLC0415
+
+    return reserved(out)
 
 
 def _library(page: PageFlags, opened: Callable[[Path], Source], shown: Path | None) -> Library:

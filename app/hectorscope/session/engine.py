@@ -5,7 +5,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from queue import Empty, SimpleQueue
+from queue import Empty
 
 from hectorscope.inputs import Repairable, Source
 from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
@@ -14,6 +14,7 @@ from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Quit, Repair
 from hectorscope.session.control import Control
+from hectorscope.session.exchange import Exchange
 from hectorscope.session.library import Library
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.no_recording import NoRecording
@@ -37,7 +38,8 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs a source through a pipeline, on a thread of its own, until another one is opened; closes it at the end.
 
-    source: None shows nothing yet. library: what can be opened instead.
+    source: None shows nothing yet. exchange: with the page, if that is there already. library: what can be opened
+    instead.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
     prepare: called on the engine's thread before anything is read, with what shows on the page what the run waits
@@ -56,6 +58,7 @@ class Engine:
         settings: Settings | None = None,
         prior_map: PriorMap | None = None,
         *,
+        exchange: Exchange | None = None,
         library: Library | None = None,
         autoplay: bool = True,
         speed: float = 1.0,
@@ -66,11 +69,11 @@ class Engine:
     ) -> None:
         source = source or NoRecording()
         self._prepare = prepare
-        self._commands: SimpleQueue[Command] = SimpleQueue()
-        self._sending = threading.Lock()
-        self._sent = self._obeyed = 0
+        self._exchange = exchange or Exchange()
+        self._commands = self._exchange.commands
+        self._obeyed = 0
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
-        self._publisher = Publisher()
+        self._publisher = Publisher(self._exchange.mailbox)
         self._transport = Transport(source.live, autoplay, speed)
         start, budget = settings or Settings(), checkpoints * MEBIBYTE
         self._session = Session(
@@ -84,7 +87,7 @@ class Engine:
     @property
     def mailbox(self) -> Mailbox[Snapshot]:
         """The newest snapshot."""
-        return self._publisher.mailbox
+        return self._exchange.mailbox
 
     def start(self) -> None:
         """Begin to read and to step."""
@@ -93,7 +96,7 @@ class Engine:
     @property
     def sent(self) -> int:
         """How many commands were sent so far: all are obeyed once `Snapshot.obeyed` is as many."""
-        return self._sent
+        return self._exchange.sent
 
     @property
     def started(self) -> bool:
@@ -102,9 +105,7 @@ class Engine:
 
     def send(self, command: Command) -> None:
         """Enqueue a command; returns at once, from any thread."""
-        with self._sending:
-            self._commands.put(command)
-            self._sent += 1
+        self._exchange.send(command)
 
     def stop(self) -> None:
         """End the threads, close the source, and wait for it."""

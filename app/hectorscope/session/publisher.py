@@ -50,8 +50,8 @@ class Run:
 class Publisher:
     """Keeps the log, the map images and the pace of the snapshots. event_log: of the recording that is shown."""
 
-    def __init__(self) -> None:
-        self.mailbox: Mailbox[Snapshot] = Mailbox()
+    def __init__(self, mailbox: Mailbox[Snapshot]) -> None:
+        self._mailbox = mailbox
         self.event_log = EventLog()
         self._news = True
         self._sequence = 0
@@ -118,7 +118,7 @@ class Publisher:
             library=run.library,
             ahead=run.ahead,
         )
-        self.mailbox.put(snapshot)
+        self._mailbox.put(snapshot)
 
     def _log_notes(self, run: Run) -> None:
         """What the source and the pipeline found, and what holds the pipeline back, each once."""
