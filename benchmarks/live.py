@@ -24,19 +24,20 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.run.warmup import load_everything
 from hectorscope.session.feeder import Feeder
+from hectorscope.sources._live import LiveSource
 from hectorscope.sources.bag import BagSource, open_bag
-from hectorscope.sources.foxglove import FoxgloveSource
+from hectorscope.sources.foxglove import FoxgloveWire
 from slam_core.measurements import LaserScan
 
 SERVER = Path(__file__).parents[1] / "tests" / "live" / "replay_server.py"
 SILENCE_S = 3.0
 
 
-class TimedSource(FoxgloveSource):
+class TimedSource(LiveSource):
     """Notes when each scan was handed out."""
 
     def __init__(self, uri: str) -> None:
-        super().__init__(uri, SourceOptions())
+        super().__init__(uri, SourceOptions(), FoxgloveWire(uri))
         self.arrived: dict[int, int] = {}
 
     def items(self) -> Iterator[Item]:

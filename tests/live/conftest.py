@@ -13,7 +13,9 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection, serve
 from websockets.typing import Subprotocol
 
-REPLAY = Path(__file__).parent / "replay_server.py"
+from hectorscope.simulation import SimulateOptions, simulate
+
+SERVERS = {"ws": "replay_server.py", "rosbridge": "rosbridge_server.py"}
 
 
 @dataclass
@@ -22,11 +24,12 @@ class Replay:
 
     process: subprocess.Popen[str]
     port: int
+    scheme: str
 
     @property
     def uri(self) -> str:
         """Where it listens."""
-        return f"ws://127.0.0.1:{self.port}"
+        return f"{self.scheme}://127.0.0.1:{self.port}"
 
     def kill(self) -> None:
         """As the power switch does it: no farewell."""
@@ -34,18 +37,26 @@ class Replay:
         self.process.wait()
 
 
+@pytest.fixture(scope="session")
+def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six seconds through the arena with everything on board; tests may ask for another container."""
+    path = tmp_path_factory.mktemp("drive") / str(getattr(request, "param", "drive.mcap"))
+    simulate(SimulateOptions(scenario="arena", duration=6.0, scan_rate=10.0, beams=181, out=path))
+    return path
+
+
 @pytest.fixture
 def replay() -> Iterator[Callable[..., Replay]]:
-    """A function that starts replay servers with the arguments of replay_server.py."""
+    """A function that starts replay servers of a scheme, with the arguments of its program."""
     running: list[Replay] = []
 
-    def start(recording: Path, *arguments: str) -> Replay:
-        command = [sys.executable, str(REPLAY), str(recording), *arguments]
+    def start(recording: Path, *arguments: str, scheme: str = "ws") -> Replay:
+        command = [sys.executable, str(Path(__file__).with_name(SERVERS[scheme])), str(recording), *arguments]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert process.stdout is not None
         greeting = process.stdout.readline().split()
         assert greeting[:1] == ["listening"], "the replay server did not start"
-        running.append(Replay(process, int(greeting[1])))
+        running.append(Replay(process, int(greeting[1]), scheme))
         return running[-1]
 
     yield start

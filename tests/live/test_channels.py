@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from hectorscope.inputs import SourceOptions
 from hectorscope.sources import open_source
-from hectorscope.sources.foxglove import FoxgloveSource
+from hectorscope.sources._live import LiveSource
 from slam_core.measurements import Imu, LaserScan
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
@@ -274,6 +274,6 @@ def test_an_address_opens_the_live_source(scripted: Callable[..., Any]) -> None:
     """Addresses are told from paths by their form."""
     source = open_source(scripted([]).uri, SourceOptions())
     source.close()
-    assert isinstance(source, FoxgloveSource)
+    assert isinstance(source, LiveSource)
     assert source.live
     assert source.span_ns is None

@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from hectorscope.inputs import SourceError
-from hectorscope.sources import _foxglove_link
-from hectorscope.sources._foxglove_link import LARGEST_FRAME, Link
+from hectorscope.sources import _websocket
+from hectorscope.sources._websocket import LARGEST_FRAME, Link
+from hectorscope.sources.foxglove import PEER
 
 
 def closed_port() -> int:
@@ -41,48 +42,48 @@ def answering_once(reply: bytes) -> int:
 )
 def test_bad_address_is_refused_with_the_form_of_a_good_one(uri: str) -> None:
     """An address that is no WebSocket address is an error that shows what one looks like."""
-    with pytest.raises(SourceError, match=r"is no WebSocket address: give ws://HOST:PORT"):
-        Link(uri)
+    with pytest.raises(SourceError, match=r"is no address of this kind: give ws://HOST:PORT"):
+        Link(uri, PEER)
 
 
 def test_impossible_host_is_refused() -> None:
     """A host name that cannot be one is told without asking the network."""
     with pytest.raises(SourceError, match=r"names no possible host"):
-        Link("ws://robot..local:8765")
+        Link("ws://robot..local:8765", PEER)
 
 
 def test_web_server_is_refused() -> None:
     """A web server's answer is named by its status, with what was expected."""
     port = answering_once(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n")
     with pytest.raises(SourceError, match=r"HTTP status 404: it must be a Foxglove WebSocket server"):
-        Link(f"ws://127.0.0.1:{port}")
+        Link(f"ws://127.0.0.1:{port}", PEER)
 
 
 def test_something_that_is_no_web_server_is_refused() -> None:
     """A service that does not speak HTTP at all is told apart from silence."""
     port = answering_once(b"SSH-2.0-OpenSSH_9.2\r\n")
     with pytest.raises(SourceError, match=r"does not greet like a WebSocket server"):
-        Link(f"ws://127.0.0.1:{port}")
+        Link(f"ws://127.0.0.1:{port}", PEER)
 
 
 @pytest.mark.parametrize("protocol", [None, "rosbridge"])
 def test_websocket_server_of_another_kind_is_refused(scripted: Callable[..., Any], protocol: str | None) -> None:
     """A WebSocket server that takes neither of the two sub-protocols is not listened to."""
     with pytest.raises(SourceError, match=r"it must be a Foxglove WebSocket server"):
-        Link(scripted([], protocol=protocol).uri)
+        Link(scripted([], protocol=protocol).uri, PEER)
 
 
 def test_plain_server_behind_a_secure_address_is_refused(scripted: Callable[..., Any]) -> None:
     """wss:// to a server without TLS says which address would do."""
     uri = scripted([]).uri.replace("ws://", "wss://")
     with pytest.raises(SourceError, match=r"does not speak TLS: give ws://"):
-        Link(uri)
+        Link(uri, PEER)
 
 
 @pytest.mark.parametrize("protocol", ["foxglove.sdk.v1", "foxglove.websocket.v1"])
 def test_both_subprotocols_are_spoken(scripted: Callable[..., Any], protocol: str) -> None:
     """Servers of the old and of the new name are understood."""
-    link = Link(scripted(["hello"], protocol=protocol).uri)
+    link = Link(scripted(["hello"], protocol=protocol).uri, PEER)
     (frames,) = islice(link.connections(), 1)
     assert next(frames) == "hello"
     link.close()
@@ -90,7 +91,7 @@ def test_both_subprotocols_are_spoken(scripted: Callable[..., Any], protocol: st
 
 def test_absent_server_is_waited_for(scripted: Callable[..., Any]) -> None:
     """A refused connection is no error: the link says why it waits, and closing it ends the wait."""
-    link = Link(f"ws://127.0.0.1:{closed_port()}")
+    link = Link(f"ws://127.0.0.1:{closed_port()}", PEER)
     assert "start the bridge" in link.status
     threading.Timer(0.6, link.close).start()
     assert list(link.connections()) == []
@@ -99,7 +100,7 @@ def test_absent_server_is_waited_for(scripted: Callable[..., Any]) -> None:
 def test_lost_connection_is_made_again(scripted: Callable[..., Any]) -> None:
     """Each time that the server hangs up, the next connection follows, and the status tells the loss."""
     server = scripted(["hello"], answers={"bye": ["x" * (LARGEST_FRAME + 1)]})
-    link = Link(server.uri)
+    link = Link(server.uri, PEER)
     statuses = []
     for frames in islice(link.connections(), 3):
         assert next(frames) == "hello"
@@ -140,9 +141,9 @@ def test_a_link_that_stalls_is_made_again(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     """Silence, also within a frame, counts as a loss after a while; nothing is printed."""
-    monkeypatch.setattr(_foxglove_link, "PING_INTERVAL_S", 0.1)
-    monkeypatch.setattr(_foxglove_link, "PING_TIMEOUT_S", 0.2)
-    link = Link(f"ws://127.0.0.1:{stalling(frame)}")
+    monkeypatch.setattr(_websocket, "PING_INTERVAL_S", 0.1)
+    monkeypatch.setattr(_websocket, "PING_TIMEOUT_S", 0.2)
+    link = Link(f"ws://127.0.0.1:{stalling(frame)}", PEER)
     for frames in islice(link.connections(), 2):
         assert list(frames) == []
         assert "lost the connection to" in link.status

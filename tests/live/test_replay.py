@@ -1,62 +1,21 @@
 """The live source against the real server: recordings replayed by it are taken as from the file."""
 
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hectorscope.inputs import Item, Source, SourceOptions
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Settings
 from hectorscope.session.feeder import Feeder
-from hectorscope.simulation import SimulateOptions, simulate
-from hectorscope.sources import open_source
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import running, state, until
 from tests.live.conftest import Replay
-
-TOPICS = ("--topics", "/tf_static", "/scan", "/imu/data_raw", "/pressure", "/ground_truth")
-GIVE_UP_S = 60.0
-
-
-@pytest.fixture(scope="session")
-def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Six seconds through the arena with everything on board; tests may ask for another container."""
-    path = tmp_path_factory.mktemp("drive") / str(getattr(request, "param", "drive.mcap"))
-    simulate(SimulateOptions(scenario="arena", duration=6.0, scan_rate=10.0, beams=181, out=path))
-    return path
-
-
-def plain(value: Any) -> Any:
-    """A measurement as something that can be compared, to the last bit."""
-    if is_dataclass(value):
-        return type(value).__name__, *(plain(getattr(value, f.name)) for f in fields(value))
-    return value.tobytes() if isinstance(value, np.ndarray) else value
-
-
-@contextmanager
-def opened(uri: str | Path) -> Iterator[Source]:
-    """An open source that ends by itself when a test would otherwise wait for ever."""
-    source = open_source(str(uri), SourceOptions())
-    watchdog = threading.Timer(GIVE_UP_S, source.close)
-    watchdog.start()
-    try:
-        yield source
-    finally:
-        watchdog.cancel()
-        source.close()
-
-
-def recorded(path: Path) -> list[Item]:
-    with opened(path) as source:
-        return list(source.items())
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, recorded
 
 
 @pytest.mark.parametrize("drive", ["ros1.bag", "ros2.mcap"], indirect=True)

@@ -9,7 +9,8 @@ import foxglove
 import pytest
 
 from hectorscope.inputs import SourceError
-from hectorscope.sources._foxglove_link import Link
+from hectorscope.sources._websocket import Link
+from hectorscope.sources.foxglove import PEER
 
 
 @pytest.fixture(scope="module")
@@ -37,12 +38,12 @@ def test_only_a_trusted_server_is_talked_to(
     uri = f"wss://127.0.0.1:{server.port}"
     try:
         with pytest.raises(SourceError, match=r"not trusted \(self-signed.*name its issuer in SSL_CERT_FILE"):
-            Link(uri)
-        plain = Link(uri.replace("wss://", "ws://"))
+            Link(uri, PEER)
+        plain = Link(uri.replace("wss://", "ws://"), PEER)
         plain.close()
         assert "with a certificate: wss://" in plain.status
         monkeypatch.setenv("SSL_CERT_FILE", str(issuer))
-        link = Link(uri)
+        link = Link(uri, PEER)
         (frames,) = islice(link.connections(), 1)
         assert '"serverInfo"' in str(next(frames))
         link.close()

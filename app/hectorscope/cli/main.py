@@ -34,6 +34,11 @@ from slam_core.errors import SlamError
 BAG = "A .bag, .mcap, .db3, a rosbag2 folder, or a CARMEN or tinySLAM log."
 Bag = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(help=BAG)]
 
+ADDRESS = (
+    "A Foxglove bridge (ws://HOST:PORT or wss://HOST:PORT), a rosbridge (rosbridge://HOST:PORT or"
+    " rosbridges://HOST:PORT), an MCAP that is being written (file://PATH), or - for one on the standard input."
+)
+
 MISTAKE = 2
 LOST = 3
 LOST_SHARE = 0.5  # of the scans of a run: so many without a known pose make its map of no use
@@ -72,9 +77,7 @@ def view(
 
 
 def live(
-    address: Annotated[
-        str, tyro.conf.Positional, tyro.conf.arg(metavar="ws://HOST:PORT", help="A Foxglove bridge.")
-    ],
+    address: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ADDRESS", help=ADDRESS)],
     *,
     settings: SettingArgs,
     saved: MapArgs,

@@ -15,23 +15,42 @@ from hectorscope.inputs import Source, SourceError, SourceOptions
 class SourceKind:
     """How one kind of input is recognised and opened. `open` raises SourceError.
 
-    suffixes: of its files, by which they are found in a folder.
+    suffixes: of its files, by which they are found in a folder. addresses: the forms of those of a stream.
     """
 
     accepts: Callable[[str], bool]
     open: Callable[[str, SourceOptions], Source]
     suffixes: tuple[str, ...] = ()
+    addresses: tuple[str, ...] = ()
+
+
+def stream(open_: Callable[[str, SourceOptions], Source], *addresses: str) -> SourceKind:
+    """A kind that is recognised by the schemes of its addresses, such as ws://HOST:PORT."""
+    schemes = {scheme(address) for address in addresses}
+    return SourceKind(lambda uri: scheme(uri) in schemes, open_, addresses=addresses)
+
+
+def scheme(uri: str) -> str:
+    """What stands before "://"; "-" for the standard input; "" for a path."""
+    return uri if uri == "-" else uri.partition("://")[0] if "://" in uri else ""
+
+
+def addresses() -> tuple[str, ...]:
+    """The forms of the addresses of streams."""
+    kinds: list[SourceKind] = members(sys.modules[__name__], "SOURCE")
+    return tuple(address for kind in kinds for address in kind.addresses)
 
 
 def open_source(uri: str, options: SourceOptions) -> Source:
     """The source for a path or address; SourceError when no kind accepts it."""
     kinds: list[SourceKind] = members(sys.modules[__name__], "SOURCE")
-    for kind in kinds:
+    for kind in sorted(kinds, key=lambda kind: not kind.addresses):  # a name may be that of a file, too
         if kind.accepts(uri):
             return kind.open(uri, options)
-    if "://" not in uri and (why := absence(Path(uri))):
-        raise SourceError(f"{uri} {why}: give a bag, a CARMEN log or ws://HOST:PORT")
-    raise SourceError(f"{uri} is neither a recording nor an address: give a bag, a CARMEN log or ws://HOST:PORT")
+    if "://" in uri:
+        raise SourceError(f"{scheme(uri)}:// is no kind of address that is known: give {', '.join(addresses())}")
+    why = absence(Path(uri)) or "is neither a recording nor an address"
+    raise SourceError(f"{uri} {why}: give a bag, a CARMEN log or ws://HOST:PORT")
 
 
 DEEPEST = 4  # folders in folders that are looked through

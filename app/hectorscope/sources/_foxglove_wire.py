@@ -7,10 +7,11 @@ Nothing that a server sends is trusted: what cannot be read becomes a `Malformed
 import json
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from websockets.typing import Subprotocol
+
+from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
 
 # The same frames under two names; newer bridges answer only to the first, older ones only to the second.
 SUBPROTOCOLS = (Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.v1"))
@@ -18,43 +19,6 @@ SUBPROTOCOLS = (Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.
 _MESSAGE_DATA = 0x01
 _MESSAGE_HEAD = struct.Struct("<BIQ")  # opcode, subscription, time of reception at the server [ns]
 _ID_LIMIT = 2**32
-
-
-@dataclass(frozen=True, slots=True)
-class Offer:
-    """A channel that the server can send: one topic in one encoding."""
-
-    id: int
-    topic: str
-    encoding: str
-    schema_name: str
-    schema: str
-
-
-@dataclass(frozen=True, slots=True)
-class Withdrawal:
-    """A channel that is no more."""
-
-    id: int
-
-
-@dataclass(frozen=True, slots=True)
-class Payload:
-    """One serialised message of a subscription. received_ns: when the server got it, by the server's clock."""
-
-    subscription: int
-    received_ns: int
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Malformed:
-    """A frame, or a part of one, that cannot be read."""
-
-    reason: str
-
-
-Event = Offer | Withdrawal | Payload | Malformed
 
 
 def parse(frame: str | bytes) -> list[Event]:

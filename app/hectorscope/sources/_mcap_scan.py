@@ -13,7 +13,7 @@ from hectorscope.ros.decode import DefinitionFormat, Generation, ros2_name
 from hectorscope.sources._recording import Channel, Raw
 from hectorscope.sources._unpacking import unpacked
 
-_FORMS: dict[str, DefinitionFormat] = {"ros1msg": "msg", "ros2msg": "msg", "ros2idl": "idl", "omgidl": "idl"}
+FORMS: dict[str, DefinitionFormat] = {"ros1msg": "msg", "ros2msg": "msg", "ros2idl": "idl", "omgidl": "idl"}
 
 
 def scan_mcap(path: Path) -> Iterator[Raw]:
@@ -21,7 +21,7 @@ def scan_mcap(path: Path) -> Iterator[Raw]:
     schemas: dict[int, Schema] = {}
     channels: dict[int, Channel] = {}
     with path.open("rb") as file, suppress(Exception):  # the parser's ways to stumble over a damaged file are many
-        for record in _records(StreamReader(file, emit_chunks=True, record_size_limit=path.stat().st_size)):
+        for record in records(StreamReader(file, emit_chunks=True, record_size_limit=path.stat().st_size)):
             if isinstance(record, Schema):
                 schemas[record.id] = record
             elif isinstance(record, McapChannel):
@@ -32,7 +32,7 @@ def scan_mcap(path: Path) -> Iterator[Raw]:
                 yield Raw(channels[record.channel_id], record.log_time, record.data)
 
 
-def _records(reader: StreamReader) -> Iterator[McapRecord]:
+def records(reader: StreamReader) -> Iterator[McapRecord]:
     """Those of the file and those within chunks; what a chunk holds is read one by one."""
     for record in reader.records:
         if not isinstance(record, Chunk):
@@ -49,7 +49,7 @@ def _channel(record: McapChannel, schema: Schema | None) -> Channel | None:
     """None for channels in other encodings than those of ROS."""
     if schema is None or record.message_encoding not in ("cdr", "ros1"):
         return None
-    form = _FORMS.get(schema.encoding)
+    form = FORMS.get(schema.encoding)
     definition = schema.data.decode(errors="replace") if form else ""
     generation: Generation = "ros1" if record.message_encoding == "ros1" else "ros2"
     return Channel(record.topic, ros2_name(schema.name), generation, definition, form or "msg")

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hectorscope.sources._foxglove_wire import Malformed, Offer, Payload, Withdrawal, parse, subscribe
+from hectorscope.sources._foxglove_wire import parse, subscribe
+from hectorscope.sources._offers import Malformed, Offer, Payload, Withdrawal
 
 CHANNEL = {"id": 4, "topic": "/scan", "encoding": "cdr", "schemaName": "sensor_msgs/msg/LaserScan", "schema": "x"}
 

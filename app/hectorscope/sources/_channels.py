@@ -1,4 +1,4 @@
-"""The channels of a Foxglove server: what it offers, what is wanted of it, and how that is decoded."""
+"""The channels of a live stream: what is offered, what is wanted of it, and how that is decoded."""
 
 import re
 from dataclasses import fields, replace
@@ -7,7 +7,7 @@ from typing import Any
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.ros.decode import LONGEST_DEFINITION, BadDefinition, Decode, Generation, decoder
 from hectorscope.ros.roles import ROLE_TYPES, TF_TYPES, Roles, Topic, check_overrides, choose_roles
-from hectorscope.sources._foxglove_wire import Offer
+from hectorscope.sources._offers import Offer
 
 # Names and definitions end up in generated code, so nothing but names may pass.
 _TYPE_NAME = re.compile(r"([A-Za-z]\w*)/(?:msg/)?([A-Za-z]\w*)", re.ASCII)
@@ -71,7 +71,7 @@ class Channels:
             raise ChannelError(f"its definition of {offer.schema_name} is too long to be one")
         generation: Generation = "ros2" if offer.encoding == "cdr" else "ros1"
         try:
-            decode = decoder(generation, message_type(offer), offer.schema)
+            decode = decoder(generation, message_type(offer), offer.schema, offer.form)
         except BadDefinition as reason:
             raise ChannelError(str(reason)) from reason
         except Exception as error:  # text from a stranger has many ways to be no definition

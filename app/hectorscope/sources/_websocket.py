@@ -1,9 +1,10 @@
-"""A connection to a Foxglove server that is made again whenever it is lost."""
+"""A connection to a WebSocket server that is made again whenever it is lost."""
 
 import socket
 import ssl
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from websockets.exceptions import (
     ConnectionClosed,
@@ -14,11 +15,11 @@ from websockets.exceptions import (
     WebSocketException,
 )
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
 from hectorscope.common.terminal import silent_logger
 from hectorscope.inputs import SourceError
-from hectorscope.sources._foxglove_wire import SUBPROTOCOLS
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.25, 5.0
 CONNECT_TIMEOUT_S = 5.0
@@ -26,23 +27,41 @@ PING_INTERVAL_S, PING_TIMEOUT_S = 5.0, 10.0  # without an answer the link counts
 # A robot with hundreds of topics sends megabytes of definitions in one frame; nothing honest is larger.
 LARGEST_FRAME = 32 * 2**20
 
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """What a link looks for. what: the kind of server. remedy: what to do where none listens.
+
+    addresses: the forms of its addresses, without TLS and with it. subprotocols: offered to it; one has to be
+    chosen if there are any.
+    """
+
+    what: str
+    remedy: str
+    addresses: tuple[str, str]
+    subprotocols: Sequence[Subprotocol] = ()
+
+
 _FAILURES = (OSError, WebSocketException, UnicodeError)
 # Errors with their remedies; the first kind that fits is reported.
-_NEEDED = "it must be a Foxglove WebSocket server, such as foxglove_bridge (port 8765 by default)"
 _REMEDIES: tuple[tuple[type[Exception], str], ...] = (
-    (InvalidURI, "{uri} is no WebSocket address: give ws://HOST:PORT or wss://HOST:PORT"),
-    (UnicodeError, "{uri} names no possible host: give ws://HOST:PORT or wss://HOST:PORT"),
+    (InvalidURI, "{uri} is no address of this kind: give {forms}"),
+    (UnicodeError, "{uri} names no possible host: give {forms}"),
     (socket.gaierror, "the host of {uri} is not known: check its spelling, or give its number"),
-    (ConnectionRefusedError, "nothing listens at {uri}: start the bridge there (foxglove_bridge)"),
+    (ConnectionRefusedError, "nothing listens at {uri}: {peer.remedy}"),
     (TimeoutError, "{uri} does not answer: check that the host is up and the port is open"),
     (
         ssl.SSLCertVerificationError,
         "the certificate of {uri} is not trusted ({error.verify_message}): name its issuer in SSL_CERT_FILE",
     ),
-    (ssl.SSLError, "{uri} does not speak TLS: give ws:// in place of wss://"),
-    (InvalidStatus, "{uri} answers with HTTP status {error.response.status_code}: " + _NEEDED),
-    (InvalidMessage, "{uri} does not greet like a WebSocket server (with a certificate: wss://): " + _NEEDED),
-    (InvalidHandshake, "{uri} speaks another protocol: " + _NEEDED),
+    (ssl.SSLError, "{uri} does not speak TLS: give {peer.addresses[0]}"),
+    (InvalidStatus, "{uri} answers with HTTP status {error.response.status_code}: it must be {peer.what}"),
+    (
+        InvalidMessage,
+        "{uri} does not greet like a WebSocket server (with a certificate: {peer.addresses[1]}):"
+        " it must be {peer.what}",
+    ),
+    (InvalidHandshake, "{uri} speaks another protocol: it must be {peer.what}"),
 )
 _REMEDY = "{uri} cannot be reached ({error}): check the network"
 
@@ -53,18 +72,21 @@ class Link:
     status: why nothing flows right now; empty while connected.
     """
 
-    def __init__(self, uri: str) -> None:
-        """Try once: SourceError if waiting would not help, as with a wrong address or another protocol."""
-        self.uri = uri
+    def __init__(self, uri: str, peer: Peer, patience: float | None = None) -> None:
+        """Try once: SourceError if waiting would not help, as with a wrong address or another protocol.
+
+        patience: seconds of silence after which an empty frame is handed out, for who has something to ask again.
+        """
+        self.uri, self._peer, self._patience = uri, peer, patience
         self.status = ""
         self._closed = threading.Event()
         self._connection: ClientConnection | None = None
         try:
-            self._connection = _connect(uri)
+            self._connection = _connect(uri, peer)
         except _FAILURES as error:
             if _is_final(error):
-                raise SourceError(_explain(uri, error)) from error
-            self.status = _explain(uri, error)
+                raise SourceError(self._explain(error)) from error
+            self.status = self._explain(error)
 
     def connections(self) -> Iterator[Iterator[str | bytes]]:
         """The frames of every connection that is made; between two of them the pauses grow up to a limit."""
@@ -80,9 +102,9 @@ class Link:
 
     def _reconnect(self, waited: float) -> ClientConnection | None:
         try:
-            self._connection = _connect(self.uri)
+            self._connection = _connect(self.uri, self._peer)
         except _FAILURES as error:
-            self.status = _explain(self.uri, error)
+            self.status = self._explain(error)
             return None
         if self._closed.is_set():  # while it was being made, when there was nothing to close yet
             self._connection.close()
@@ -93,7 +115,11 @@ class Link:
         with connection:
             try:
                 while True:
-                    yield connection.recv()
+                    try:
+                        frame = connection.recv(self._patience)
+                    except TimeoutError:
+                        frame = ""
+                    yield frame
             except ConnectionClosed as error:
                 self.status = f"lost the connection to {self.uri} ({_reason(error)}): trying again"
 
@@ -105,6 +131,11 @@ class Link:
             except ConnectionClosed:
                 return
 
+    def _explain(self, error: Exception) -> str:
+        text = next((text for kind, text in _REMEDIES if isinstance(error, kind)), _REMEDY)
+        forms = " or ".join(self._peer.addresses)
+        return text.format(uri=self.uri, error=error, peer=self._peer, forms=forms)
+
     def close(self) -> None:
         """End `connections`, from any thread."""
         self._closed.set()
@@ -112,14 +143,17 @@ class Link:
             self._connection.close()
 
 
-def _connect(uri: str) -> ClientConnection:
+def _connect(uri: str, peer: Peer) -> ClientConnection:
+    scheme, _, rest = uri.partition("://")
+    schemes = [form.partition("://")[0] for form in peer.addresses]
+    place = f"{('ws', 'wss')[schemes.index(scheme)]}://{rest}" if scheme in schemes else uri
     try:
-        parse_uri(uri)
+        parse_uri(place)
     except ValueError as error:  # a port that is no number
         raise InvalidURI(uri, str(error)) from error
     connection = connect(
-        uri,
-        subprotocols=SUBPROTOCOLS,
+        place,
+        subprotocols=peer.subprotocols or None,
         compression=None,  # a robot's processor has better things to do
         proxy=None,  # a robot is a neighbour, not a web site
         open_timeout=CONNECT_TIMEOUT_S,
@@ -129,7 +163,7 @@ def _connect(uri: str) -> ClientConnection:
         max_size=LARGEST_FRAME,
         logger=silent_logger("hectorscope.sources.websockets"),
     )
-    if connection.subprotocol is None:
+    if peer.subprotocols and connection.subprotocol is None:
         connection.close()
         raise InvalidHandshake("the server chose none of the sub-protocols offered")
     return connection
@@ -142,11 +176,6 @@ def _is_final(error: Exception) -> bool:
     if isinstance(error, InvalidMessage):  # cut off while greeting: perhaps it is just starting
         return not isinstance(error.__cause__, EOFError)
     return isinstance(error, InvalidURI | UnicodeError | InvalidHandshake | socket.gaierror | ssl.SSLError)
-
-
-def _explain(uri: str, error: Exception) -> str:
-    text = next((text for kind, text in _REMEDIES if isinstance(error, kind)), _REMEDY)
-    return text.format(uri=uri, error=error)
 
 
 def _reason(error: ConnectionClosed) -> str:

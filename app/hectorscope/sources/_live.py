@@ -1,0 +1,116 @@
+"""A robot's live topics, whatever the protocol: which are wanted, and how they become measurements."""
+
+import threading
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from hectorscope.inputs import Item, SourceOptions, SourceReport
+from hectorscope.ros.converter import Converter
+from hectorscope.ros.messages import BadMessage
+from hectorscope.sources._channels import ChannelError, Channels
+from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
+
+
+class Wire(Protocol):
+    """One protocol of live streams. status: why nothing flows right now, with the remedy; empty while it does."""
+
+    @property
+    def status(self) -> str: ...
+
+    def connections(self) -> Iterator[Iterator[Sequence[Event]]]:
+        """What is said over one connection after another, until `close` or the end of the stream."""
+
+    def subscribe(self, offers: Sequence[Offer]) -> None:
+        """Ask for channels of this connection. A subscription has the number of its channel."""
+
+    def close(self) -> None:
+        """End `connections`, from any thread."""
+
+
+class LiveSource:
+    """Subscribes to what the pipeline uses, as it is offered, over any number of connections.
+
+    Times are those in the messages' headers; the other side's own clock only stands in where a header has none.
+    """
+
+    live = True
+    span_ns = None
+
+    def __init__(self, uri: str, options: SourceOptions, wire: Wire) -> None:
+        self.name = uri
+        self._wire = wire
+        self._channels = Channels(options)
+        self._converter = Converter(self._channels.roles, options)
+        self._lock = threading.Lock()  # `report` is asked for by another thread than the one in `items`
+
+    @property
+    def report(self) -> SourceReport:
+        """Counters so far; `waiting` while the connection or the laser is missing."""
+        with self._lock:
+            status = self._wire.status
+            return replace(
+                self._converter.report,
+                waiting=status or self._channels.missing(),
+                connected=not status,
+                scan_topic=self._channels.roles.scan or "",
+            )
+
+    def items(self) -> Iterator[Item]:
+        """Measurements as they arrive, until `close` or the end of the stream."""
+        for batches in self._wire.connections():
+            with self._lock:
+                self._channels.reset()
+            for events in batches:
+                with self._lock:
+                    items = self._take(events)
+                yield from items
+
+    def close(self) -> None:
+        """Hang up."""
+        self._wire.close()
+
+    def _take(self, events: Iterable[Event]) -> list[Item]:
+        items: list[Item] = []
+        is_new = False
+        for event in events:
+            match event:
+                case Payload():
+                    items += self._convert(event)
+                case Offer():
+                    self._channels.add(event)
+                    is_new = True
+                case Withdrawal():
+                    self._channels.remove(event.id)
+                    is_new = True
+                case Malformed():
+                    self._converter.skip(self.name, event.reason)
+        if is_new:
+            self._subscribe()
+        return items
+
+    def _convert(self, payload: Payload) -> list[Item]:
+        known = self._channels.decode(payload.subscription)
+        if known is None:
+            self._converter.skip(self.name, "message of a channel that was not asked for")
+            return []
+        topic, msgtype, decode = known
+        try:
+            return self._converter.convert(topic, msgtype, decode(payload.data), payload.received_ns)
+        except BadMessage as reason:
+            self._converter.skip(topic, str(reason))
+            return []
+
+    def _subscribe(self) -> None:
+        wanted: list[Offer] = []
+        while offers := self._channels.choose():  # a part that a refused channel held may go to another one
+            for offer in offers:
+                try:
+                    self._channels.prepare(offer)
+                    wanted.append(offer)
+                except ChannelError as reason:
+                    self._converter.skip(offer.topic, str(reason))
+                    self._channels.refuse(offer)
+        if wanted:
+            self._converter.assign(self._channels.roles)
+            self._wire.subscribe(wanted)
