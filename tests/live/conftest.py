@@ -15,7 +15,7 @@ from websockets.typing import Subprotocol
 
 from hectorscope.simulation import SimulateOptions, simulate
 
-SERVERS = {"ws": "replay_server.py", "rosbridge": "rosbridge_server.py"}
+SERVERS = {"ws": "replay_server.py", "rosbridge": "rosbridge_server.py", "zenoh": "zenoh_router.py"}
 
 
 @dataclass

@@ -177,6 +177,19 @@ def _same(one: Typestore, other: Typestore, msgtype: str) -> bool:
     return fields == other.fielddefs[msgtype][1] and all(_same(one, other, name) for name in names)
 
 
+def definition_of(msgtype: str, type_hash: str) -> str | None:
+    """The definition of a message of ROS 2 by its hash (REP 2011, "RIHS01_..."); None if no distribution has it.
+
+    "" for a type that is not known at all, whatever its hash: nothing here asks for it.
+    """
+    stores = [get_typestore(store) for store in (Stores.ROS2_JAZZY, Stores.ROS2_HUMBLE)]
+    known = [store for store in stores if msgtype in store.fielddefs]
+    found = next((store for store in known if store.hash_rihs01(msgtype) == type_hash), None)
+    if found is None:
+        return None if known else ""
+    return found.generate_msgdef(msgtype, ros_version=2)[0]
+
+
 @cache
 def _standard(generation: Generation) -> Typestore:
     """Recordings without definitions are of Humble or older; the ROS 1 types lack tf2_msgs."""

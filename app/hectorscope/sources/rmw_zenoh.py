@@ -1,0 +1,152 @@
+"""A robot's live topics by Zenoh, as ROS 2 with rmw_zenoh speaks it, through the robot's router."""
+
+import json
+import re
+import time
+from collections.abc import Iterator, Sequence
+from functools import partial
+from queue import Empty, Full, Queue
+from typing import Any
+
+from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.ros.decode import definition_of
+from hectorscope.sources import stream
+from hectorscope.sources._live import LiveSource
+from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
+from hectorscope.sources._zenoh_keys import ALL_TOKENS, NO_HASH, Publication, publication, sent_ns
+
+FORM = "zenoh://HOST:PORT/DOMAIN"
+ADDRESS = re.compile(
+    r"zenoh://(?P<host>[A-Za-z0-9.\-]+|\[[0-9A-Fa-f:.]+\])(:(?P<port>\d{1,5}))?(/(?P<domain>\d+)?)?"
+)
+PORT = 7447
+PAUSE_S = 1.0  # between two attempts to reach the router
+LOOK_S = 0.2
+MOST_WAITING = 20_000  # events; beyond, the router is held up, and drops what is not reliable
+
+
+class ZenohWire:
+    """One session: Zenoh makes lost connections again, and its subscriptions with them."""
+
+    def __init__(self, uri: str) -> None:
+        """SourceError for an address of another form, or without the library."""
+        found = ADDRESS.fullmatch(uri)
+        if found is None:
+            raise SourceError(f"{uri} is no address of this kind: give {FORM}, such as zenoh://robot:{PORT}/0")
+        try:
+            import zenoh  # noqa: PLC0415 - of the extra of that name
+        except ImportError as error:
+            raise SourceError(f"{uri} needs eclipse-zenoh: install hectorscope[zenoh]") from error
+        self._zenoh: Any = zenoh
+        self._uri, self._domain = uri, int(found["domain"] or 0)
+        self._endpoint = f"tcp/{found['host']}:{int(found['port'] or PORT)}"
+        self._events: Queue[Event] = Queue(MOST_WAITING)
+        self._numbers: dict[str, int] = {}  # of the key of a topic in a type
+        self._publications: dict[int, Publication] = {}
+        self._tokens: dict[int, set[str]] = {}
+        self._subscribers: dict[int, Any] = {}
+        self._session: Any = None
+        self._is_closed = False
+        self._is_reached = False
+
+    @property
+    def status(self) -> str:
+        """Why nothing flows right now; empty while there is a router."""
+        remedy = f"no Zenoh router answers at {self._uri}: start it there (rmw_zenohd)"
+        return "" if self._is_reached else remedy
+
+    def connections(self) -> Iterator[Iterator[Sequence[Event]]]:
+        """One, which outlives the loss of its router."""
+        while not self._is_closed and self._session is None:
+            try:
+                self._session = self._zenoh.open(self._config())
+            except self._zenoh.ZError:
+                time.sleep(PAUSE_S)
+        if self._session is not None and not self._is_closed:
+            tokens = ALL_TOKENS.format(domain=self._domain)
+            self._session.liveliness().declare_subscriber(tokens, self._announced, history=True)
+            yield self._batches(self._session)
+        if self._session is not None:
+            self._session.close()
+
+    def _config(self) -> Any:
+        """A client of this router alone: nothing is looked for on the network."""
+        config = self._zenoh.Config()
+        options = {
+            "mode": "client",
+            "connect/endpoints": [self._endpoint],
+            "connect/timeout_ms": 1000,
+            "scouting/multicast/enabled": False,
+        }
+        for key, value in options.items():
+            config.insert_json5(key, json.dumps(value))
+        return config
+
+    def _batches(self, session: Any) -> Iterator[Sequence[Event]]:
+        while not self._is_closed:
+            self._is_reached = bool(session.info.routers_zid())
+            try:
+                yield [self._events.get(timeout=LOOK_S)]
+            except Empty:
+                continue
+
+    def _put(self, event: Event) -> None:
+        """From Zenoh's threads; they wait for a slow reader, but not for one that has gone."""
+        while not self._is_closed:
+            try:
+                self._events.put(event, timeout=LOOK_S)
+            except Full:
+                continue
+            return
+
+    def _announced(self, sample: Any) -> None:
+        """A publisher has come or gone; a topic is there as long as one of its publishers is."""
+        token, is_new = str(sample.key_expr), sample.kind == self._zenoh.SampleKind.PUT
+        found = publication(token)
+        if found is None:
+            return
+        number = self._numbers.setdefault(found.key, len(self._numbers) + 1)
+        others = self._tokens.setdefault(number, set())
+        were = bool(others)
+        (others.add if is_new else others.discard)(token)
+        if is_new and not were:
+            self._publications[number] = found
+            self._put(offer(number, found))
+        elif were and not others:
+            self._put(Withdrawal(number))
+
+    def subscribe(self, offers: Sequence[Offer]) -> None:
+        """Ask for topics; of those that are kept for who comes later, for the last message too."""
+        from zenoh import ext  # noqa: PLC0415
+
+        for wanted in offers:
+            found = self._publications[wanted.id]
+            if self._session is None or wanted.id in self._subscribers:
+                continue
+            history = ext.HistoryConfig(detect_late_publishers=True) if found.is_latched else None
+            self._subscribers[wanted.id] = ext.declare_advanced_subscriber(
+                self._session, found.key, partial(self._received, wanted.id), history=history
+            )
+
+    def _received(self, number: int, sample: Any) -> None:
+        attachment = sample.attachment.to_bytes() if sample.attachment is not None else None
+        self._put(Payload(number, sent_ns(attachment) or time.time_ns(), sample.payload.to_bytes()))
+
+    def close(self) -> None:
+        """End the session."""
+        self._is_closed = True
+
+
+def offer(number: int, found: Publication) -> Event:
+    """A topic with the definition that its hash names, which may be of another ROS 2 than the standard one."""
+    definition = "" if found.type_hash == NO_HASH else definition_of(found.msgtype, found.type_hash)
+    if definition is None:
+        return Malformed(f"{found.topic}: its {found.msgtype} is that of no ROS 2 that is known")
+    return Offer(number, found.topic, "cdr", found.msgtype, definition)
+
+
+def _open(uri: str, options: SourceOptions) -> LiveSource:
+    return LiveSource(uri, options, ZenohWire(uri))
+
+
+SOURCE = stream(_open, FORM)
