@@ -34,6 +34,7 @@ def show(
             chosen,
             prior,
             library=library,
+            recording=shown,
             out=page.out,
             checkpoints=budget,
             runs_ahead=page.ahead,

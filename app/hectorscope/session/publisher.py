@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hectorscope.inputs import Source, SourceReport
+from hectorscope.run.fingerprint import Identity
 from hectorscope.run.map_images import MapImage, map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
@@ -44,6 +45,7 @@ class Run:
     ahead: Ahead
     behind: int
     library: tuple[Listed, ...]
+    recording: Identity | None
 
 
 class Publisher:
@@ -115,6 +117,7 @@ class Publisher:
             question=run.question,
             undo=run.undo,
             library=run.library,
+            recording=run.recording,
             ahead=run.ahead,
         )
         self.mailbox.put(snapshot)
