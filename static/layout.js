@@ -6,11 +6,13 @@
   const KEYS = [
     ["Run, shared by every browser", [["space", "play or pause"], [".", "step one scan"], [",", "back one scan"], ["R", "restart"], ["U", "undo, for a minute"], ["[ and ]", "slower, faster"]]],
     ["Camera", [["1", "top"], ["2", "follow the robot"], ["3", "free"], ["4", "whole map"]]],
-    ["This browser", [["G", "plots: below the scene or none"], ["X", "plots over the whole window"], ["H", "panels"], ["T", "light or dark theme"], ["P", "presentation: large type"], ["F", "full screen"], ["O", "open a recording"], ["?", "these keys"], ["Ctrl K", "find any command"]]],
+    ["This browser", [["G", "plots: below the scene or none"], ["X", "plots over the whole window"], ["H", "panels"], ["T", "light or dark theme"], ["P", "presentation: large type"], ["F", "full screen"], ["O", "open a recording"], ["L", "copy a link to this view"], ["?", "these keys"], ["Ctrl K", "find any command"]]],
   ];
 
   const screen = () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.());
   const swap = (key, one, other) => own.set(key, own.get(key) === one ? other : one);
+  const recordings = () => window.hectorscope.recordings?.();
+  const link = () => window.hectorscope.link?.();
   const ACTS = {
     g: () => swap("plots", "off", "below"),
     x: () => swap("plots", "full", "below"),
@@ -18,11 +20,11 @@
     t: () => swap("theme", "light", "dark"),
     p: () => own.toggle("present"),
     f: screen,
-    o: () => recordings(),
+    o: recordings,
+    l: link,
     "?": keys,
   };
-  const recordings = () => window.hectorscope.recordings?.();
-  const DO = { screen, keys, recordings, picture: () => window.hectorscope.picture?.() };
+  const DO = { screen, keys, recordings, link, picture: () => window.hectorscope.picture?.() };
 
   // ----------------------------------------------------------------------------------------------- keys
 

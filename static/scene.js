@@ -243,10 +243,12 @@
     }
   }
 
+  const cameraNow = () => ({ auto: state.auto, follow: state.follow, top: state.top, pose: pose(viser().cameraControl) });
+
   function keep() {
     const controls = viser()?.cameraControl;
     if (!restored || !controls || state.goal !== null) return;
-    const now = { auto: state.auto, follow: state.follow, top: state.top, pose: pose(controls) };
+    const now = cameraNow();
     const before = own.get("camera");
     const still = before && ["auto", "follow", "top"].every((key) => before[key] === now[key]);
     if (!still || (!now.auto && !now.follow && String(before.pose) !== String(now.pose))) own.set("camera", now);
@@ -260,6 +262,6 @@
     magnify(page);
     order();
   });
-  Object.assign(window.hectorscope, { camera, cameraState: () => ({ ...state }) });
+  Object.assign(window.hectorscope, { camera, cameraNow, restoreCamera: () => (restored = false), cameraState: () => ({ ...state }) });
   requestAnimationFrame(frame);
 })();

@@ -3,12 +3,20 @@
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect, sync_playwright
 
+from hectorscope.inputs import Source, SourceOptions
+from hectorscope.run.warmup import load_everything
+from hectorscope.session.engine import Engine
+from hectorscope.session.library import Library
+from hectorscope.simulation import SimulateOptions, simulate
+from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
+from tests.engines import START
 from tests.page import StillEngine, room_snapshot
 
 FLAGS = (
@@ -23,6 +31,8 @@ READY = (
     "!!window.__viserMutable?.nodeRefFromName?.['/floor/map/level0']"
     " && !!window.hectorscope?.levels().places.length"
 )
+LISTED = "!!document.querySelector('[data-hs-library]') && !!window.hectorscope?.recordings"
+UPLOADS = 8 * 2**20  # bytes that the server with recordings takes
 PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
 
 expect.set_options(timeout=PATIENCE)
@@ -40,6 +50,12 @@ def browser(chromium: str) -> Iterator[Browser]:
         made = playwright.chromium.launch(executable_path=chromium, args=list(FLAGS))
         yield made
         made.close()
+
+
+def with_query(url: str) -> str:
+    """The address with pixels that software graphics can draw."""
+    address, hash_, rest = url.partition("#")
+    return f"{address}{'&' if '?' in address else '?'}fixedDpr=0.3{hash_}{rest}"
 
 
 @pytest.fixture
@@ -64,7 +80,7 @@ def open_page(browser: Browser) -> Iterator[Open]:
         page = contexts[-1].new_page()
         page.set_default_timeout(PATIENCE)
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(f"{url}{'&' if '?' in url else '?'}fixedDpr=0.3")
+        page.goto(with_query(url))
         page.wait_for_function(ready)
         return page
 
@@ -95,3 +111,39 @@ def show() -> Iterator[Show]:
     server.start()
     yield Show(engine, server)
     server.stop()
+
+
+@pytest.fixture(scope="module")
+def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two short recordings, one with a name that looks like markup."""
+    load_everything()
+    folder = tmp_path_factory.mktemp("bags")
+    for name, scenario in (("kitchen.bag", "rooms"), ("<b>hall<b>.bag", "corridor")):
+        simulate(SimulateOptions(scenario=scenario, out=folder / name, duration=4.0, scan_rate=10.0, beams=181))
+    return folder
+
+
+class Opened:
+    """A page without a recording, in front of a server that has some."""
+
+    def __init__(self, bags: Path) -> None:
+        self.library = Library(self._open, [bags])
+        self.engine = Engine(None, START, library=self.library, speed=float("inf"))
+        self.server = PageServer(self.engine, port=0, upload_limit=UPLOADS)
+        self.server.start()
+        self.engine.start()
+
+    def _open(self, path: Path) -> Source:
+        return open_source(str(path), SourceOptions())
+
+    def stop(self) -> None:
+        """End both."""
+        self.engine.stop()
+        self.server.stop()
+
+
+@pytest.fixture
+def opened(bags: Path) -> Iterator[Opened]:
+    made = Opened(bags)
+    yield made
+    made.stop()

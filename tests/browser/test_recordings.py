@@ -1,27 +1,17 @@
 """Another recording is opened from the page: from the list of the server, or by dropping a file onto it."""
 
 import base64
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from hectorscope.inputs import Source, SourceOptions
-from hectorscope.run.warmup import load_everything
-from hectorscope.session.engine import Engine
-from hectorscope.session.library import Library
-from hectorscope.simulation import SimulateOptions, simulate
-from hectorscope.sources import open_source
-from hectorscope.web.server import PageServer
-from tests.browser.conftest import Open
-from tests.engines import START, state, until
+from tests.browser.conftest import LISTED, UPLOADS, Open, Opened
+from tests.engines import state, until
 
 pytestmark = pytest.mark.browser
 
-LIMIT = 8 * 2**20
 PATIENCE_S = 120.0
-LISTED = "!!document.querySelector('[data-hs-library]') && !!window.hectorscope?.recordings"
 # What a hand does that lets a file go over the page.
 DROP = """([name, base64]) => {
   const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -30,42 +20,6 @@ DROP = """([name, base64]) => {
   for (const kind of ['dragover', 'drop'])
     document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: carried, bubbles: true, cancelable: true }));
 }"""
-
-
-@pytest.fixture(scope="module")
-def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with two short recordings, one with a name that looks like markup."""
-    load_everything()
-    folder = tmp_path_factory.mktemp("bags")
-    for name, scenario in (("kitchen.bag", "rooms"), ("<b>hall<b>.bag", "corridor")):
-        simulate(SimulateOptions(scenario=scenario, out=folder / name, duration=4.0, scan_rate=10.0, beams=181))
-    return folder
-
-
-class Opened:
-    """A page without a recording, in front of a server that has some."""
-
-    def __init__(self, bags: Path) -> None:
-        self.library = Library(self._open, [bags])
-        self.engine = Engine(None, START, library=self.library, speed=float("inf"))
-        self.server = PageServer(self.engine, port=0, upload_limit=LIMIT)
-        self.server.start()
-        self.engine.start()
-
-    def _open(self, path: Path) -> Source:
-        return open_source(str(path), SourceOptions())
-
-    def stop(self) -> None:
-        """End both."""
-        self.engine.stop()
-        self.server.stop()
-
-
-@pytest.fixture
-def opened(bags: Path) -> Iterator[Opened]:
-    made = Opened(bags)
-    yield made
-    made.stop()
 
 
 def drop(page: Page, name: str, content: bytes) -> None:
@@ -116,7 +70,7 @@ def test_a_file_that_is_dropped_is_opened(opened: Opened, open_page: Open, bags:
 @pytest.mark.parametrize(
     ("name", "content", "reason"),
     [
-        ("huge.bag", bytes(LIMIT + 1), "huge.bag has 8.0 MiB, and 8.0 MiB of 8.0 MiB are left"),
+        ("huge.bag", bytes(UPLOADS + 1), "huge.bag has 8.0 MiB, and 8.0 MiB of 8.0 MiB are left"),
         ("notes.txt", b"words", "notes.txt is no recording by its name"),
     ],
 )

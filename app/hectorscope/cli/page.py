@@ -47,6 +47,7 @@ def show(
                 prior,
                 exchange=exchange,
                 library=library,
+                recording=shown,
                 out=page.out,
                 checkpoints=budget,
                 runs_ahead=page.ahead,

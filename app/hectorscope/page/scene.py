@@ -108,10 +108,10 @@ class Scene:
         if mode in get_args(Camera):
             self.run(f"window.hectorscope?.camera('{mode}')", client)
 
-    def notify(self, sentence: str) -> None:
-        """Show a sentence in a corner of every open page, for some seconds."""
-        for client in self.server.get_clients().values():
-            client.add_notification("", sentence, auto_close_seconds=NOTICE_S)
+    def notify(self, sentence: str, client: viser.ClientHandle | None = None) -> None:
+        """Show a sentence in a corner of one page, or of every open one, for some seconds."""
+        for target in [client] if client is not None else list(self.server.get_clients().values()):
+            target.add_notification("", sentence, auto_close_seconds=NOTICE_S)
 
     def run(self, script: str, client: viser.ClientHandle | None = None) -> None:
         """Run JavaScript once in one browser, or in all that are connected now; late joiners never see it.

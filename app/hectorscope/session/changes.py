@@ -42,7 +42,7 @@ def settings_change(
     """The change at that time, or from the start; None if it changes nothing. SlamError for what cannot be."""
     after = before.changed_all(None if throughout else now_ns, values)
     if any(name.startswith("map.") for name in values):
-        _check_map(after.at(now_ns).map, prior_map)
+        check_map(after.at(now_ns).map, prior_map)
     was, now = before.at(now_ns), after.at(now_ns)
     old = {name: value_of(was, name) for name in values if value_of(was, name) != value_of(now, name)}
     if after == before or not (old or throughout):
@@ -59,7 +59,7 @@ def settings_change(
     )
 
 
-def _check_map(config: MapConfig, prior_map: PriorMap | None) -> None:
+def check_map(config: MapConfig, prior_map: PriorMap | None) -> None:
     """Refuse what the next run could not begin with."""
     check_room(config)
     if prior_map:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from hectorscope.run.permalink import Permalink
+
 
 @dataclass(frozen=True, slots=True)
 class Play:
@@ -124,6 +126,18 @@ class OpenUploaded:
 
 
 @dataclass(frozen=True, slots=True)
+class Follow:
+    """Show what a permalink asks for."""
+
+    link: Permalink
+
+
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """A recording is known by its content. Sent by the engine's own threads only."""
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
 
@@ -156,6 +170,8 @@ Command = (
     | ListRecordings
     | Open
     | OpenUploaded
+    | Follow
+    | Identified
     | Answer
     | Quit
 )

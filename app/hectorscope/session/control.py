@@ -9,6 +9,7 @@ from hectorscope.session.commands import (
     Configure,
     ConfigureAll,
     Decline,
+    Follow,
     ListRecordings,
     Open,
     OpenUploaded,
@@ -24,6 +25,7 @@ from hectorscope.session.commands import (
     StepScan,
     Undo,
 )
+from hectorscope.session.following import Following
 from hectorscope.session.library import Library
 from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
@@ -42,6 +44,7 @@ class Control:
     def __init__(self, session: Session, saver: Saver, library: Library, opening: Callable[[str], None]) -> None:
         self.questions = Questions()
         self._session, self._saver, self._library, self._opening = session, saver, library, opening
+        self._following = Following(session, library, opening)
         self._transport = session.transport
 
     @property
@@ -65,9 +68,9 @@ class Control:
         if isinstance(command, PlayPause):
             command = Pause() if self._transport.running else Play()
         session = self._session
-        would_lose = self._live and loss(
-            command, session.run.pipeline, session.change, stopped=self._transport.stopped
-        )
+        would_lose = self._following.loss(command.link) if isinstance(command, Follow) else None
+        if self._live and not would_lose:
+            would_lose = loss(command, session.run.pipeline, session.change, stopped=self._transport.stopped)
         if self._transport.empty and isinstance(command, NEEDS_RECORDING):
             self._refuse("No recording is open: open one first")
         elif would_lose:
@@ -93,8 +96,8 @@ class Control:
                 self._begin_again(command)
             case Undo() | Agree() | Decline():
                 self._answer(command)
-            case ListRecordings() | Open() | OpenUploaded():
-                self._open(command)
+            case ListRecordings() | Open() | OpenUploaded() | Follow():
+                self._show_other(command)
 
     def _pace(self, command: StepScan | StepBack | SetSpeed | ChangeSpeed) -> None:
         match command:
@@ -119,18 +122,25 @@ class Control:
             case Seek(time_ns):
                 self._session.seek(time_ns)
 
-    def _open(self, command: ListRecordings | Open | OpenUploaded) -> None:
-        if isinstance(command, ListRecordings):
-            self._library.refresh()
-            return
-        key = command.key if isinstance(command, Open) else self._library.add(command.path, command.name)
-        self._opening(f"Opening {self._library.name(key)}")
+    def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow) -> None:
         try:
-            self._session.open(self._library.open(key))
+            match command:
+                case ListRecordings():
+                    self._library.refresh()
+                case Open(key):
+                    self._open(key)
+                case OpenUploaded(path, name):
+                    self._open(self._library.add(path, name))
+                case Follow(link):
+                    self._following.follow(link)
         except SlamError as error:
             self._refuse(str(error))
         finally:
             self._opening("")
+
+    def _open(self, key: str) -> None:
+        self._opening(f"Opening {self._library.name(key)}")
+        self._session.open(*self._library.open(key))
 
     def _answer(self, command: Undo | Agree | Decline) -> None:
         match command:

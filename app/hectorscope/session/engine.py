@@ -9,12 +9,14 @@ from queue import Empty
 
 from hectorscope.inputs import Repairable, Source
 from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
+from hectorscope.run.fingerprint import Identity
 from hectorscope.run.pipeline import nothing_used
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
-from hectorscope.session.commands import Answer, Command, Quit, Repair
+from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
 from hectorscope.session.control import Control
 from hectorscope.session.exchange import Exchange
+from hectorscope.session.intake import Intake
 from hectorscope.session.library import Library
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.no_recording import NoRecording
@@ -38,8 +40,8 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs a source through a pipeline, on a thread of its own, until another one is opened; closes it at the end.
 
-    source: None shows nothing yet. exchange: with the page, if that is there already. library: what can be opened
-    instead.
+    source: None shows nothing yet. recording: where it lies, if it is one. exchange: with the page, if that is there
+    already. library: what can be opened instead.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
     prepare: called on the engine's thread before anything is read, with what shows on the page what the run waits
@@ -62,6 +64,7 @@ class Engine:
         library: Library | None = None,
         autoplay: bool = True,
         speed: float = 1.0,
+        recording: Path | None = None,
         out: Path | None = None,
         checkpoints: int = BUDGET_MB,
         runs_ahead: bool = True,
@@ -77,10 +80,17 @@ class Engine:
         self._transport = Transport(source.live, autoplay, speed)
         start, budget = settings or Settings(), checkpoints * MEBIBYTE
         self._session = Session(
-            source, start, prior_map, self._transport, self._publisher, budget, runs_ahead=runs_ahead
+            Intake(source, recording),
+            start,
+            prior_map,
+            self._transport,
+            self._publisher,
+            budget,
+            runs_ahead=runs_ahead,
         )
         self._saver = Saver(out, self._commands.put)
         self._library = library or Library()
+        self._library.identities.told = partial(self._commands.put, Identified())
         self._control = Control(self._session, self._saver, self._library, self._show_opening)
         self._is_ready = False
 
@@ -132,6 +142,8 @@ class Engine:
                 self._guard(self._advance)
             elif isinstance(command, Answer):
                 self._session.log(command.text, "warning" if command.failed else "info", answer=True)
+            elif isinstance(command, Identified):
+                self._publisher.touch()
             else:
                 self._guard(partial(self._control.obey, command))
                 self._obeyed += 1
@@ -278,5 +290,11 @@ class Engine:
             ahead=session.ahead,
             behind=session.intake.behind,
             library=self._library.listed,
+            recording=self._recording(),
         )
         self._publisher.publish(run, complete=resting)
+
+    def _recording(self) -> Identity | None:
+        """What is shown, by its content: it is read for that once the run goes, and not before."""
+        path, begun = self._session.intake.path, self._session.run.pipeline.scans
+        return self._library.identities.known(path) if path and begun else None

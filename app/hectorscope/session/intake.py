@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from hectorscope.inputs import Item, Source
 from hectorscope.run.checkpoints import Place
@@ -18,10 +19,13 @@ class Aside:
 
 
 class Intake:
-    """Hands out items one by one. A recording begins anew, or after so many items; a stream flows on."""
+    """Hands out items one by one. A recording begins anew, or after so many items; a stream flows on.
 
-    def __init__(self, source: Source) -> None:
-        self.source = source
+    path: where the recording lies, if that is known.
+    """
+
+    def __init__(self, source: Source, path: Path | None = None) -> None:
+        self.source, self.path = source, path
         self._feeder: Feeder | None = None
         self._taken = 0
         self._place: Place | None = None

@@ -8,6 +8,8 @@ from pathlib import Path
 from hectorscope.common.paths import absence
 from hectorscope.common.recent import Recent
 from hectorscope.inputs import Source
+from hectorscope.run.fingerprint import Identity
+from hectorscope.session.identities import Identities
 from hectorscope.session.snapshot import Listed
 from hectorscope.sources import is_inside, recordings_in
 from slam_core.errors import SlamError
@@ -49,6 +51,7 @@ class Library:
         recent: Recent | None = None,
     ) -> None:
         self.listed: tuple[Listed, ...] = ()
+        self.identities = Identities()
         self._opened, self._folders, self._demos = opened, folders, demos or {}
         self._recent = recent or Recent(None)
         self._uploaded: list[_Found] = []
@@ -83,8 +86,17 @@ class Library:
         """How it is shown; "a recording" for a key that is none."""
         return self._found[key].name if key in self._found else "a recording"
 
-    def open(self, key: str) -> Source:
-        """The recording of a key; SlamError for one that is not in the list, is gone, or cannot be read."""
+    def find(self, wanted: Identity) -> str | None:
+        """The key of the recording with this content, or None. Those of its size are read for that."""
+        self.refresh()
+        same = (key for key, found in self._found.items() if self.identities.is_at(wanted, found.path))
+        return next(same, None)
+
+    def open(self, key: str) -> tuple[Source, Path]:
+        """The recording of a key, and where it lies.
+
+        SlamError for one that is not in the list, is gone, or cannot be read.
+        """
         found = self._found.get(key)
         if found is None:
             raise LibraryError("This recording is not in the list: open the list again")
@@ -98,7 +110,7 @@ class Library:
             source.name = found.name
         else:
             self.note(found.path)
-        return source
+        return source, found.path
 
     def note(self, path: Path) -> None:
         """A recording was opened: it is among the recent ones, unless it is a demo."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hectorscope.inputs import Source, SourceReport
+from hectorscope.run.fingerprint import Identity
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
@@ -45,6 +46,7 @@ class Run:
     ahead: Ahead
     behind: int
     library: tuple[Listed, ...]
+    recording: Identity | None
 
 
 class Publisher:
@@ -116,6 +118,7 @@ class Publisher:
             question=run.question,
             undo=run.undo,
             library=run.library,
+            recording=run.recording,
             ahead=run.ahead,
         )
         self._mailbox.put(snapshot)

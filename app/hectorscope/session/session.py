@@ -1,6 +1,7 @@
 """The run that is shown and those put aside: begun again, sought in, configured, taken back."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
@@ -23,11 +24,14 @@ PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 
 
 class Session:
-    """Belongs to the engine's thread. epoch: grows whenever what was drawn is no longer true."""
+    """Belongs to the engine's thread. epoch: grows whenever what was drawn is no longer true.
+
+    given: the settings that the recording was opened with; others were set by hand since.
+    """
 
     def __init__(
         self,
-        source: Source,
+        intake: Intake,
         settings: Settings,
         prior_map: PriorMap | None,
         transport: Transport,
@@ -38,17 +42,18 @@ class Session:
     ) -> None:
         """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown."""
         self.transport = transport
-        self._read(Intake(source))
+        self._read(intake)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
-        self._prior_map, self._publisher = prior_map, publisher
+        self.prior_map, self._publisher = prior_map, publisher
         self._budget, self._runs_ahead = budget, runs_ahead
-        self.run = self._new_run(source, settings, None)
+        self.given = settings
+        self.run = self._new_run(intake.source, settings, None)
 
     def _new_run(self, source: Source, settings: Settings, now_ns: int | None) -> ActiveRun:
         start_ns = source.span_ns[0] if source.span_ns else now_ns
         kept = Checkpoints(self._budget)
-        return ActiveRun(settings, start_ns, self._prior_map, live=source.live, checkpoints=kept)
+        return ActiveRun(settings, start_ns, self.prior_map, live=source.live, checkpoints=kept)
 
     @property
     def source(self) -> Source:
@@ -92,7 +97,7 @@ class Session:
     def restart(self) -> None:
         """An empty map or the prior map, at the beginning; a stream that still flows goes on."""
         self.begin(self.run.settings, "restart")
-        self.log(f"Started again with {'the saved' if self._prior_map else 'an empty'} map")
+        self.log(f"Started again with {'the saved' if self.prior_map else 'an empty'} map")
 
     def repair(self) -> None:
         """Begin again with what the sensor check found put right; the source tells what, in its notes."""
@@ -114,13 +119,15 @@ class Session:
         self.transport.begin()
         self._show_anew()
 
-    def open(self, source: Source) -> None:
-        """Another recording, with the settings of now from its start; the present run is kept for a minute."""
-        run = self._new_run(source, Settings(self.run.settings.at(self.now_ns)), None)
+    def open(self, source: Source, path: Path, settings: Settings | None = None) -> None:
+        """Another recording, with the settings of now from its start, or others; the run is kept for a minute."""
+        given = settings or Settings(self.run.settings.at(self.now_ns))
+        run = self._new_run(source, given, None)
+        self.given = given
         self._put_aside(f"opening {source.name}")
         before, self.run, self._publisher.event_log = self.intake, run, EventLog()
         before.begin()
-        self._read(Intake(source))
+        self._read(Intake(source, path))
         self._let_go(before)
         self.transport.begin()
         self._show_anew()
@@ -251,7 +258,7 @@ class Session:
             title,
             self.now_ns,
             throughout=throughout and not self.source.live,
-            prior_map=self._prior_map,
+            prior_map=self.prior_map,
         )
 
     def configure(self, change: SettingsChange) -> None:

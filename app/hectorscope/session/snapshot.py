@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.inputs import SourceReport
+from hectorscope.run.fingerprint import Identity
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
@@ -113,6 +114,7 @@ class Snapshot:
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
     question: what waits for an answer. undo: what can be taken back. library: what else can be opened.
+    recording: by its content, once known; None for a stream.
     ahead: of the same run, with what follows.
     """
 
@@ -141,4 +143,5 @@ class Snapshot:
     question: Question | None = None
     undo: UndoOffer | None = None
     library: tuple[Listed, ...] = ()
+    recording: Identity | None = None
     ahead: Ahead = field(default_factory=Ahead)

@@ -60,7 +60,7 @@ def test_a_key_opens_its_recording(folder: Path) -> None:
     key = library.listed[2].key
     (folder / "aaa.bag").touch()
     library.refresh()
-    assert library.open(key).name == "b.mcap"
+    assert library.open(key)[0].name == "b.mcap"
     assert opener.paths == [folder / "deep/b.mcap"]
 
 
@@ -97,7 +97,7 @@ def test_recent_demos_and_uploads_are_listed(folder: Path, tmp_path: Path) -> No
     upload.touch()
     library = Library(Opener(), [folder], {"arena": demo}, Recent(tmp_path / "recent.json"))
     added = library.add(upload, "<my run>.bag")
-    assert library.open(added).name == "<my run>.bag"
+    assert library.open(added)[0].name == "<my run>.bag"
     for each in library.listed:
         if each.name in ("arena", "a.bag"):
             library.open(each.key)

@@ -1,0 +1,62 @@
+"""Follows a permalink: the recording, the settings and the time that it asks for, by what a hand could do too."""
+
+from collections.abc import Callable
+
+from hectorscope.run.permalink import Permalink, PermalinkError
+from hectorscope.session.changes import check_map
+from hectorscope.session.library import Library
+from hectorscope.session.losses import Loss
+from hectorscope.session.session import Session
+
+
+class Following:
+    """Belongs to the engine's thread. opening: hears what is looked for or opened now, and "" once it is."""
+
+    def __init__(self, session: Session, library: Library, opening: Callable[[str], None]) -> None:
+        self._session, self._library, self._opening = session, library, opening
+
+    def loss(self, link: Permalink) -> Loss | None:
+        """What would give way that a hand has made; None if nothing."""
+        session = self._session
+        scans = session.run.pipeline.scans
+        if not scans or (self._is_open(link) and session.run.settings == link.settings):
+            return None
+        if not session.source.live and session.run.settings == session.given:
+            return None
+        what = (
+            "the map of the stream" if session.source.live else "the run with the settings that were set by hand"
+        )
+        return Loss(
+            f"The link shows another run: {what} ({scans} scans) gives way. For one minute it can be brought"
+            " back.",
+            "Follow the link",
+            "Stay here",
+        )
+
+    def follow(self, link: Permalink) -> None:
+        """Show what the link asks for, and rest there; SlamError, and nothing is changed, if that cannot be."""
+        session = self._session
+        check_map(link.settings.start.map, session.prior_map)
+        if not self._is_open(link):
+            self._open(link)
+        elif session.run.settings != link.settings:
+            session.begin(link.settings, "following a link")
+        session.given = link.settings
+        session.transport.pause()
+        session.seek((session.run.pipeline.start_ns or 0) + link.offset_ns)
+
+    def _open(self, link: Permalink) -> None:
+        self._opening("Looking for the recording of the link")
+        key = self._library.find(link.recording)
+        if key is None:
+            raise PermalinkError(
+                f"The recording of this link ({link.recording.size / 2**20:.1f} MiB) is none of those that can be"
+                " opened here: put it into a folder given by --folder, or drop it onto the page, and follow the"
+                " link again"
+            )
+        self._opening(f"Opening {self._library.name(key)}")
+        self._session.open(*self._library.open(key), link.settings)
+
+    def _is_open(self, link: Permalink) -> bool:
+        path = self._session.intake.path
+        return path is not None and self._library.identities.is_at(link.recording, path)
