@@ -1,9 +1,9 @@
-"""The command line: hectorscope demo, view, live, run, inspect, simulate."""
+"""The command line: hectorscope demo, view, live, run, sweep, inspect, simulate."""
 
 import gc
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from functools import partial
 from importlib.metadata import version
@@ -14,15 +14,19 @@ import tyro
 
 from hectorscope.cli.interruption import delivered_later, ended_by_interruption, undisturbed
 from hectorscope.cli.options import (
+    AddressArgs,
     ExportArg,
     MapArgs,
     MapFlags,
     PageArgs,
     PageFlags,
+    RelationsArg,
     SettingArgs,
     SettingFlags,
     SourceArgs,
+    SweepArgs,
     help_asked,
+    optional,
     source_options,
 )
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
@@ -47,7 +51,6 @@ Bag = Annotated[
 
 MISTAKE = 2
 LOST = 3
-LOST_SHARE = 0.5  # of the scans of a run: so many without a known pose make its map of no use
 INTERRUPTED = 130
 
 
@@ -94,6 +97,7 @@ def run(
     *,
     out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
     export: ExportArg = "default",
+    relations: RelationsArg = None,
     settings: SettingArgs,
     saved: MapArgs,
     source: SourceArgs,
@@ -105,8 +109,10 @@ def run(
     from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
     from hectorscope.exporters import chosen as chosen_formats  # noqa: PLC0415
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
+    from hectorscope.run.metrics import is_lost  # noqa: PLC0415
+    from hectorscope.run.relations import read_relations  # noqa: PLC0415
 
-    formats = chosen_formats(export)
+    formats, motions = chosen_formats(export), read_relations(relations) if relations else None
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
     recording = _checked(str(bag), source, settings)
@@ -124,6 +130,7 @@ def run(
             prior_map=prior_map,
             formats=formats,
             recording=bag,
+            relations=motions,
         )
     summary(recording.name, figures, out)
     if not is_lost(figures):
@@ -132,10 +139,30 @@ def run(
     return LOST
 
 
-def is_lost(figures: Mapping[str, Any]) -> bool:
-    """Whether the pose of a run is lost at its end, or was so for too long."""
-    lost = figures["tracking"].get("lost", 0)
-    return bool(figures["tracking_at_end"] == "lost" or lost > LOST_SHARE * figures["scans"]["used"])
+def sweep(
+    bags: Annotated[
+        tuple[str, ...],
+        tyro.conf.Positional,
+        tyro.conf.arg(metavar="BAG...", help="Recordings, as paths or addresses (s3://..., with a * for many)."),
+    ] = (),
+    *,
+    out: Annotated[Path | None, optional("Folder for the table; what it has already is not run again.")] = None,
+    show: Annotated[Path | None, optional("Folder of a sweep: show its page, and run nothing.")] = None,
+    flags: SweepArgs,
+    settings: SettingArgs,
+    source: SourceArgs,
+    address: AddressArgs,
+) -> None:
+    """Run many recordings with many settings, a row of a table each; --show looks at it.
+
+    Exits with 0 whatever became of single runs: the table says that.
+    """
+    from hectorscope.cli import sweep as sweeps  # noqa: PLC0415
+
+    if show is not None:
+        sweeps.show(show, address)
+    else:
+        sweeps.do(bags, out, flags, settings, source)
 
 
 def inspect(bag: Bag, *, source: SourceArgs) -> None:
@@ -224,6 +251,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "view": view,
         "live": live,
         "run": run,
+        "sweep": sweep,
         "inspect": inspect,
         "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
     }
