@@ -34,8 +34,9 @@ check: $(VENV)/ready-dev  ## style, types and import rules
 wheel-check: $(VENV)/ready-dev  ## build the wheel, install it in an empty environment and use it there
 	$(BIN)/python tests/packaging/check_wheel.py
 
-bench: $(VENV)/ready-bench  ## measure and write docs/performance.md
+bench: $(VENV)/ready-bench  ## measure and write docs/performance.md and docs/benchmark.md
 	$(BIN)/python -m benchmarks.performance $(ARGS)
+	$(BIN)/python -m benchmarks.sweeps.published
 
 screenshots: $(VENV)/ready-dev chromium  ## take pictures of every tab, theme and size into build/; ARGS=--docs those of docs/images
 	$(BIN)/python -m benchmarks.screenshots $(ARGS)
@@ -45,7 +46,7 @@ docs: $(VENV)/ready-run  ## write docs/configuration.md from the configuration t
 
 constraints:  ## freeze the newest versions that pyproject.toml allows, in a throw-away environment
 	rm -rf build/freeze && $(call python) && "$$python" -m venv build/freeze
-	build/freeze/bin/python -m pip install '.[test,check,bench]'
+	build/freeze/bin/python -m pip install '.[test,check,bench,cluster,parquet]'
 	{ echo "# Exact versions of every extra. Written by: make constraints"; \
 	  build/freeze/bin/python -m pip freeze --exclude hectorscope; } > build/constraints.txt
 	mv build/constraints.txt constraints.txt && rm -rf build/freeze

@@ -151,7 +151,7 @@ def relative_errors(estimate: Float64s, truth: Float64s, along: Float64s, step: 
     end = np.searchsorted(along, along + step)
     begin = np.flatnonzero(end < len(along))
     end = end[begin]
-    return _between(_between(truth[begin], truth[end]), _between(estimate[begin], estimate[end]))
+    return between(between(truth[begin], truth[end]), between(estimate[begin], estimate[end]))
 
 
 def path_length(positions: Float64s) -> Float64s:
@@ -188,7 +188,7 @@ def _rotation(yaw: float) -> Float64s:
     return np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
 
 
-def _between(a: Float64s, b: Float64s) -> Float64s:
+def between(a: Float64s, b: Float64s) -> Float64s:
     """Planar poses `b` seen from `a`, both (n, 3)."""
     cosine, sine = np.cos(a[:, 2]), np.sin(a[:, 2])
     dx, dy = (b - a)[:, :2].T

@@ -22,7 +22,7 @@ IMPORTED_AS = {
 }
 OURS = {"hectorscope", "slam_core", "tests", "benchmarks"}
 FOLDERS = {
-    "app": (),
+    "app": ("cluster", "parquet"),
     "slam_core": (),
     "tests": ("test", "check"),
     "benchmarks": ("test", "bench"),

@@ -1,9 +1,9 @@
-"""The command line: hectorscope demo, view, live, run, inspect, simulate."""
+"""The command line: hectorscope demo, view, live, run, sweep, inspect, simulate."""
 
 import gc
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -14,12 +14,16 @@ import tyro
 from hectorscope.cli.interruption import delivered_later, ended_by_interruption
 from hectorscope.cli.opening import Scene, checked, demo_bag, get_ready, opened
 from hectorscope.cli.options import (
+    AddressArgs,
     ExportArg,
     MapArgs,
     PageArgs,
+    RelationsArg,
     SettingArgs,
     SourceArgs,
+    SweepArgs,
     help_asked,
+    optional,
     source_flags,
     source_options,
 )
@@ -42,7 +46,6 @@ ADDRESS = (
 
 MISTAKE = 2
 LOST = 3
-LOST_SHARE = 0.5  # of the scans of a run: so many without a known pose make its map of no use
 INTERRUPTED = 130
 
 
@@ -95,6 +98,7 @@ def run(
     *,
     out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
     export: ExportArg = "default",
+    relations: RelationsArg = None,
     settings: SettingArgs,
     saved: MapArgs,
     source: SourceArgs,
@@ -106,8 +110,10 @@ def run(
     from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
     from hectorscope.exporters import chosen as chosen_formats  # noqa: PLC0415
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
+    from hectorscope.run.metrics import is_lost  # noqa: PLC0415
+    from hectorscope.run.relations import read_relations  # noqa: PLC0415
 
-    formats = chosen_formats(export)
+    formats, motions = chosen_formats(export), read_relations(relations) if relations else None
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
     recording = checked(str(bag), source, settings)
@@ -125,6 +131,7 @@ def run(
             prior_map=prior_map,
             formats=formats,
             recording=bag,
+            relations=motions,
         )
     summary(recording.name, figures, out)
     if not is_lost(figures):
@@ -133,10 +140,30 @@ def run(
     return LOST
 
 
-def is_lost(figures: Mapping[str, Any]) -> bool:
-    """Whether the pose of a run is lost at its end, or was so for too long."""
-    lost = figures["tracking"].get("lost", 0)
-    return bool(figures["tracking_at_end"] == "lost" or lost > LOST_SHARE * figures["scans"]["used"])
+def sweep(
+    bags: Annotated[
+        tuple[str, ...],
+        tyro.conf.Positional,
+        tyro.conf.arg(metavar="BAG...", help="Recordings, as paths or addresses (s3://..., with a * for many)."),
+    ] = (),
+    *,
+    out: Annotated[Path | None, optional("Folder for the table; what it has already is not run again.")] = None,
+    show: Annotated[Path | None, optional("Folder of a sweep: show its page, and run nothing.")] = None,
+    flags: SweepArgs,
+    settings: SettingArgs,
+    source: SourceArgs,
+    address: AddressArgs,
+) -> None:
+    """Run many recordings with many settings, a row of a table each; --show looks at it.
+
+    Exits with 0 whatever became of single runs: the table says that.
+    """
+    from hectorscope.cli import sweep as sweeps  # noqa: PLC0415
+
+    if show is not None:
+        sweeps.show(show, address)
+    else:
+        sweeps.do(bags, out, flags, settings, source)
 
 
 def inspect(bag: Bag, *, source: SourceArgs) -> None:
@@ -185,6 +212,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "view": view,
         "live": live,
         "run": run,
+        "sweep": sweep,
         "inspect": inspect,
         "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
     }

@@ -73,7 +73,7 @@ _SOURCE = {
 _SWITCH: dict[Any, bool] = {"true": True, "false": False}
 
 
-def _optional(help_text: str, default: str = "none") -> Any:
+def optional(help_text: str, default: str = "none") -> Any:
     """A flag that may be left out, with words for what holds then."""
     return tyro.conf.arg(help=help_text, help_behavior_hint=f"(default: {default})")
 
@@ -103,7 +103,7 @@ class SettingFlags:
     preset: Annotated[
         Preset, tyro.conf.arg(help="The defaults, or the paper's method; file and flags override it.")
     ] = "default"
-    config: Annotated[Path | None, _optional("Settings file (TOML); flags override it.")] = None
+    config: Annotated[Path | None, optional("Settings file (TOML); flags override it.")] = None
     help_all: Annotated[
         tyro.conf.FlagCreatePairsOff[bool],
         tyro.conf.arg(help="Show this help with the expert settings too, and exit.", help_behavior_hint=""),
@@ -165,26 +165,40 @@ def _source_flags() -> type[Any]:
 
 
 @dataclass
-class PageFlags:
-    """Where the page is served, what it can open, and what it leaves."""
+class AddressFlags:
+    """Where a page is served."""
 
     host: Annotated[str, tyro.conf.arg(help="Address to serve; others than this machine need a token.")] = (
         "127.0.0.1"
     )
     port: Annotated[int, tyro.conf.arg(help="Port to serve.")] = 8080
     token: Annotated[
-        str | None, _optional(f"Secret that a browser must bring; also from {TOKEN} in the environment.")
+        str | None, optional(f"Secret that a browser must bring; also from {TOKEN} in the environment.")
     ] = None
     token_file: Annotated[
-        Path | None, _optional("File with that secret, which the command line would show to everybody here.")
+        Path | None, optional("File with that secret, which the command line would show to everybody here.")
     ] = None
+
+    def secret(self) -> str | None:
+        """The token of the flag, the file or the environment, in this order; TokenError if it is of no use."""
+        if self.token is not None:
+            if self.token_file is not None:
+                raise TokenError("--token and --token-file are both given: leave one out")
+            return self.token
+        return os.environ.get(TOKEN) if self.token_file is None else read_token(self.token_file)
+
+
+@dataclass
+class PageFlags(AddressFlags):
+    """Where the page of a run is served, what it can open, and what it leaves."""
+
     out: Annotated[
         Path | None,
-        _optional("Folder for the results of `run`: saved by a button of the page, and at the end."),
+        optional("Folder for the results of `run`: saved by a button of the page, and at the end."),
     ] = None
     folder: Annotated[
         tyro.conf.UseAppendAction[tuple[Path, ...]],
-        _optional("Folder whose recordings the page can open; give it again for more of them."),
+        optional("Folder whose recordings the page can open; give it again for more of them."),
     ] = ()
     upload_limit: Annotated[
         int, tyro.conf.arg(help="Most MiB of recordings that are dropped onto the page, together; 0 takes none.")
@@ -209,14 +223,6 @@ class PageFlags:
         if self.upload_limit < 0:
             raise SlamError(f"--upload-limit {self.upload_limit} is less than nothing: give 0 for none, or more")
         return self.upload_limit * 2**20
-
-    def secret(self) -> str | None:
-        """The token of the flag, the file or the environment, in this order; TokenError if it is of no use."""
-        if self.token is not None:
-            if self.token_file is not None:
-                raise TokenError("--token and --token-file are both given: leave one out")
-            return self.token
-        return os.environ.get(TOKEN) if self.token_file is None else read_token(self.token_file)
 
 
 def read_token(path: Path) -> str:
@@ -247,11 +253,11 @@ class MapFlags:
 
     map: Annotated[
         Path | None,
-        _optional("Saved map to begin with: a folder that --out left, its map.npz, or a map's yaml file."),
+        optional("Saved map to begin with: a folder that --out left, its map.npz, or a map's yaml file."),
     ] = None
     mode: Annotated[
         Mode | None,
-        _optional("Make a new map, localise in the saved one, or continue it.", "localise with --map, else map"),
+        optional("Make a new map, localise in the saved one, or continue it.", "localise with --map, else map"),
     ] = None
     start: Annotated[
         Literal["origin", "search"] | tuple[float, float, float],
@@ -282,6 +288,56 @@ class MapFlags:
         return start
 
 
+@dataclass
+class SweepFlags:
+    """What is run, where, and within which limits."""
+
+    vary: Annotated[
+        tyro.conf.UseAppendAction[tuple[str, ...]],
+        tyro.conf.arg(
+            metavar="NAME=VALUES",
+            help="Setting or sensors.OPTION with its values: A,B,C, LOW:HIGH:COUNT or LOW:HIGH:logCOUNT.",
+            help_behavior_hint="",
+        ),
+    ] = ()
+    runs: Annotated[Path | None, optional("TOML file with a list of runs, in the place of --vary.")] = None
+    search: Annotated[
+        int,
+        tyro.conf.arg(help="Try so many settings, spread evenly over the ranges of --vary; 0: every combination."),
+    ] = 0
+    halving: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool],
+        tyro.conf.arg(help="Search on the beginning of the recordings first, and keep the best third for more."),
+    ] = False
+    target: Annotated[
+        str | None, optional("Figure to search for.", "truth.aligned_rmse_m, without a truth consistency")
+    ] = None
+    seed: Annotated[int, tyro.conf.arg(help="Of the search: the same seed gives the same settings.")] = 1
+    workers: Annotated[int, tyro.conf.arg(help="Processes of this machine; 0: one a processor.")] = 0
+    cluster: Annotated[
+        str | None,
+        tyro.conf.arg(
+            metavar="tcp://HOST:PORT",
+            help="Dask scheduler whose workers do the runs.",
+            help_behavior_hint="(default: this machine)",
+        ),
+    ] = None
+    time_limit: Annotated[float, tyro.conf.arg(help="Seconds that a run may take; 0: no limit.")] = 3600.0
+    memory_limit: Annotated[
+        float, tyro.conf.arg(help="MiB of memory that the process of a run may take; 0: no limit.")
+    ] = 0.0
+    relations: Annotated[
+        Path | None, optional("File of relations (time1 time2 x y z roll pitch yaw) that score every run.")
+    ] = None
+    retry: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help="Do runs again that failed or broke a limit.")
+    ] = False
+    parquet: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help="Write the table as runs.parquet too, at the end.")
+    ] = False
+
+
+SweepArgs = Annotated[SweepFlags, tyro.conf.arg(name="")]
 SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor_factory=setting_flags)]
 source_flags = _source_flags()
 """With nothing given, `source_flags()`."""
@@ -294,6 +350,11 @@ ExportArg = Annotated[
         help="Formats with commas between them; all; or default: npz,pgm,tum,config,metrics,navigation.",
     ),
 ]
+RelationsArg = Annotated[
+    Path | None,
+    optional("File of relations (time1 time2 x y z roll pitch yaw, a line each): true motions, which score it."),
+]
+AddressArgs = Annotated[AddressFlags, tyro.conf.arg(name="")]
 PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
 
 

@@ -1,7 +1,8 @@
 """What a person at a terminal sees of long work: a bar while it lasts, figures at the end."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +17,11 @@ from hectorscope.inputs import Source
 
 if TYPE_CHECKING:
     from hectorscope.simulation import SimulateOptions
+    from hectorscope.sweep.spec import RunSpec
+    from hectorscope.sweep.table import Table as SweepTable
 
 REFRESH_S = 0.1
+BEST = 5  # settings of a sweep that are printed
 
 
 @contextmanager
@@ -60,6 +64,32 @@ def show_simulation(options: "SimulateOptions") -> None:
     print(f"wrote {options.out}")
 
 
+@contextmanager
+def show_sweep(runs: int) -> Iterator[Callable[[float], None]]:
+    """A bar over the runs of a sweep; yields what takes the share that is done."""
+    with _bar(f"{runs} runs") as show:
+        yield show
+
+
+def sweep_summary(table: "SweepTable", specs: "Sequence[RunSpec]", target: str | None, folder: Path) -> None:
+    """How the runs of a sweep ended, and its best settings, as a table."""
+    from hectorscope.sweep.ranking import places, target_of  # noqa: PLC0415  for a sweep alone
+    from hectorscope.sweep.table import text  # noqa: PLC0415
+
+    rows = {spec.key: table.rows[spec.key] for spec in specs}
+    figure = target or target_of(rows.values())
+    best = Table(title=f"Best settings by {figure}, over all recordings")
+    for name in (*table.names, "median", "bad runs"):
+        best.add_column(name)
+    for place in places(specs, rows, figure)[:BEST]:
+        cells = (*(text(place.spec.value(name)) for name in table.names), text(place.median), str(place.bad))
+        best.add_row(*(Text(printable(cell)) for cell in cells))
+    ended = Counter(row["status"] for row in rows.values())
+    Console().print(best)
+    print(f"{len(rows)} runs: " + ", ".join(f"{count} {status}" for status, count in ended.most_common()))
+    print(f"The table is {folder / 'runs.csv'}; look at it by: hectorscope sweep --show {folder}")
+
+
 def summary(name: str, figures: dict[str, Any], folder: Path) -> None:
     """The figures of a run, as a table."""
     table = Table(title=Text(printable(name), "table.title"), show_header=False)
@@ -82,6 +112,8 @@ def _rows(figures: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "map", f"{figures['map_updates']} updates, {figures['occupied_cells']} occupied cells"
     if figures["truth"] is not None:
         yield from _truth_rows(figures["truth"])
+    if "relations" in figures:
+        yield "relations", _relations(figures["relations"])
 
 
 def _truth_rows(truth: dict[str, float]) -> Iterator[tuple[str, str]]:
@@ -90,3 +122,12 @@ def _truth_rows(truth: dict[str, float]) -> Iterator[tuple[str, str]]:
         yield "attitude error", f"roll {truth['roll_rms_deg']:.3f} deg, pitch {truth['pitch_rms_deg']:.3f} deg"
     if "height_rms_m" in truth:
         yield "height error", f"{truth['height_rms_m']:.3f} m"
+
+
+def _relations(found: dict[str, float]) -> str:
+    """Mean and standard deviation, as the tables of the literature have them."""
+    if not found["used"]:
+        return f"none of {found['given']} lies within the times of the scans"
+    metres = f"{found['translation_mean_m']:.4f} ± {found['translation_std_m']:.4f} m"
+    degrees = f"{found['rotation_mean_deg']:.3f} ± {found['rotation_std_deg']:.3f} deg"
+    return f"{metres}, {degrees}, over {found['used']} of {found['given']}"

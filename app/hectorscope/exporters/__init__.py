@@ -20,9 +20,11 @@ from hectorscope.run.map_images import FILE, map_images
 from hectorscope.run.metrics import metrics as run_metrics  # a module of this package has the name
 from hectorscope.run.metrics import truth_errors
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.relations import relation_figures
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from slam_core.errors import SlamError
+from slam_core.evaluation.relations import Relations
 from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.pyramid import Pyramid
 
@@ -174,11 +176,12 @@ def run(
     prior_map: PriorMap | None = None,
     formats: Iterable[Exporter] | None = None,
     recording: Path | None = None,
+    relations: Relations | None = None,
 ) -> dict[str, Any]:
     """All of it; the metrics.
 
     truth: a topic that was asked for by name and so must be there. formats: as in `write`. recording: the file or
-    folder that `source` reads, for what names it.
+    folder that `source` reads, for what names it. relations: true motions, which the metrics score it by.
     """
     formats = chosen() if formats is None else list(formats)
     with reserved(folder, formats), Streams(formats, folder) as streams:
@@ -186,6 +189,8 @@ def run(
         figures = run_metrics(pipeline, source.report, effort)
         if truth is not None and figures["truth"] is None:
             raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
+        if relations is not None:
+            figures["relations"] = relation_figures(pipeline.trajectory, pipeline.start_ns or 0, relations)
         streams.finish(pipeline)
         results = replace(collected(pipeline, figures, source.report), recording=recording)
         write(with_map(results, pipeline.slam.map), folder, formats, streams.missing)

@@ -1,6 +1,7 @@
 """The figures of a run, as plain values for metrics.json."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from slam_core.evaluation.trajectory import Trajectory, evaluate
 from slam_core.results import StepResult
 
+LOST_SHARE = 0.5  # of the scans of a run: so many without a known pose make its map of no use
 PARTS = ("stabilise", "match", "update", "filter")
 
 
@@ -52,6 +54,12 @@ def metrics(
         "map_in_world": map_in_world(pipeline.result),
         "truth": truth_errors(pipeline.trajectory, pipeline.truth) if with_truth else None,
     }
+
+
+def is_lost(figures: Mapping[str, Any]) -> bool:
+    """Whether the pose of a run is lost at its end, or was so for too long."""
+    lost = figures["tracking"].get("lost", 0)
+    return bool(figures["tracking_at_end"] == "lost" or lost > LOST_SHARE * figures["scans"]["used"])
 
 
 def spent(effort: Effort) -> dict[str, float]:

@@ -82,10 +82,11 @@ def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
 
 def read_sensors(path: Path) -> dict[str, OptionValue]:
     """What a file, which `read_toml` has read, states of the sensors, by the names of `SENSOR_OPTIONS`."""
-    return _sensors(tomllib.loads(path.read_text(encoding="utf-8")).get(_SENSORS, {}))
+    return sensor_options(tomllib.loads(path.read_text(encoding="utf-8")).get(_SENSORS, {}))
 
 
-def _sensors(table: Any) -> dict[str, OptionValue]:
+def sensor_options(table: Any) -> dict[str, OptionValue]:
+    """What a table states of the sensors, by the names of `SENSOR_OPTIONS`; SettingsError if it is bad."""
     if not isinstance(table, dict):
         raise SettingsError(f"{_SENSORS} is {table!r}: write what is stated of the sensors below [{_SENSORS}]")
     kinds = get_type_hints(SourceOptions)
@@ -110,7 +111,7 @@ def _fits(value: Any, kind: Any) -> bool:
 
 
 def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:
-    _sensors(tree.pop(_SENSORS, {}))
+    sensor_options(tree.pop(_SENSORS, {}))
     changes = tree.pop(_CHANGES, [])
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")

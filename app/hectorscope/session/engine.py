@@ -40,8 +40,8 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs a source through a pipeline, on a thread of its own, until another one is opened; closes it at the end.
 
-    source: None shows nothing yet. recording: where it lies, if it is one. exchange: with the page, if that is there
-    already. library: what can be opened instead.
+    source: None shows nothing yet. recording: where it lies, if it is one. exchange: with the page, if that is
+    there already. library: what can be opened instead.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
     prepare: called on the engine's thread before anything is read, with what shows on the page what the run waits

@@ -62,11 +62,14 @@ class ZenohWire:
                 self._session = self._zenoh.open(self._config())
             except self._zenoh.ZError:
                 time.sleep(PAUSE_S)
-        if self._session is not None and not self._is_closed:
+        if self._session is None:
+            return
+        try:
             tokens = ALL_TOKENS.format(domain=self._domain)
             self._session.liveliness().declare_subscriber(tokens, self._announced, history=True)
             yield self._batches(self._session)
-        if self._session is not None:
+        finally:  # an open session would keep the program from ending
+            self._is_closed = True
             self._session.close()
 
     def _config(self) -> Any:

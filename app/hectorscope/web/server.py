@@ -65,26 +65,15 @@ class PageServer:
     ) -> None:
         self._engine, self._host, self._port, self._token = engine, host, port, token
         self._uploads = Uploads(upload_limit, self._arrived) if upload_limit else None
-        self._check()
+        check_address(host, port, token)
 
     def _arrived(self, path: Path, name: str) -> None:
         self._engine.send(OpenUploaded(path, name))
 
-    def _check(self) -> None:
-        if not 0 <= self._port <= LAST_PORT:
-            raise ServerError(f"port {self._port} does not exist: give 1 to {LAST_PORT}, or 0 for any free one")
-        if self._token is None and not is_loopback(self._host):
-            raise ServerError(f"{self._host} is open to the network: give a token too, or serve 127.0.0.1")
-        if self._token is not None and not TOKEN.fullmatch(self._token):
-            raise ServerError(
-                f"the token has {len(self._token)} characters: give 8 to 128 letters, digits, _ or -"
-            )
-
     @property
     def url(self) -> str:
         """What to open in a browser."""
-        name = f"[{self._host}]" if ":" in self._host else self._host
-        return f"http://{name}:{self._port}/" + (f"?token={self._token}" if self._token else "")
+        return url_of(self._host, self._port, self._token)
 
     def start(self) -> None:
         """Take the port, build the page and begin to draw; returns at once."""
@@ -118,6 +107,22 @@ class PageServer:
         cookie = f"hectorscope_{self._port}"
         any_host = not is_loopback(self._host)
         return AccessControl(files, self._token, cookie, any_host=any_host, uploads=self._uploads is not None)
+
+
+def check_address(host: str, port: int, token: str | None) -> None:
+    """ServerError for a port that does not exist, a token of no use, or a network without one."""
+    if not 0 <= port <= LAST_PORT:
+        raise ServerError(f"port {port} does not exist: give 1 to {LAST_PORT}, or 0 for any free one")
+    if token is None and not is_loopback(host):
+        raise ServerError(f"{host} is open to the network: give a token too, or serve 127.0.0.1")
+    if token is not None and not TOKEN.fullmatch(token):
+        raise ServerError(f"the token has {len(token)} characters: give 8 to 128 letters, digits, _ or -")
+
+
+def url_of(host: str, port: int, token: str | None) -> str:
+    """What to open in a browser."""
+    name = f"[{host}]" if ":" in host else host
+    return f"http://{name}:{port}/" + (f"?token={token}" if token else "")
 
 
 def serve(server: PageServer, up: Callable[[], None]) -> None:

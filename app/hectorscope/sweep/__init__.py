@@ -1,0 +1,1 @@
+"""Many runs: every recording with every setting, over any executor, one row a run."""
