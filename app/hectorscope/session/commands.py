@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from hectorscope.run.inspection import CellTarget
+
 
 @dataclass(frozen=True, slots=True)
 class Play:
@@ -103,6 +105,28 @@ class Repair:
 
 
 @dataclass(frozen=True, slots=True)
+class Pick:
+    """Where somebody points.
+
+    places: where the sight meets the levels, the nearest first. reach: metres from there to a beam at most.
+    """
+
+    places: tuple[CellTarget, ...]
+    reach: float
+
+
+AHEAD = -1  # in place of the number of a beam: the middle one
+
+
+@dataclass(frozen=True, slots=True)
+class Inspect:
+    """A browser looks at the beam or cell under a point, at a beam by its number, or at nothing (None)."""
+
+    client: int
+    what: Pick | int | None
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
 
@@ -132,6 +156,7 @@ Command = (
     | ConfigureAll
     | Save
     | Repair
+    | Inspect
     | Answer
     | Quit
 )

@@ -7,6 +7,7 @@ from hectorscope.session.commands import (
     Configure,
     ConfigureAll,
     Decline,
+    Inspect,
     Pause,
     Play,
     PlayPause,
@@ -21,6 +22,7 @@ from hectorscope.session.commands import (
 )
 from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
+from hectorscope.session.probes import Probes
 from hectorscope.session.questions import Questions
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
@@ -33,6 +35,7 @@ class Control:
 
     def __init__(self, session: Session, saver: Saver, *, live: bool) -> None:
         self.questions = Questions()
+        self.probes = Probes()
         self._session, self._saver, self._live = session, saver, live
         self._transport = session.transport
 
@@ -85,7 +88,7 @@ class Control:
                 self._save()
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
-            case Undo() | Agree() | Decline():
+            case Undo() | Agree() | Decline() | Inspect():
                 self._answer(command)
 
     def _begin_again(self, command: Restart | Repair | Seek) -> None:
@@ -97,8 +100,10 @@ class Control:
             case Seek(time_ns):
                 self._session.seek(time_ns)
 
-    def _answer(self, command: Undo | Agree | Decline) -> None:
+    def _answer(self, command: Undo | Agree | Decline | Inspect) -> None:
         match command:
+            case Inspect():
+                self.probes.obey(command, self._session.run)
             case Undo():
                 self.questions.withdraw()  # it was asked about another run
                 self._session.undo()

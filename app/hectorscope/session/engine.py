@@ -243,5 +243,6 @@ class Engine:
             question=self._control.questions.open,
             undo=session.undone.offer,
             behind=session.intake.behind,
+            views=self._control.probes.views(session.run),
         )
         self._publisher.publish(run, complete=resting)

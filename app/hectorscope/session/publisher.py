@@ -1,10 +1,12 @@
 """Composes snapshots of a pipeline and leaves them in the mailbox, no more often than anybody can look."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 from hectorscope.inputs import Source, SourceReport
+from hectorscope.run.inspection import View
 from hectorscope.run.map_images import MapImage, map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
@@ -41,6 +43,7 @@ class Run:
     question: Question | None
     undo: UndoOffer | None
     behind: int
+    views: Mapping[int, View | None]
 
 
 class Publisher:
@@ -108,6 +111,7 @@ class Publisher:
             obeyed=run.obeyed,
             question=run.question,
             undo=run.undo,
+            views=run.views,
         )
         self.mailbox.put(snapshot)
 

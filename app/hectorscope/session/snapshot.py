@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.inputs import SourceReport
+from hectorscope.run.inspection import View
 from hectorscope.run.map_images import MapImage
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode
@@ -86,7 +87,8 @@ class Snapshot:
     robot's place in the map is unknown, empty while it is known. warnings: what is wrong at this moment, with the
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
-    question: what waits for an answer. undo: what can be taken back.
+    question: what waits for an answer. undo: what can be taken back. views: what each browser that looks closer
+    sees of its beam or cell, by the number of the browser; None if that is not there now.
     """
 
     sequence: int = 0
@@ -113,3 +115,4 @@ class Snapshot:
     obeyed: int = 0
     question: Question | None = None
     undo: UndoOffer | None = None
+    views: Mapping[int, View | None] = field(default_factory=dict)
