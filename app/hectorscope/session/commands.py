@@ -105,6 +105,11 @@ class Repair:
 
 
 @dataclass(frozen=True, slots=True)
+class Examine:
+    """Read the whole recording beside the run, and find what is wrong with it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Pick:
     """Where somebody points.
 
@@ -157,6 +162,7 @@ Command = (
     | Save
     | Repair
     | Inspect
+    | Examine
     | Answer
     | Quit
 )

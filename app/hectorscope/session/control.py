@@ -7,6 +7,7 @@ from hectorscope.session.commands import (
     Configure,
     ConfigureAll,
     Decline,
+    Examine,
     Inspect,
     Pause,
     Play,
@@ -20,6 +21,7 @@ from hectorscope.session.commands import (
     StepScan,
     Undo,
 )
+from hectorscope.session.examiner import Examiner
 from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
 from hectorscope.session.probes import Probes
@@ -33,10 +35,11 @@ from slam_core.errors import SlamError
 class Control:
     """Belongs to the engine's thread. live: whether the source is a stream, which brings nothing back."""
 
-    def __init__(self, session: Session, saver: Saver, *, live: bool) -> None:
+    def __init__(self, session: Session, saver: Saver, examiner: Examiner, *, live: bool) -> None:
         self.questions = Questions()
         self.probes = Probes()
-        self._session, self._saver, self._live = session, saver, live
+        self._session, self._live = session, live
+        self._saver, self._examiner = saver, examiner
         self._transport = session.transport
 
     def lapse(self) -> bool:
@@ -84,8 +87,8 @@ class Control:
                 self._set_speed(changed_speed(self._transport.speed, notches))
             case Configure() | ConfigureAll():
                 self._configure(command)
-            case Save():
-                self._save()
+            case Save() | Examine():
+                self._beside(command)
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
             case Undo() | Agree() | Decline() | Inspect():
@@ -136,9 +139,13 @@ class Control:
         if change is not None:
             self._session.configure(change)
 
-    def _save(self) -> None:
+    def _beside(self, command: Save | Examine) -> None:
+        """Work that goes on beside the run."""
         try:
-            self._saver.start(self._session.run, self._session.report)
+            if isinstance(command, Examine):
+                self._examiner.start()
+            else:
+                self._saver.start(self._session.run, self._session.report)
         except SlamError as error:
             self._refuse(str(error))
 

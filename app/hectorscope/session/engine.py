@@ -14,6 +14,7 @@ from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Quit, Repair
 from hectorscope.session.control import Control
+from hectorscope.session.examiner import Examiner
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
 from hectorscope.session.saver import Saver
@@ -67,7 +68,8 @@ class Engine:
         start, budget = settings or Settings(), checkpoints * MEBIBYTE
         self._session = Session(source, start, prior_map, self._transport, self._publisher, budget)
         self._saver = Saver(out, self._commands.put)
-        self._control = Control(self._session, self._saver, live=source.live)
+        self._examiner = Examiner(source, self._commands.put)
+        self._control = Control(self._session, self._saver, self._examiner, live=source.live)
         self._is_ready = False
 
     @property
@@ -243,6 +245,7 @@ class Engine:
             question=self._control.questions.open,
             undo=session.undone.offer,
             behind=session.intake.behind,
+            examined=self._examiner.found,
             views=self._control.probes.views(session.run),
         )
         self._publisher.publish(run, complete=resting)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from hectorscope.inputs import Source, SourceReport
+from hectorscope.inputs import Finding, Source, SourceReport
 from hectorscope.run.inspection import View
 from hectorscope.run.map_images import MapImage, map_images
 from hectorscope.run.pipeline import Pipeline
@@ -44,6 +44,7 @@ class Run:
     undo: UndoOffer | None
     behind: int
     views: Mapping[int, View | None]
+    examined: tuple[Finding, ...] | None
 
 
 class Publisher:
@@ -112,6 +113,7 @@ class Publisher:
             question=run.question,
             undo=run.undo,
             views=run.views,
+            examined=run.examined,
         )
         self.mailbox.put(snapshot)
 

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hectorscope.inputs import SourceReport
+from hectorscope.inputs import Finding, SourceReport
 from hectorscope.run.inspection import View
 from hectorscope.run.map_images import MapImage
 from hectorscope.run.series import SERIES_DTYPE
@@ -88,7 +88,8 @@ class Snapshot:
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
     question: what waits for an answer. undo: what can be taken back. views: what each browser that looks closer
-    sees of its beam or cell, by the number of the browser; None if that is not there now.
+    sees of its beam or cell, by the number of the browser; None if that is not there now. examined: what is wrong
+    with the recording as a whole; None until somebody had it examined.
     """
 
     sequence: int = 0
@@ -116,3 +117,4 @@ class Snapshot:
     question: Question | None = None
     undo: UndoOffer | None = None
     views: Mapping[int, View | None] = field(default_factory=dict)
+    examined: tuple[Finding, ...] | None = None
