@@ -17,6 +17,7 @@ from hectorscope.cli.options import (
     ExportArg,
     MapArgs,
     MapFlags,
+    NoteArg,
     PageArgs,
     PageFlags,
     SettingArgs,
@@ -94,6 +95,7 @@ def run(
     *,
     out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
     export: ExportArg = "default",
+    note: NoteArg = (),
     settings: SettingArgs,
     saved: MapArgs,
     source: SourceArgs,
@@ -105,8 +107,9 @@ def run(
     from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
     from hectorscope.exporters import chosen as chosen_formats  # noqa: PLC0415
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
+    from hectorscope.web import shared_replay  # noqa: PLC0415
 
-    formats = chosen_formats(export)
+    formats = chosen_formats(export, [shared_replay.exporter([*map(shared_replay.note, note)], bag.name)])
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
     recording = _checked(str(bag), source, settings)

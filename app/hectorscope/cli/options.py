@@ -274,6 +274,10 @@ ExportArg = Annotated[
         help="Formats with commas between them; all; or default: npz,pgm,tum,config,metrics,navigation.",
     ),
 ]
+NoteArg = Annotated[
+    tuple[str, ...],
+    tyro.conf.arg(metavar="TIME=TEXT", help="Pins a note to a moment of the replay of --export html."),
+]
 PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
 
 
