@@ -25,6 +25,10 @@
     const wanted = now.toFixed(2);
     if (!field || sent === wanted) return;
     sent = wanted;
+    if (!field.dataset.hsHeld) {
+      field.dataset.hsHeld = ""; // it takes the focus with every value: give it back
+      field.addEventListener("focus", ({ relatedTarget }) => (relatedTarget ? relatedTarget.focus() : field.blur()));
+    }
     setter.call(field, wanted);
     field.dispatchEvent(new Event("input", { bubbles: true }));
   }
@@ -128,9 +132,9 @@
     go(now + step);
     if (now >= run.span) play(false);
   }, STEP);
-  document.addEventListener("keydown", (event) => {
+  window.addEventListener("keydown", (event) => {
     const { target } = event;
-    if (target.matches?.("input") || (event.code === "Space" && target.matches?.("button"))) return;
+    if (target === slider || (event.code === "Space" && target.matches?.("button"))) return;
     if (event.code === "Space") play(!playing);
     else if (event.key === "ArrowLeft" || event.key === "ArrowRight") go(now + (event.key === "ArrowLeft" ? -1 : 1));
     else return;
