@@ -12,7 +12,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.measurements import Float32s, Float64s, Int64s, Transform
+from slam_core.config import ScanConfig
+from slam_core.measurements import Float32s, Float64s, Int64s, LaserScan, Transform
 
 Tracking = Literal["tracking", "recovered", "degraded", "lost"]
 _NOTHING: Mapping[str, int] = {}
@@ -237,6 +238,18 @@ class Durations(NamedTuple):
     filter: int = 0
 
 
+class Sweep(NamedTuple):
+    """Where the endpoints of a scan come from; `slam_core.scan.beams` finds the beam of an endpoint by it.
+
+    poses: as `place_beams` takes them. config: in force. laser: (2,) where beams start in the stabilised frame.
+    """
+
+    scan: LaserScan
+    poses: Float64s
+    config: ScanConfig
+    laser: Float64s
+
+
 class StepResult(NamedTuple):
     """Everything that one scan brought.
 
@@ -252,6 +265,7 @@ class StepResult(NamedTuple):
     "lost" when that lasts), and why.
     aiding: what became of every source's measurements so far. world: the pose of
     the map in the tangent plane of the satellites (east, north, heading from east); None while not known.
+    sweep: what the endpoints were made of.
     """
 
     index: int  # type: ignore[assignment]  # it hides the method of tuples
@@ -271,6 +285,7 @@ class StepResult(NamedTuple):
     verdict: Verdict = ACCEPTED
     aiding: tuple[AidingStatus, ...] = ()
     world: PlanarGaussian | None = None
+    sweep: Sweep | None = None
 
     @property
     def tracking(self) -> Tracking:

@@ -13,7 +13,7 @@ from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.results import PoseRecord, Poses, Status, StepResult
+from slam_core.results import PoseRecord, Poses, Status, StepResult, Sweep
 from slam_core.scan.stabilise import stabilise
 from slam_core.sequencer import Sequencer
 from slam_core.timing import Stopwatch
@@ -100,6 +100,7 @@ class HectorSlam:
             verdict=verdict,
             aiding=motion.aiding,
             world=motion.world,
+            sweep=Sweep(scan, placed.poses, config.scan, placed.laser),
         )
 
     def _skip(self, reason: str) -> StepResult | None:

@@ -13,7 +13,7 @@
   };
   const DEFAULTS = {
     theme: "dark", layout: "stacked", gap: 0.5, level: 0, layers: {}, present: false, panels: true,
-    plots: innerWidth < 900 ? "off" : "below", pages: ["Covariance", "Error against truth"], window: 30, height: 220,
+    plots: innerWidth < 900 ? "off" : "below", pages: ["Covariance", "Error against truth"], curves: [], window: 30, height: 220,
     sheet: "half", camera: null,
   };
   const RANGES = { gap: [0.05, 2], level: [0, 31], window: [1, 1e9], height: [120, 2000] };
@@ -27,7 +27,7 @@
     if (CHOICES[key]) return CHOICES[key].includes(value);
     if (RANGES[key]) return Number.isFinite(value) && RANGES[key][0] <= value && value <= RANGES[key][1];
     if (key === "camera") return value === null || Array.isArray(value?.pose) && value.pose.length === 6 && value.pose.every(Number.isFinite);
-    if (key === "pages") return Array.isArray(value) && value.every((page) => typeof page === "string");
+    if (key === "pages" || key === "curves") return Array.isArray(value) && value.every((page) => typeof page === "string");
     return typeof value === typeof model && value !== null;
   }
 
@@ -66,7 +66,7 @@
   // ------------------------------------------------------------------------------------------- controls
 
   const wanted = ({ dataset }) => (dataset.hsValue === undefined ? undefined : JSON.parse(dataset.hsValue));
-  const isOn = (at) => at.dataset.hsInverse !== undefined ? !matches(at) : matches(at);
+  const isOn = (at) => layer(at) ? layerShown(layer(at)) : at.dataset.hsInverse !== undefined ? !matches(at) : matches(at);
   const matches = (at) => (wanted(at) === undefined ? chosen[at.dataset.hsOwn] === true : chosen[at.dataset.hsOwn] === wanted(at));
 
   function show(at) {
@@ -99,7 +99,8 @@
     const at = target.closest?.(`button${OWN}`);
     if (!at) return;
     const value = wanted(at);
-    if (value === undefined) set(at.dataset.hsOwn, !chosen[at.dataset.hsOwn]);
+    if (layer(at)) set("layers", { ...chosen.layers, [layer(at)]: !layerShown(layer(at)) });
+    else if (value === undefined) set(at.dataset.hsOwn, !chosen[at.dataset.hsOwn]);
     else set(at.dataset.hsOwn, matches(at) ? BACK[at.dataset.hsOwn] ?? value : value);
   }
 

@@ -159,17 +159,5 @@
       asked.add(ask);
       page.sendMessage?.({ type: "GuiUpdateMessage", uuid: ask, updates: { value: true } });
     }
-    legend();
-  }
-
-  // A legend names what is to be seen.
-  const rules = new CSSStyleSheet();
-  document.adoptedStyleSheets = [...document.adoptedStyleSheets, rules];
-  let listed = "";
-  function legend() {
-    const hidden = Object.keys(own.layers()).filter((name) => !own.layerShown(name)).map((name) => `:root:root [data-hs-of="${CSS.escape(name)}"]`);
-    if (hidden.join() === listed) return;
-    listed = hidden.join();
-    rules.replaceSync(hidden.length ? `${listed} { display: none !important; }` : "");
   }
 })();

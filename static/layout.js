@@ -6,7 +6,7 @@
   const KEYS = [
     ["Run, shared by every browser", [["space", "play or pause"], [".", "step one scan"], [",", "back one scan"], ["R", "restart"], ["U", "undo, for a minute"], ["[ and ]", "slower, faster"]]],
     ["Camera", [["1", "top"], ["2", "follow the robot"], ["3", "free"], ["4", "whole map"]]],
-    ["This browser", [["G", "plots: below the scene or none"], ["X", "plots over the whole window"], ["H", "panels"], ["T", "light or dark theme"], ["P", "presentation: large type"], ["F", "full screen"], ["O", "open a recording"], ["L", "copy a link to this view"], ["?", "these keys"], ["Ctrl K", "find any command"]]],
+    ["This browser", [["G", "plots: below the scene or none"], ["X", "plots over the whole window"], ["H", "panels"], ["D", "measure a distance: two clicks"], ["B", "look closer at the beam ahead; a click looks at a beam or a cell"], ["Esc", "close it"], ["T", "light or dark theme"], ["P", "presentation: large type"], ["F", "full screen"], ["O", "open a recording"], ["L", "copy a link to this view"], ["?", "these keys"], ["Ctrl K", "find any command"]]],
   ];
 
   const screen = () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.());
@@ -22,9 +22,11 @@
     f: screen,
     o: recordings,
     l: link,
+    d: () => window.hectorscope.measure.toggle(),
+    b: () => window.hectorscope.closer.ahead(),
     "?": keys,
   };
-  const DO = { screen, keys, recordings, link, picture: () => window.hectorscope.picture?.() };
+  const DO = { screen, keys, recordings, link, picture: () => window.hectorscope.picture?.(), measure: () => window.hectorscope.measure.toggle() };
 
   // ----------------------------------------------------------------------------------------------- keys
 

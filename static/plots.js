@@ -4,6 +4,7 @@
 
 (() => {
   const { own } = window.hectorscope;
+  const SHORTEST = 0.2; // seconds that a chart shows
   const PATIENCE = 100; // milliseconds between two drawings of new rows
   const LATEST = 1000; // milliseconds that a drawing may wait until the page has nothing else to do, as at its start
   const TIMELINE = "div:has(> div > .hs-bar-transport) .mantine-Slider-root";
@@ -88,21 +89,31 @@
     element.innerHTML = `<figcaption><b></b></figcaption><div class="hs-canvas"><canvas role="img"></canvas><i class="hs-cursor" hidden></i></div>`;
     element.querySelector("b").textContent = chart.title;
     const values = chart.curves.map((curve) => {
-      const entry = document.createElement("span");
+      const entry = Object.assign(document.createElement("button"), { type: "button", className: "hs-entry", title: "Show or hide" });
+      entry.addEventListener("click", () => toggleCurve(chart, curve));
       const dot = Object.assign(document.createElement("i"), { className: "hs-dot" });
       dot.style.background = colour(curve);
       const value = document.createElement("output");
       entry.append(dot, Object.assign(document.createElement("small"), { className: "hs-label", textContent: curve.name }), value);
       element.querySelector("figcaption").append(entry);
-      return { dot, value };
+      return { entry, dot, value };
     });
     const canvas = element.querySelector("canvas");
     canvas.setAttribute("aria-label", chart.title);
     const made = { chart, element, canvas, values, cursor: element.querySelector(".hs-cursor"), shape: null };
     canvas.addEventListener("pointermove", (event) => point(timeAt(made, event)));
     canvas.addEventListener("pointerleave", () => point(null));
+    canvas.addEventListener("wheel", (event) => magnify(timeAt(made, event), event), { passive: false });
     canvas.addEventListener("click", (event) => seek(timeAt(made, event)));
     return made;
+  }
+
+  // Curves that this browser does not show, by chart and name.
+  const nameOf = (chart, curve) => `${chart.title}/${curve.name}`;
+  const isShown = (chart, curve) => !own.get("curves").includes(nameOf(chart, curve));
+  function toggleCurve(chart, curve) {
+    const [name, hidden] = [nameOf(chart, curve), own.get("curves")];
+    own.set("curves", hidden.includes(name) ? hidden.filter((each) => each !== name) : [...hidden, name]);
   }
 
   function colour({ colour: name }) {
@@ -117,9 +128,24 @@
   function span() {
     const { values, width, count } = tables.series ?? { count: 0 };
     if (count < 2) return null;
+    if (zoom) return zoom;
     const end = values[(count - 1) * width];
     const begin = Math.max(values[0], end - own.get("window"));
     return end > begin ? [begin, end] : null;
+  }
+
+  // The wheel magnifies the time under the pointer, in all charts together; turned back it leads to the window again.
+  let zoom = null;
+  function magnify(seconds, event) {
+    const stretch = span();
+    if (seconds === null || !stretch) return;
+    event.preventDefault();
+    const { values, width, count } = tables.series;
+    const [share, first, last] = [Math.exp(event.deltaY / 500), values[0], values[(count - 1) * width]];
+    const [begin, end] = stretch.map((edge) => seconds + share * (edge - seconds));
+    zoom = end - begin >= own.get("window") || (begin <= first && end >= last) ? null : end - begin < SHORTEST ? zoom : [Math.max(begin, first), Math.min(end, last)];
+    requestAnimationFrame(draw);
+    point(seconds);
   }
 
   function timeAt({ shape }, event) {
@@ -192,8 +218,12 @@
     if (own.get("plots") === "off" || !stretch) return;
     for (const made of figures) {
       if (made.element.hidden) continue;
-      made.chart.curves.forEach((curve, i) => (made.values[i].dot.style.background = colour(curve)));
-      made.shape = plot.draw(made.canvas, tables[made.chart.table], made.chart, stretch, made.chart.curves.map(colour));
+      made.chart.curves.forEach((curve, i) => {
+        made.values[i].dot.style.background = colour(curve);
+        made.values[i].entry.setAttribute("aria-pressed", String(isShown(made.chart, curve)));
+      });
+      const curves = made.chart.curves.filter((curve) => isShown(made.chart, curve));
+      made.shape = plot.draw(made.canvas, tables[made.chart.table], { ...made.chart, curves }, stretch, curves.map(colour));
       read(made);
     }
   }
@@ -211,8 +241,9 @@
     drawLater();
   }, PATIENCE);
   own.listen((name) => {
+    if (name === "window") zoom = null;
     if (name === "pages") build();
-    else if (["window", "theme", "plots", "height", "present"].includes(name)) requestAnimationFrame(draw);
+    else if (["curves", "window", "theme", "plots", "height", "present"].includes(name)) requestAnimationFrame(draw);
   });
   new ResizeObserver(drawLater).observe(charts);
 

@@ -1,12 +1,13 @@
 """The words that sources and the readers of messages share: items, options, counters, errors."""
 
+import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol, runtime_checkable
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from slam_core.errors import SlamError
-from slam_core.measurements import Measurement, TruthPose
+from slam_core.measurements import Float32s, Measurement, TruthPose
 
 Item = Measurement | TruthPose
 
@@ -54,14 +55,20 @@ SENSOR_OPTIONS = (
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One contradiction of a sensor: the fact with its value, and the options that repair it.
+    """What is wrong with a sensor or a recording: the fact with its value, and the options that repair it, if any.
 
-    grave: it spoils a run.
+    grave: it spoils a run. remedy: what a person can do, where no option repairs it. time_ns: when it begins.
     """
 
     fact: str
-    options: Mapping[str, OptionValue]
+    options: Mapping[str, OptionValue] = field(default_factory=dict)
     grave: bool = True
+    remedy: str = ""
+    time_ns: int | None = None
+
+    def moved(self, by_ns: int) -> "Finding":
+        """The same by another clock."""
+        return self if self.time_ns is None else replace(self, time_ns=self.time_ns + by_ns)
 
     @property
     def repair(self) -> str:
@@ -113,6 +120,23 @@ class SourceReport:
     origin: tuple[float, float, float] | None = None
 
 
+class Stamped(NamedTuple):
+    """A message of a recording, by its times.
+
+    log_ns: when it was recorded. stamp_ns, frame: of its header; None without one. lasts_ns: how long after its
+    stamp the measurement ended. ranges: (n,) of a laser scan, metres, as the message has them; limits: range_min
+    and range_max of the message.
+    """
+
+    topic: str
+    log_ns: int
+    stamp_ns: int | None = None
+    frame: str = ""
+    lasts_ns: int = 0
+    ranges: Float32s | None = None
+    limits: tuple[float, float] = (0.0, math.inf)
+
+
 class Source(Protocol):
     """An open input."""
 
@@ -151,6 +175,35 @@ class Rereadable(Source, Protocol):
 
     def again(self) -> "Seekable | None":
         """The same recording, with a place and counters of its own; close it first. None: not possible."""
+
+
+@runtime_checkable
+class Examinable(Source, Protocol):
+    """A recording that can be examined as such, apart from a run.
+
+    clock_offset_ns: from the recorder's clock to that of the scans.
+    """
+
+    clock_offset_ns: int
+
+    @property
+    def parts(self) -> Mapping[str, str]:
+        """The topics in use, by what they are used for."""
+
+    @property
+    def unplaced(self) -> Sequence[str]:
+        """Frames of sensors that tf does not place, once `items` were read."""
+
+    def stamped(self) -> Iterator[Stamped]:
+        """Every message of a topic that has a use, in the order of recording."""
+
+
+@runtime_checkable
+class Reopenable(Source, Protocol):
+    """An input that can be opened once more, to be read apart from the run."""
+
+    def reopened(self) -> Source:
+        """The same, from its beginning; whoever asks for it closes it. SourceError."""
 
 
 @runtime_checkable

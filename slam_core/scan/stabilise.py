@@ -17,18 +17,21 @@ Motion = Callable[[int, Int64s], Float64s]
 KNOT_NS = 10_000_000
 STANDING = np.zeros(3, np.int64)
 NO_END = np.empty((0, 2), np.float32)
+NO_POSE = np.empty((0, 7))
 
 
 class StabilisedScan(NamedTuple):
     """A scan turned level: points (n, 2) and heights (n,) over the laser; cleared (m, 2) ends of empty beams.
 
     laser: (2,) where the beams start. All in the stabilised frame at the middle of the sweep, metres.
+    poses: of the base during the sweep, as `place_beams` takes them.
     """
 
     points: Float32s
     heights: Float32s
     cleared: Float32s
     laser: Float64s
+    poses: Float64s = NO_POSE
 
 
 def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> StabilisedScan:
@@ -41,10 +44,11 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
     n = len(scan.ranges) if _is_mounted(scan.T_base_laser) else 0
     points, heights, laser = np.empty((n, 2), np.float32), np.empty(n, np.float32), np.empty(2)
     free = np.empty((n, 2), np.float32) if config.clear_range > 0.0 else NO_END
+    poses = motion(*_instants(scan, config))
     kept, cleared = place_beams(
         np.ascontiguousarray(scan.ranges[:n], np.float32),
         _directions(scan.angle_min, scan.angle_increment, n),
-        motion(*_instants(scan, config)),
+        poses,
         _mount(scan.T_base_laser),
         config.stabilise,
         (
@@ -57,7 +61,7 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
         ),
         (points, heights, free, laser),
     )
-    return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser)
+    return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser, poses)
 
 
 def _end(range_max: float) -> float:

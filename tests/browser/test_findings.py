@@ -6,7 +6,7 @@ from dataclasses import replace
 from playwright.sync_api import expect
 
 from hectorscope.inputs import Finding, SourceReport
-from hectorscope.session.commands import Repair
+from hectorscope.session.commands import Examine, Repair, Seek
 from hectorscope.session.snapshot import PlaybackStatus
 from tests.browser.conftest import Open, Show
 from tests.page import room_snapshot
@@ -16,6 +16,10 @@ FOUND = (
     Finding("scans and gyroscope turn opposite ways", {"scan_mirrored": True}),
 )
 LATE = (Finding("the scans are stamped 0.11 s late", {"scan_delay": 0.11}, grave=False),)
+WRONG = (
+    Finding("/scan has a gap of 1.50 s", remedy="look at <disk>", time_ns=400_000_000),
+    Finding("the stamps of /scan jitter by 8 ms", remedy="have the driver stamp"),
+)
 PATIENCE_S = 60.0
 BUTTON = "Repair and begin again"
 
@@ -58,3 +62,22 @@ def test_what_does_not_spoil_a_run_can_be_left(show: Show, open_page: Open) -> N
     show.engine.show(replace(late, sequence=late.sequence + 1))
     expect(page.get_by_role("button", name=BUTTON)).to_have_count(0)
     assert not show.engine.sent
+
+
+def test_what_is_wrong_with_the_recording_is_listed_and_leads_to_its_time(show: Show, open_page: Open) -> None:
+    """A button asks for it; each finding has its remedy, and a click on the time goes there."""
+    page = open_page(show.url)
+    page.get_by_role("tab", name="Log").click()
+    page.get_by_role("button", name="Examine the recording").click()
+    deadline = time.monotonic() + PATIENCE_S
+    while not show.engine.sent and time.monotonic() < deadline:
+        page.evaluate("new Promise(requestAnimationFrame)")
+    assert show.engine.sent == [Examine()]
+    show.engine.show(replace(room_snapshot(), examined=WRONG))
+    found = page.locator(".hs-examined li")
+    expect(found).to_have_count(2)
+    expect(found.first).to_contain_text("Look at <disk>.")
+    found.first.get_by_role("button").click()
+    while len(show.engine.sent) < 2 and time.monotonic() < deadline:
+        page.evaluate("new Promise(requestAnimationFrame)")
+    assert show.engine.sent[1:] == [Seek(400_000_000)]

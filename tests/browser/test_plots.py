@@ -137,3 +137,35 @@ def test_a_run_begun_again_has_new_curves(show: Show, open_page: Open) -> None:
     for rows in (20, 35):
         show.engine.show(replace(again, sequence=rows, series=again.series[:rows]))
         page.wait_for_function(f"{count} === {rows}")
+
+
+def test_the_wheel_magnifies_all_charts_together(show: Show, open_page: Open) -> None:
+    """About the time under the pointer, which a click then seeks; turned back, the window is whole again."""
+    page = opened(show, open_page, window=1e9)
+    whole = page.evaluate("window.hectorscope.plotted().span")
+    canvas = page.locator(".hs-canvas canvas").nth(2)
+    box = canvas.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    at = page.evaluate("window.hectorscope.plotted().at")
+    page.mouse.wheel(0, -500)
+    page.wait_for_function(
+        "([a, b]) => (([c, d]) => d - c < 0.5 * (b - a))(window.hectorscope.plotted().span)", arg=whole
+    )
+    low, high = page.evaluate("window.hectorscope.plotted().span")
+    assert low < at < high
+    assert page.evaluate("window.hectorscope.plotted().at") == pytest.approx(at, abs=0.2)
+    page.mouse.wheel(0, 2000)
+    page.wait_for_function("(s) => String(window.hectorscope.plotted().span) === String(s)", arg=whole)
+
+
+def test_an_entry_of_a_chart_hides_its_curve(show: Show, open_page: Open) -> None:
+    """In this browser, also when the page is opened again; the axis then fits what is left."""
+    page = opened(show, open_page)
+    entry = page.locator(f"{FIGURE} .hs-entry", has_text="prior").first
+    entry.click()
+    expect(entry).to_have_attribute("aria-pressed", "false")
+    page.reload()
+    page.wait_for_function("window.hectorscope?.plotted().tables.series?.count > 0")
+    expect(page.locator(f"{FIGURE} .hs-entry", has_text="prior").first).to_have_attribute("aria-pressed", "false")
+    expect(page.locator(f"{FIGURE} .hs-entry", has_text="match").first).to_have_attribute("aria-pressed", "true")

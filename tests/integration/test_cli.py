@@ -113,8 +113,14 @@ def test_export_all_leaves_every_format(bag: Path, tmp_path: Path):
     done = hectorscope("run", bag, "--out", tmp_path, "--export", "all")
     assert done.returncode == 0, done.stderr
     names = {name for exporter in exporters() for name in exporter.files}
-    assert {path.name for path in tmp_path.iterdir()} == names
+    assert {path.name for path in tmp_path.iterdir()} == {*names, "replay.html"}
     assert hashlib.sha256(bag.read_bytes()).hexdigest() in (tmp_path / "report.html").read_text()
+
+
+def test_a_wrong_note_is_refused_before_the_work(bag: Path, tmp_path: Path):
+    """With the form of one; no folder is made."""
+    assert "give TIME=TEXT" in refused("run", bag, "--out", tmp_path / "out", "--export", "html", "--note", "soon")
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_wrong_format_is_refused_before_the_work(bag: Path, tmp_path: Path):

@@ -3,15 +3,16 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from hectorscope.checks.findings import findings, remedy, repairing_options
+from hectorscope.checks.doctor import Doctor
+from hectorscope.checks.findings import findings, repairing_options
+from hectorscope.checks.inspect_text import rendered
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
+from hectorscope.checks.topic_times import FEWEST, TopicTimes
 from hectorscope.common.terminal import printable
-from hectorscope.inputs import Finding, Item, Source, SourceError, SourceOptions, SourceReport
+from hectorscope.inputs import Examinable, Finding, Item, SourceError, SourceOptions, SourceReport
 from hectorscope.ros.roles import Roles, Topic
 from hectorscope.sources import open_source
 from hectorscope.sources.bag import SOURCE as BAG
@@ -30,7 +31,6 @@ from slam_core.measurements import (
     TruthPose,
 )
 
-_Row = tuple[str, ...]
 _MEASURES: Mapping[str, type[Item]] = {
     "scan": LaserScan,
     "imu": Imu,
@@ -46,26 +46,30 @@ _MEASURES: Mapping[str, type[Item]] = {
 
 
 @runtime_checkable
-class Recorded(Source, Protocol):
+class Recorded(Examinable, Protocol):
     """A source that was recorded, and knows what it holds."""
 
     container: str
     topics: list[Topic]
     roles: Roles
 
-    def log_times_ns(self) -> dict[str, list[int]]:
-        """When the messages of each topic of use were recorded."""
-
 
 @dataclass(frozen=True, slots=True)
 class TopicLine:
-    """One topic. rate_hz is 0 or nan with fewer than two messages, longest_gap_s nan for a type of no use."""
+    """One topic. rate_hz is 0 or nan with fewer than two messages. nan: not known, as for types of no use.
+
+    jitter_s, delay_s, drift: as of `TopicTimes`. backwards: messages that are stamped before an earlier one.
+    """
 
     name: str
     msgtype: str
     messages: int
     rate_hz: float
     longest_gap_s: float
+    jitter_s: float = math.nan
+    backwards: int = 0
+    delay_s: float = math.nan
+    drift: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,9 +96,10 @@ class BagReport:
     measures: Measures
     findings: tuple[Finding, ...]
     repaired: tuple[Finding, ...] = ()
+    faults: tuple[Finding, ...] = ()
 
     def __str__(self) -> str:
-        return "\n".join(map(printable, _render(self)))
+        return "\n".join(map(printable, rendered(self)))
 
 
 def inspect_bag(path: Path, options: SourceOptions, *, repair: bool = False) -> BagReport:
@@ -123,34 +128,40 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
             first_scan = item
     begin_ns, end_ns = source.span_ns
     measures = evidence.measures()
+    doctor = Doctor().take(source.stamped())
     return BagReport(
         source.name,
         source.container,
         begin_ns,
         (end_ns - begin_ns) * 1e-9,
-        tuple(_topic_lines(source)),
+        tuple(_topic_lines(source, {topic: times.result for topic, times in doctor.times.items()})),
         tuple(_part(role, source, counts[kind], first_scan) for role, kind in _MEASURES.items()),
         source.report,
         measures,
         tuple(findings(measures, options)),
+        faults=tuple(doctor.findings(source.parts, source.unplaced, source.clock_offset_ns)),
     )
 
 
-def _topic_lines(source: Recorded) -> Iterator[TopicLine]:
-    times = source.log_times_ns()
+def _topic_lines(source: Recorded, times: Mapping[str, TopicTimes]) -> Iterator[TopicLine]:
     begin_ns, end_ns = source.span_ns or (0, 0)
     for topic in sorted(source.topics, key=lambda topic: topic.name):
         mean_hz = (topic.messages - 1) / max((end_ns - begin_ns) * 1e-9, 1e-9)
-        rate_hz, gap_s = _rhythm(times[topic.name]) if topic.name in times else (mean_hz, math.nan)
-        yield TopicLine(topic.name, topic.msgtype, topic.messages, rate_hz, gap_s)
+        line = TopicLine(topic.name, topic.msgtype, topic.messages, mean_hz, math.nan)
+        yield _measured(line, times[topic.name]) if topic.name in times else line
 
 
-def _rhythm(times_ns: list[int]) -> tuple[float, float]:
-    """(mean rate, longest gap) of one topic."""
-    if len(times_ns) < 2 or times_ns[-1] == times_ns[0]:
-        return math.nan, math.nan
-    rate_hz = (len(times_ns) - 1) / ((times_ns[-1] - times_ns[0]) * 1e-9)
-    return rate_hz, max(b - a for a, b in pairwise(times_ns)) * 1e-9
+def _measured(line: TopicLine, times: TopicTimes) -> TopicLine:
+    clocked = len(times.stamped) >= FEWEST
+    return replace(
+        line,
+        rate_hz=times.rate_hz,
+        longest_gap_s=times.longest_gap_s,
+        jitter_s=times.jitter_s,
+        backwards=len(times.backwards),
+        delay_s=times.delay_s,
+        drift=times.drift if clocked else math.nan,
+    )
 
 
 def _part(role: str, source: Recorded, measurements: int, first_scan: LaserScan | None) -> Part:
@@ -169,72 +180,3 @@ def _scan_detail(scan: LaserScan) -> str:
     angles = (math.degrees(angle) for angle in to_euler(scan.T_base_laser.rotation))
     mount = f"{x:z.3f} {y:z.3f} {z:z.3f} m, " + " ".join(f"{angle:z.1f}" for angle in angles) + "°"
     return f"{n} beams over {field:.0f}°, {scan.range_min:g} to {scan.range_max:g} m, {sweep}, mount {mount}"
-
-
-def _date(time_ns: int) -> str:
-    """A time for people; as it is where no calendar has it."""
-    try:
-        return f"{datetime.fromtimestamp(time_ns * 1e-9, UTC):%Y-%m-%d %H:%M:%S} UTC"
-    except (ValueError, OverflowError, OSError):
-        return f"{time_ns} ns, a time of no calendar"
-
-
-def _render(report: BagReport) -> Iterator[str]:
-    yield f"{report.name}: {report.container}, {report.duration_s:.1f} s from {_date(report.start_ns)}"
-    yield ""
-    rows: list[_Row] = [("topic", "type", "messages", "rate", "longest gap")]
-    for line in report.topics:
-        rate = f"{line.rate_hz:.1f} Hz" if line.rate_hz > 0.0 else "-"
-        gap = "-" if math.isnan(line.longest_gap_s) else f"{line.longest_gap_s:.3f} s"
-        rows.append((line.name, line.msgtype, str(line.messages), rate, gap))
-    yield from _table(rows, right=(2, 3, 4))
-    yield ""
-    used: list[_Row] = [
-        (part.role, part.topic or "-", str(part.measurements or "-"), part.detail) for part in report.parts
-    ]
-    yield from _table([("part", "played by", "used", ""), *used], right=(2,))
-    for title, lines in (
-        ("devices", list(_devices(report.measures))),
-        ("repaired", [f"{finding.fact}: {finding.repair}" for finding in report.repaired]),
-        ("wrong with them", list(_wrong(report.findings))),
-        ("warnings", report.source.warnings),
-        ("notes", report.source.notes),
-        ("skipped", _skipped(report.source)),
-    ):
-        if lines:
-            yield from ("", title, *(f"  {line}" for line in lines))
-
-
-def _devices(measures: Measures) -> Iterator[str]:
-    """What the data shows of the sensors, right or wrong."""
-    felt = measures.gravity
-    if felt is not None:
-        up = " ".join(f"{part:z.2f}" for part in felt.up)
-        yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
-    for name, turn in (
-        ("gyroscope against the scans", measures.turn),
-        ("gyroscope against gravity", measures.tilt),
-        ("odometry against the scans", measures.wheels),
-    ):
-        if turn is not None:
-            late = f", the scans {turn.lag:z.2f} s late" if turn is measures.turn else ""
-            yield f"{name}: turns {turn.ratio:z.2f} times as far, correlation {turn.correlation:z.2f}{late}"
-
-
-def _wrong(found: tuple[Finding, ...]) -> Iterator[str]:
-    yield from (finding.fact for finding in found)
-    if found:
-        yield f"repair: --repair, or {remedy(found)}"
-
-
-def _skipped(report: SourceReport) -> list[str]:
-    return [f"{count} x {reason}" for reason, count in report.skipped.items()]
-
-
-def _table(rows: list[_Row], right: tuple[int, ...]) -> Iterator[str]:
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    for row in rows:
-        cells = (
-            c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
-        )
-        yield "  ".join(cells).rstrip()

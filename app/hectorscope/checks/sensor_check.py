@@ -129,6 +129,10 @@ class CheckedSource:
         self.check()
         return self._source.items()
 
+    def reopened(self) -> Source:
+        """The source once more, without its check."""
+        return self._opened(self._options)
+
     def place(self) -> object:
         """Of the source; None if it has none."""
         return self._source.place() if isinstance(self._source, Seekable) else None

@@ -17,6 +17,7 @@ from hectorscope.cli.options import (
     AddressArgs,
     ExportArg,
     MapArgs,
+    NoteArg,
     PageArgs,
     RelationsArg,
     SettingArgs,
@@ -99,6 +100,7 @@ def run(
     out: Annotated[Path, tyro.conf.arg(help="Folder for the results.")],
     export: ExportArg = "default",
     relations: RelationsArg = None,
+    note: NoteArg = (),
     settings: SettingArgs,
     saved: MapArgs,
     source: SourceArgs,
@@ -112,8 +114,10 @@ def run(
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
     from hectorscope.run.metrics import is_lost  # noqa: PLC0415
     from hectorscope.run.relations import read_relations  # noqa: PLC0415
+    from hectorscope.web import shared_replay  # noqa: PLC0415
 
-    formats, motions = chosen_formats(export), read_relations(relations) if relations else None
+    motions = read_relations(relations) if relations else None
+    formats = chosen_formats(export, [shared_replay.exporter([*map(shared_replay.note, note)], bag.name)])
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
     recording = checked(str(bag), source, settings)

@@ -355,6 +355,10 @@ RelationsArg = Annotated[
     optional("File of relations (time1 time2 x y z roll pitch yaw, a line each): true motions, which score it."),
 ]
 AddressArgs = Annotated[AddressFlags, tyro.conf.arg(name="")]
+NoteArg = Annotated[
+    tuple[str, ...],
+    tyro.conf.arg(metavar="TIME=TEXT", help="Pins a note to a moment of the replay of --export html."),
+]
 PageArgs = Annotated[PageFlags, tyro.conf.arg(name="")]
 
 

@@ -54,12 +54,12 @@ def exporters() -> list[Exporter]:
     return sorted(members(sys.modules[__name__], "EXPORTER"), key=lambda exporter: exporter.order)
 
 
-def chosen(names: str = DEFAULT) -> list[Exporter]:
+def chosen(names: str = DEFAULT, further: Iterable[Exporter] = ()) -> list[Exporter]:
     """The exporters of names with commas between them, in order; FormatError for a name that is none.
 
-    `default` stands for what is written without a word, `all` for everything.
+    `default` stands for what is written without a word, `all` for everything. further: formats of other packages.
     """
-    known = exporters()
+    known = sorted([*exporters(), *further], key=lambda exporter: exporter.order)
     groups = {DEFAULT: {e.name for e in known if e.default}, ALL: {e.name for e in known}}
     groups |= {exporter.name: {exporter.name} for exporter in known}
     wanted: set[str] = set()

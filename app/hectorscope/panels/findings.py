@@ -7,10 +7,10 @@ from viser import GuiButtonHandle, GuiEvent, Icon
 from hectorscope.inputs import Finding
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
-from hectorscope.panels._format import text
-from hectorscope.panels._handles import put
-from hectorscope.session.commands import Repair
-from hectorscope.session.snapshot import Snapshot
+from hectorscope.panels._format import clock, text
+from hectorscope.panels._handles import put, show
+from hectorscope.session.commands import Examine, Repair
+from hectorscope.session.snapshot import PlaybackStatus, Snapshot
 
 
 class FindingsPanel:
@@ -27,6 +27,11 @@ class FindingsPanel:
         self._shown: tuple[Finding, ...] = ()
         with _workspace.tab(scene, "Log", Icon.LIST_DETAILS):
             self._repaired = gui.add_html("", order=-1.0)
+            self._examine = gui.add_button(
+                "Examine the recording", icon=Icon.STETHOSCOPE, order=-0.9,
+                hint="Reads all of it beside the run: gaps, jitter, clocks, frames, beams.",
+            )  # fmt: skip
+            self._examined = gui.add_html("", order=-0.8)
         self._folder = _workspace.over_scene(scene, "findings")
         with self._folder:
             self._text = gui.add_html("")
@@ -34,6 +39,7 @@ class FindingsPanel:
             self._leave = gui.add_button("Leave it as it is", color="gray")
         self._repair.on_click(self._begin_again)
         self._leave.on_click(self._leave_it)
+        self._examine.on_click(lambda _: scene.send(Examine()))
         self._folder.visible = False
 
     def draw(self, snapshot: Snapshot) -> None:
@@ -42,6 +48,8 @@ class FindingsPanel:
         found = report.findings if refused or report.findings != self._left else ()
         self._shown = found
         put(self._repaired, repaired_html(report.repaired))
+        put(self._examined, examined_html(snapshot.examined, snapshot.playback))
+        show(self._examine, not snapshot.playback.live)
         put(self._text, findings_html(found, refused=refused))
         for handle, visible in ((self._folder, bool(found)), (self._leave, not refused)):
             if handle.visible != visible:
@@ -62,6 +70,31 @@ def findings_html(found: Sequence[Finding], *, refused: bool) -> str:
     facts = "".join(f"<li>{_sentence(finding.fact)}<code>{text(finding.repair)}</code></li>" for finding in found)
     kind = "" if refused else " hs-findings-line"
     return f'<div class="hs-findings{kind}"><h2>{title}</h2><ul>{facts}</ul>{follows}</div>'
+
+
+def examined_html(found: Sequence[Finding] | None, playback: PlaybackStatus) -> str:
+    """What is wrong with the recording, each with its remedy and a time that leads there (static/log.js)."""
+    if found is None:
+        return ""
+    if not found:
+        return '<p class="hs-empty">Nothing is wrong with the recording as a whole.</p>'
+    rows = "".join(f"<li>{_when(each, playback)}{_sentence(each.fact)}{_remedy(each)}</li>" for each in found)
+    return f'<div class="hs-findings hs-repaired hs-examined"><b>Wrong with the recording</b><ul>{rows}</ul></div>'
+
+
+def _when(finding: Finding, playback: PlaybackStatus) -> str:
+    if finding.time_ns is None:
+        return ""
+    seconds = (finding.time_ns - playback.start_ns) / 1e9
+    return (
+        f'<button type="button" class="hs-when" title="Go there" data-hs-seconds="{max(0.0, seconds):.3f}">'
+        f"{clock(seconds)}</button> "
+    )
+
+
+def _remedy(finding: Finding) -> str:
+    repair = f"<code>{text(finding.repair)}</code>" if finding.options else ""
+    return f" <small>{_sentence(finding.remedy)}</small>{repair}" if finding.remedy else repair
 
 
 def repaired_html(repaired: Sequence[Finding]) -> str:

@@ -89,7 +89,7 @@ def sigmas_html(row: np.void) -> str:
         cells = "".join(
             f"<td>{v}</td>" for v in (fixed(1e3 * x, 1), fixed(1e3 * y, 1), fixed(math.degrees(yaw), 2))
         )
-        lines.append(f"<tr {tip(name)}><th>{ring(name)}{name}</th>{cells}</tr>")
+        lines.append(f"<tr {tip(name)}><th>{toggle(name, ring(name) + name)}</th>{cells}</tr>")
     head = f"<tr {tip('sigmas')}><th>1 σ</th><td>x mm</td><td>y mm</td><td>ψ °</td></tr>"
     return f'<table class="hs-sigmas"><thead>{head}</thead><tbody>{"".join(lines)}</tbody></table>'
 
@@ -100,19 +100,26 @@ def ring(colour: str) -> str:
 
 
 def legend_html(snapshot: Snapshot, display: Display) -> str:
-    """What the lines and colours on the map mean, if there; static/dress.js hides those of hidden layers."""
+    """What the lines and colours on the map mean, if there; a click on an entry hides its layer there."""
     result = snapshot.result
     coloured = display.points == "residual"
     entries = (
         (True, "trajectory", f"{line('trajectory')}trajectory"),
         (len(snapshot.truth) > 0, "truth", f"{line('truth', 'hs-dashed')}truth"),
-        (True, "fused", f"<span {tip('ellipses')}>ellipses of {number(display.ellipse_scale, 4)} σ</span>"),
+        (True, "", f"<span {tip('ellipses')}>ellipses of {number(display.ellipse_scale, 4)} σ</span>"),
         (result and result.navigation, "position", f"{ring('position')}position"),
         (coloured, "scan", f'<span {tip("residuals")}>residual 0<i class="hs-ramp"></i>1</span>'),
         (coloured, "scan", f"<span {tip('unexpected')}>{ring('unexpected')}unexpected</span>"),
     )
-    shown = "".join(f'<span data-hs-of="{layer}">{entry}</span>' for there, layer, entry in entries if there)
+    shown = "".join(toggle(layer, entry) for there, layer, entry in entries if there)
     return f'<div class="hs-legend">{shown}</div>'
+
+
+def toggle(layer: str, entry: str) -> str:
+    """An entry of the legend that shows and hides its layer, if it has one, in one browser (static/browser.js)."""
+    if not layer:
+        return f"<span>{entry}</span>"
+    return f'<button type="button" class="hs-entry" data-hs-own="layers" data-hs-layer="{layer}">{entry}</button>'
 
 
 def line(colour: str, style: str = "") -> str:

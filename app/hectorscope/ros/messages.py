@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hectorscope.inputs import Stamped
 from slam_core import geometry
 from slam_core.measurements import (
     FARTHEST_LASER,
@@ -55,6 +56,19 @@ def frame_id(message: Any) -> str:
     """The frame of a stamped message, without the leading slash of old tf."""
     name: str = message.header.frame_id
     return name.strip("/")
+
+
+def stamped(topic: str, message: Any, log_ns: int) -> Stamped:
+    """A message by its times; a scan with its ranges as they are."""
+    header = getattr(message, "header", None)
+    if header is None:
+        return Stamped(topic, log_ns)
+    own = stamp_ns(message, 0) or None
+    ranges = getattr(message, "ranges", None)
+    if ranges is None:
+        return Stamped(topic, log_ns, own, frame_id(message))
+    limits = float(message.range_min), float(message.range_max)
+    return Stamped(topic, log_ns, own, frame_id(message), max(0, sweep_ns(message)), np.asarray(ranges), limits)
 
 
 def laser_scan(message: Any, time_ns: int, T_base_laser: Transform) -> LaserScan:

@@ -51,6 +51,12 @@ class Mounts:
         self._note(base, frame, moving=until_ns is not None)
         return T
 
+    @property
+    def unplaced(self) -> tuple[str, ...]:
+        """The frames that were taken to be at the base, as tf does not place them."""
+        known = self._tree.frames()
+        return tuple(frame for frame in self._fixed if frame in self._given_up or frame not in known)
+
     def guess_base(self) -> str | None:
         """The base, even before a sensor has been placed on it."""
         return self.base or _named(self._tree.frames())

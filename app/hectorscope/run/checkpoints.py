@@ -2,6 +2,7 @@
 
 import io
 import pickle
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -60,7 +61,8 @@ class _Unpickler(pickle.Unpickler):
 class Checkpoint:
     """A pipeline as it was at a place of its recording.
 
-    time_ns: of its last scan. scans_read: up to there. serves_ns: the earliest time that is sought from here.
+    time_ns: of its last scan. scans_read, scans: up to there, all and those with a result. serves_ns: the earliest
+    time that is sought from here.
     """
 
     def __init__(self, pipeline: Pipeline, place: Place, before: "Checkpoint | None") -> None:
@@ -68,6 +70,7 @@ class Checkpoint:
         seconds = pipeline.trajectory[-2:, 0]
         interval_ns = round(1e9 * float(seconds[-1] - seconds[0])) if len(seconds) else 0
         self.place, self.time_ns, self.scans_read = place, pipeline.time_ns, pipeline.scans_read
+        self.scans = pipeline.scans
         self.serves_ns = self.time_ns + LEAD * max(0, interval_ns)
         file = io.BytesIO()
         pickler = _Pickler(file, before.map if before else None)
@@ -108,6 +111,9 @@ class Checkpoints:
     def last(self) -> Checkpoint | None:
         """The one that is furthest; None without any."""
         return self._kept[-1] if self._kept else None
+
+    def __iter__(self) -> Iterator[Checkpoint]:
+        return iter(self._kept)
 
     def add(self, pipeline: Pipeline, place: Place) -> None:
         """The run is at a place: the pipeline is kept if it is further than all kept ones, and it is time."""

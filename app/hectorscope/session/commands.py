@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from hectorscope.run.inspection import CellTarget
 from hectorscope.run.permalink import Permalink
 
 
@@ -138,6 +139,33 @@ class Identified:
 
 
 @dataclass(frozen=True, slots=True)
+class Examine:
+    """Read the whole recording beside the run, and find what is wrong with it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """Where somebody points.
+
+    places: where the sight meets the levels, the nearest first. reach: metres from there to a beam at most.
+    """
+
+    places: tuple[CellTarget, ...]
+    reach: float
+
+
+AHEAD = -1  # in place of the number of a beam: the middle one
+
+
+@dataclass(frozen=True, slots=True)
+class Inspect:
+    """A browser looks at the beam or cell under a point, at a beam by its number, or at nothing (None)."""
+
+    client: int
+    what: Pick | int | None
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
 
@@ -172,6 +200,8 @@ Command = (
     | OpenUploaded
     | Follow
     | Identified
+    | Inspect
+    | Examine
     | Answer
     | Quit
 )

@@ -9,7 +9,9 @@ from hectorscope.session.commands import (
     Configure,
     ConfigureAll,
     Decline,
+    Examine,
     Follow,
+    Inspect,
     ListRecordings,
     Open,
     OpenUploaded,
@@ -25,10 +27,12 @@ from hectorscope.session.commands import (
     StepScan,
     Undo,
 )
+from hectorscope.session.examiner import Examiner
 from hectorscope.session.following import Following
 from hectorscope.session.library import Library
 from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
+from hectorscope.session.probes import Probes
 from hectorscope.session.questions import Questions
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
@@ -41,9 +45,18 @@ NEEDS_RECORDING = (Restart, Seek, StepScan, StepBack, Repair, Save)
 class Control:
     """Belongs to the engine's thread. opening: hears what is opened at this moment, and "" once it is."""
 
-    def __init__(self, session: Session, saver: Saver, library: Library, opening: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        session: Session,
+        saver: Saver,
+        library: Library,
+        examiner: Examiner,
+        opening: Callable[[str], None],
+    ) -> None:
         self.questions = Questions()
+        self.probes = Probes()
         self._session, self._saver, self._library, self._opening = session, saver, library, opening
+        self._examiner = examiner
         self._following = Following(session, library, opening)
         self._transport = session.transport
 
@@ -90,11 +103,11 @@ class Control:
                 self._pace(command)
             case Configure() | ConfigureAll():
                 self._configure(command)
-            case Save():
-                self._save()
+            case Save() | Examine():
+                self._beside(command)
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
-            case Undo() | Agree() | Decline():
+            case Undo() | Agree() | Decline() | Inspect():
                 self._answer(command)
             case ListRecordings() | Open() | OpenUploaded() | Follow():
                 self._show_other(command)
@@ -142,8 +155,10 @@ class Control:
         self._opening(f"Opening {self._library.name(key)}")
         self._session.open(*self._library.open(key))
 
-    def _answer(self, command: Undo | Agree | Decline) -> None:
+    def _answer(self, command: Undo | Agree | Decline | Inspect) -> None:
         match command:
+            case Inspect():
+                self.probes.obey(command, self._session.run)
             case Undo():
                 self.questions.withdraw()  # it was asked about another run
                 self._session.undo()
@@ -176,9 +191,13 @@ class Control:
         if change is not None:
             self._session.configure(change)
 
-    def _save(self) -> None:
+    def _beside(self, command: Save | Examine) -> None:
+        """Work that goes on beside the run."""
         try:
-            self._saver.start(self._session.run, self._session.report)
+            if isinstance(command, Examine):
+                self._examiner.start(self._session.source)
+            else:
+                self._saver.start(self._session.run, self._session.report)
         except SlamError as error:
             self._refuse(str(error))
 

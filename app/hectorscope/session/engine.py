@@ -15,6 +15,7 @@ from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
 from hectorscope.session.control import Control
+from hectorscope.session.examiner import Examiner
 from hectorscope.session.exchange import Exchange
 from hectorscope.session.intake import Intake
 from hectorscope.session.library import Library
@@ -91,7 +92,8 @@ class Engine:
         self._saver = Saver(out, self._commands.put)
         self._library = library or Library()
         self._library.identities.told = partial(self._commands.put, Identified())
-        self._control = Control(self._session, self._saver, self._library, self._show_opening)
+        self._examiner = Examiner(self._commands.put)
+        self._control = Control(self._session, self._saver, self._library, self._examiner, self._show_opening)
         self._is_ready = False
 
     @property
@@ -291,6 +293,8 @@ class Engine:
             behind=session.intake.behind,
             library=self._library.listed,
             recording=self._recording(),
+            examined=self._examiner.found(session.source),
+            views=self._control.probes.views(session.run),
         )
         self._publisher.publish(run, complete=resting)
 

@@ -1,11 +1,13 @@
 """Composes snapshots of a pipeline and leaves them in the mailbox, no more often than anybody can look."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from hectorscope.inputs import Source, SourceReport
+from hectorscope.inputs import Finding, Source, SourceReport
 from hectorscope.run.fingerprint import Identity
+from hectorscope.run.inspection import View
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
@@ -47,6 +49,8 @@ class Run:
     behind: int
     library: tuple[Listed, ...]
     recording: Identity | None
+    views: Mapping[int, View | None]
+    examined: tuple[Finding, ...] | None
 
 
 class Publisher:
@@ -120,6 +124,8 @@ class Publisher:
             library=run.library,
             recording=run.recording,
             ahead=run.ahead,
+            views=run.views,
+            examined=run.examined,
         )
         self._mailbox.put(snapshot)
 

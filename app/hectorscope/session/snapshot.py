@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hectorscope.inputs import SourceReport
+from hectorscope.inputs import Finding, SourceReport
 from hectorscope.run.fingerprint import Identity
+from hectorscope.run.inspection import View
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
@@ -116,6 +117,8 @@ class Snapshot:
     question: what waits for an answer. undo: what can be taken back. library: what else can be opened.
     recording: by its content, once known; None for a stream.
     ahead: of the same run, with what follows.
+    views: what each browser that looks closer sees of its beam or cell, by the number of the browser; None if that
+    is not there now. examined: what is wrong with the recording as a whole; None until somebody had it examined.
     """
 
     sequence: int = 0
@@ -145,3 +148,5 @@ class Snapshot:
     library: tuple[Listed, ...] = ()
     recording: Identity | None = None
     ahead: Ahead = field(default_factory=Ahead)
+    views: Mapping[int, View | None] = field(default_factory=dict)
+    examined: tuple[Finding, ...] | None = None

@@ -3,7 +3,7 @@
 import gzip
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hectorscope.common.paths import absence
-from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport
+from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport, Stamped
 from hectorscope.ros.repairs import Repairs
 from hectorscope.ros.roles import ODOMETRY, SCAN, Topic, check_overrides, choose_roles
 from hectorscope.ros.stamps import AHEAD, Stamps
@@ -79,10 +79,17 @@ class TextLog:
         """Scans read so far, and lines left out."""
         return SourceReport({SCANS: self._reading.lines}, dict(self._skipped), notes=self._notes)
 
-    def log_times_ns(self) -> dict[str, list[int]]:
-        """The times of each topic."""
-        times = sorted(instant.scan.stamp_ns for instant in self.instants)
-        return dict.fromkeys((SCANS, WHEELS), times)
+    clock_offset_ns = 0
+    unplaced = ()
+    parts: Mapping[str, str] = {"scan": SCANS, "odometry": WHEELS}
+
+    def stamped(self) -> Iterator[Stamped]:
+        """Scans and wheels of each line; a log has no other times than theirs."""
+        for instant in self.instants:
+            scan = instant.scan
+            limits = scan.range_min, scan.range_max
+            yield Stamped(SCANS, scan.stamp_ns, ranges=scan.ranges, limits=limits)
+            yield Stamped(WHEELS, scan.stamp_ns)
 
     def items(self) -> Iterator[Item]:
         """Wheels, scan and truth of each line."""

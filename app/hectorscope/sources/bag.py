@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from hectorscope.common.paths import exists
-from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport
+from hectorscope.inputs import Item, SourceError, SourceOptions, SourceReport, Stamped
 from hectorscope.ros.converter import Converter
 from hectorscope.ros.decode import BadDefinition, Decode, decoder
-from hectorscope.ros.messages import BadMessage, stamp_ns
+from hectorscope.ros.messages import BadMessage, stamp_ns, stamped
 from hectorscope.ros.roles import (
     ROLE_TYPES,
     SCAN,
@@ -121,12 +121,30 @@ class BagSource:
         self._closed = True
         self.recording.close()
 
-    def log_times_ns(self) -> dict[str, list[int]]:
-        """When the messages of each usable topic were recorded."""
-        times: dict[str, list[int]] = {}
-        for raw in self._raw(self._decoders):
-            times.setdefault(raw.channel.topic, []).append(raw.log_ns)
-        return times
+    @property
+    def clock_offset_ns(self) -> int:
+        """From the recorder's clock to that of the scans."""
+        return self.span_ns[0] - self.recording.span_ns[0]
+
+    @property
+    def parts(self) -> Mapping[str, str]:
+        """The topics in use, by their parts."""
+        roles = {role: getattr(self.roles, role) for role in ROLE_TYPES}
+        return {role: topic for role, topic in roles.items() if topic is not None}
+
+    @property
+    def unplaced(self) -> tuple[str, ...]:
+        """Frames of sensors that tf did not place in the latest reading."""
+        return self._reading.converter.mounts.unplaced
+
+    def reopened(self) -> "BagSource":
+        """The same recording."""
+        return open_bag(self.recording.path, self._options)
+
+    def stamped(self) -> Iterator[Stamped]:
+        """Every message that can be of use and decoded, by its times, in the order of recording."""
+        for raw, message in self._decoded(self._decoders, None):
+            yield stamped(raw.channel.topic, message, raw.log_ns)
 
     def _usable(self) -> dict[Channel, int]:
         """The channels that were not refused, with their messages."""

@@ -157,7 +157,7 @@ def test_the_legend_names_what_is_there() -> None:
     bare = replace(without_filter(full), truth=np.empty((0, 8)))
     html = legend_html(bare, Display(points="plain"))
     assert [part for part in ("truth", "position", "residual", "unexpected") if part in html] == []
-    assert 'data-hs-of="trajectory"' in html
+    assert 'data-hs-layer="trajectory"' in html
 
 
 def test_the_match_says_whether_it_converged_and_is_believed() -> None:

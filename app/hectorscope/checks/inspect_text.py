@@ -1,0 +1,105 @@
+"""The answer of `hectorscope inspect` laid out for a terminal."""
+
+import math
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+from hectorscope.checks.findings import remedy
+from hectorscope.checks.sensor_statistics import Measures
+from hectorscope.inputs import Finding, SourceReport
+
+if TYPE_CHECKING:
+    from hectorscope.checks.inspect import BagReport, TopicLine
+
+Row = tuple[str, ...]
+
+
+def _date(time_ns: int) -> str:
+    """A time for people; as it is where no calendar has it."""
+    try:
+        return f"{datetime.fromtimestamp(time_ns * 1e-9, UTC):%Y-%m-%d %H:%M:%S} UTC"
+    except (ValueError, OverflowError, OSError):
+        return f"{time_ns} ns, a time of no calendar"
+
+
+def rendered(report: "BagReport") -> Iterator[str]:
+    """Line by line."""
+    yield f"{report.name}: {report.container}, {report.duration_s:.1f} s from {_date(report.start_ns)}"
+    yield ""
+    head = ("topic", "type", "messages", "rate", "longest gap", "jitter", "out of order", "delay", "drift")
+    yield from _table([head, *map(_topic_row, report.topics)], right=tuple(range(2, len(head))))
+    yield ""
+    used: list[Row] = [
+        (part.role, part.topic or "-", str(part.measurements or "-"), part.detail) for part in report.parts
+    ]
+    yield from _table([("part", "played by", "used", ""), *used], right=(2,))
+    for title, lines in (
+        ("devices", list(_devices(report.measures))),
+        ("repaired", [f"{finding.fact}: {finding.repair}" for finding in report.repaired]),
+        ("wrong with them", list(_wrong(report.findings))),
+        ("wrong with the recording", [_fault(fault, report.start_ns) for fault in report.faults]),
+        ("warnings", report.source.warnings),
+        ("notes", report.source.notes),
+        ("skipped", _skipped(report.source)),
+    ):
+        if lines:
+            yield from ("", title, *(f"  {line}" for line in lines))
+
+
+def _topic_row(line: "TopicLine") -> Row:
+    def shown(value: float, form: str) -> str:
+        return "-" if math.isnan(value) else form.format(value)
+
+    return (
+        line.name,
+        line.msgtype,
+        str(line.messages),
+        f"{line.rate_hz:.1f} Hz" if line.rate_hz > 0.0 else "-",
+        shown(line.longest_gap_s, "{:.3f} s"),
+        shown(1e3 * line.jitter_s, "{:.1f} ms"),
+        str(line.backwards),
+        shown(line.delay_s, "{:z.3f} s"),
+        shown(1e6 * line.drift, "{:z.0f} ppm"),
+    )
+
+
+def _fault(fault: Finding, start_ns: int) -> str:
+    """The fact, its time in the run, and what to do."""
+    when = "" if fault.time_ns is None else f" (at {(fault.time_ns - start_ns) * 1e-9:.2f} s)"
+    return f"{fault.fact}{when}: {fault.remedy}"
+
+
+def _devices(measures: Measures) -> Iterator[str]:
+    """What the data shows of the sensors, right or wrong."""
+    felt = measures.gravity
+    if felt is not None:
+        up = " ".join(f"{part:z.2f}" for part in felt.up)
+        yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
+    for name, turn in (
+        ("gyroscope against the scans", measures.turn),
+        ("gyroscope against gravity", measures.tilt),
+        ("odometry against the scans", measures.wheels),
+    ):
+        if turn is not None:
+            late = f", the scans {turn.lag:z.2f} s late" if turn is measures.turn else ""
+            yield f"{name}: turns {turn.ratio:z.2f} times as far, correlation {turn.correlation:z.2f}{late}"
+
+
+def _wrong(found: tuple[Finding, ...]) -> Iterator[str]:
+    yield from (finding.fact for finding in found)
+    if found:
+        yield f"repair: --repair, or {remedy(found)}"
+
+
+def _skipped(report: SourceReport) -> list[str]:
+    return [f"{count} x {reason}" for reason, count in report.skipped.items()]
+
+
+def _table(rows: list[Row], right: tuple[int, ...]) -> Iterator[str]:
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    for row in rows:
+        cells = (
+            c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
+        )
+        yield "  ".join(cells).rstrip()

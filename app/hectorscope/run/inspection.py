@@ -1,0 +1,167 @@
+"""A closer look at one beam of the shown scan, or at one cell of the map."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hectorscope.run.cell_history import Cell, History, cell_history
+from hectorscope.run.checkpoints import Checkpoint
+from hectorscope.run.pipeline import Pipeline
+from slam_core.geometry import transform_points
+from slam_core.kernels.bilinear import WHOLE
+from slam_core.mapping.tiled_map import TiledMap
+from slam_core.results import StepResult, Sweep
+from slam_core.scan.beams import beam_of, endpoint_of
+
+
+@dataclass(frozen=True, slots=True)
+class BeamTarget:
+    """A beam by its number in the scan, from 0."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class CellTarget:
+    """A place on a level of the map, metres."""
+
+    level: int
+    x: float
+    y: float
+
+
+Target = BeamTarget | CellTarget
+
+
+@dataclass(frozen=True, slots=True)
+class LevelReading:
+    """A level at a place. cell: in the lattice of the level. resolution: metres a cell. probability: of the cell;
+    None where it is unknown. residual: 1 - M of eq. (4), interpolated at the place.
+    """
+
+    cell: Cell
+    resolution: float
+    probability: float | None
+    residual: float
+
+
+@dataclass(frozen=True, slots=True)
+class CellView:
+    """The map at a place (metres), on every level, finest first; the history of the cell of one `level`."""
+
+    level: int
+    x: float
+    y: float
+    levels: tuple[LevelReading, ...]
+    history: History
+
+
+@dataclass(frozen=True, slots=True)
+class BeamView:
+    """A beam of the shown scan.
+
+    beams: of the scan. range_m: as measured, may be inf or nan. angle: radians, by the laser. after_s: since the
+    first beam; nan without beam timing. laser: (x, y) where the beam starts, metres in the map.
+    Of a beam with an endpoint alone: height over the laser, metres. residual: 1 - M in the match, at the finest
+    level; nan for a scan that was matched to nothing. unexpected: it ended in free space. end: the map there.
+    """
+
+    number: int
+    beams: int
+    range_m: float
+    angle: float
+    after_s: float
+    laser: tuple[float, float]
+    height: float = math.nan
+    residual: float = math.nan
+    unexpected: bool = False
+    end: CellView | None = None
+
+
+View = BeamView | CellView
+
+
+def view_of(target: Target, pipeline: Pipeline, checkpoints: Iterable[Checkpoint]) -> View | None:
+    """What there is to see of a target now; None for a beam without a scan that has it."""
+    if isinstance(target, CellTarget):
+        return _cell(target, pipeline, checkpoints)
+    result = pipeline.result
+    if result is None or result.sweep is None or target.number >= len(result.sweep.scan.ranges):
+        return None
+    return _beam(target.number, result, result.sweep, pipeline, checkpoints)
+
+
+def target_at(
+    places: Iterable[CellTarget], reach: float, result: StepResult | None, tiled: TiledMap
+) -> Target | None:
+    """What a person points at: the nearest endpoint on the finest level within `reach` metres, else the first
+    place whose cell is known. places: where the sight meets the levels, the nearest first.
+    """
+    known: CellTarget | None = None
+    for place in places:
+        if place.level == 0 and result is not None and (beam := nearest_beam(result, place, reach)) is not None:
+            return BeamTarget(beam)
+        if known is None and place.level < len(tiled.levels) and reading(tiled, place).probability is not None:
+            known = place
+    return known
+
+
+def nearest_beam(result: StepResult, place: CellTarget, reach: float) -> int | None:
+    """The beam that ends nearest to a place, if that is within `reach` metres."""
+    if result.sweep is None or not len(result.points):
+        return None
+    ends = transform_points(result.planar, result.points)
+    apart = np.hypot(ends[:, 0] - place.x, ends[:, 1] - place.y)
+    nearest = int(np.argmin(apart))
+    return beam_of(result.sweep, nearest) if apart[nearest] <= reach else None
+
+
+def reading(tiled: TiledMap, place: CellTarget) -> LevelReading:
+    """One level at a place."""
+    resolution = tiled.levels[place.level].resolution
+    u, v = place.x / resolution, place.y / resolution
+    column, row = math.floor(u), math.floor(v)
+    log_odds = float(tiled.gather(place.level, (row, row + 1, column, column + 1)).item())
+    left, low = math.floor(u - 0.5), math.floor(v - 0.5)
+    around = tiled.gather(place.level, (low, low + 2, left, left + 2), "cells")
+    right, up = u - 0.5 - left, v - 0.5 - low  # eq. (4)
+    M = float(np.array([1.0 - up, up]) @ around @ np.array([1.0 - right, right])) / WHOLE
+    known = 1.0 / (1.0 + math.exp(-log_odds)) if log_odds else None
+    return LevelReading((column, row), resolution, known, 1.0 - M)
+
+
+def _cell(target: CellTarget, pipeline: Pipeline, checkpoints: Iterable[Checkpoint]) -> CellView:
+    tiled = pipeline.slam.map
+    numbers = range(len(tiled.levels))
+    level = min(target.level, numbers[-1])
+    readings = tuple(reading(tiled, CellTarget(i, target.x, target.y)) for i in numbers)
+    history = cell_history(pipeline, checkpoints, level, readings[level].cell)
+    return CellView(level, target.x, target.y, readings, history)
+
+
+def _beam(
+    number: int, result: StepResult, sweep: Sweep, pipeline: Pipeline, checkpoints: Iterable[Checkpoint]
+) -> BeamView:
+    scan = sweep.scan
+    x, y = transform_points(result.planar, sweep.laser[None])[0].tolist()
+    beam = BeamView(
+        number,
+        len(scan.ranges),
+        float(scan.ranges[number]),
+        scan.angle_min + number * scan.angle_increment,
+        number * scan.time_increment if scan.time_increment else math.nan,
+        (x, y),
+    )
+    endpoint = endpoint_of(sweep, number)
+    if endpoint is None:
+        return beam
+    x, y = transform_points(result.planar, result.points[endpoint : endpoint + 1])[0].tolist()
+    return replace(
+        beam,
+        height=float(result.heights[endpoint]),
+        residual=float(result.match.residuals[endpoint]) if result.match else math.nan,
+        unexpected=bool(result.unexpected[endpoint]),
+        end=_cell(CellTarget(0, x, y), pipeline, checkpoints),
+    )
