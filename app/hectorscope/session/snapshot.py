@@ -24,8 +24,8 @@ PlaybackState = Literal["loading", "playing", "paused", "seeking", "ended", "wai
 class PlaybackStatus:
     """Where the run is. Times are of the recording; a live stream has no end (end_ns None).
 
-    preparing: what the run waits for until it can go on, empty if for nothing. prepared: the share of it that is
-    done, if known.
+    seeks: how many have arrived. preparing: what the run waits for until it can go on, empty if for nothing.
+    prepared: the share of it that is done, if known.
     """
 
     state: PlaybackState = "loading"
@@ -37,6 +37,7 @@ class PlaybackStatus:
     realtime_factor: float = 0.0
     scan_rate: float = 0.0
     detail: str = ""
+    seeks: int = 0
     preparing: str = ""
     prepared: float | None = None
 

@@ -27,7 +27,8 @@ class Transport:
     """Play, pause, one step, a seek, the end or a failure, of a recording or a live stream.
 
     A stream flows on while it is paused: its scans are `unwanted`. processed_again: whether the last scan was so,
-    with other settings. preparing, prepared: as in a `PlaybackStatus`. clock: seconds, monotonic.
+    with other settings. wanted_ns: where the next seek goes, once this one has arrived. seeks: how many have
+    arrived. preparing, prepared: as in a `PlaybackStatus`. clock: seconds, monotonic.
     """
 
     def __init__(
@@ -37,6 +38,7 @@ class Transport:
         self.preparing = ""
         self.prepared: float | None = None
         self.failure = ""
+        self.seeks = 0
         self.meter = RateMeter(clock)
         self._clock = clock
         self._pacer = Pacer(speed, clock)
@@ -48,6 +50,7 @@ class Transport:
         self.failure, self._ended, self._single = "", False, False
         self.processed_again = False
         self.target_ns: int | None = None
+        self.wanted_ns: int | None = None
         self._last_ns: int | None = None
         self._passed_at = self._sought_at = self._clock()
         self._rest()
@@ -64,12 +67,14 @@ class Transport:
 
     def play(self) -> None:
         """On from here."""
-        self._paused, self._single, self.target_ns = False, False, None
+        self._paused, self._single = False, False
+        self._give_up_seek()
         self._rest()
 
     def pause(self) -> None:
         """Nothing more."""
-        self._paused, self._single, self.target_ns = True, False, None
+        self._paused, self._single = True, False
+        self._give_up_seek()
         self._rest()
 
     def step(self) -> None:
@@ -84,11 +89,13 @@ class Transport:
 
     def end(self) -> None:
         """There is no more."""
+        self.seeks += self.target_ns is not None
         self._ended, self._single, self.target_ns = True, False, None
 
     def fail(self, reason: str) -> None:
         """It cannot go on."""
-        self.failure, self._single, self.target_ns = reason, False, None
+        self.failure, self._single = reason, False
+        self._give_up_seek()
 
     @property
     def speed(self) -> float:
@@ -132,6 +139,7 @@ class Transport:
         if self.target_ns is None or scan_ns <= self.target_ns:
             return False
         self.target_ns = None
+        self.seeks += 1
         self._rest()
         return True
 
@@ -158,11 +166,15 @@ class Transport:
             playing = "waiting"
         choices: list[tuple[bool, PlaybackState]] = [
             (bool(self.failure), "failed"),
+            (self.wanted_ns is not None, "seeking"),
             (self._ended, "ended"),
             (self.target_ns is not None, "seeking"),
             (self._paused and not self._single, "paused"),
         ]
         return next((state for holds, state in choices if holds), playing)
+
+    def _give_up_seek(self) -> None:
+        self.target_ns = self.wanted_ns = None
 
     def _rest(self) -> None:
         self._pacer.rest()
