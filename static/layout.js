@@ -4,7 +4,7 @@
 (() => {
   const { own } = window.hectorscope;
   const KEYS = [
-    ["Run, shared by every browser", [["space", "play or pause"], [".", "step one scan"], [",", "back one scan"], ["R", "restart"], ["U", "undo, for a minute"], ["[ and ]", "slower, faster"]]],
+    ["Run, shared by every browser", [["space", "play or pause"], [".", "step one scan"], [",", "back one scan"], ["N", "next mark of the timeline"], ["Shift N", "mark before"], ["R", "restart"], ["U", "undo, for a minute"], ["[ and ]", "slower, faster"]]],
     ["Camera", [["1", "top"], ["2", "follow the robot"], ["3", "free"], ["4", "whole map"]]],
     ["This browser", [["G", "plots: below the scene or none"], ["X", "plots over the whole window"], ["H", "panels"], ["D", "measure a distance: two clicks"], ["B", "look closer at the beam ahead; a click looks at a beam or a cell"], ["Esc", "close it"], ["T", "light or dark theme"], ["P", "presentation: large type"], ["F", "full screen"], ["O", "open a recording"], ["L", "copy a link to this view"], ["?", "these keys"], ["Ctrl K", "find any command"]]],
   ];
@@ -24,6 +24,7 @@
     l: link,
     d: () => window.hectorscope.measure.toggle(),
     b: () => window.hectorscope.closer.ahead(),
+    n: ({ shiftKey }) => window.hectorscope.timeline?.step(shiftKey ? -1 : 1),
     "?": keys,
   };
   const DO = { screen, keys, recordings, link, picture: () => window.hectorscope.picture?.(), measure: () => window.hectorscope.measure.toggle() };
@@ -50,7 +51,7 @@
     const act = ACTS[event.key.toLowerCase()];
     if (!act || (overlay.open && event.key !== "?")) return;
     event.preventDefault();
-    act();
+    act(event);
   });
   document.addEventListener("click", ({ target }) => DO[target.closest?.("[data-hs-do]")?.dataset.hsDo]?.());
 

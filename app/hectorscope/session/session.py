@@ -186,12 +186,18 @@ class Session:
         self._publisher.touch()
 
     def seek(self, time_ns: int) -> None:
-        """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run."""
+        """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run.
+
+        While a seek is about to arrive, the newest wanted time waits for it: each drag of a hand shows something.
+        """
         span = self.source.span_ns
         if span is None:
             self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
             return
         time_ns = min(max(time_ns, span[0]), span[1])
+        if self.transport.hurries:
+            self.transport.wanted_ns = time_ns
+            return
         checkpoint = self.run.checkpoints.before(time_ns)
         now_ns = self.run.pipeline.time_ns
         back = bool(self.transport.failure) or time_ns < now_ns
