@@ -26,8 +26,8 @@ PlaybackState = Literal["empty", "loading", "playing", "paused", "seeking", "end
 class PlaybackStatus:
     """Where the run is. Times are of the recording; a live stream has no end (end_ns None).
 
-    state: "empty" while no recording is open. seeks: how many have arrived. preparing: what the run waits for until
-    it can go on, empty if for nothing. prepared: the share of it that is done, if known.
+    state: "empty" while no recording is open. seeks: how many have arrived. preparing: what the run waits for
+    until it can go on, empty if for nothing. prepared: the share of it that is done, if known.
     """
 
     state: PlaybackState = "loading"
