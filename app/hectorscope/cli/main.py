@@ -24,11 +24,11 @@ from hectorscope.cli.options import (
     SettingArgs,
     SettingFlags,
     SourceArgs,
-    SweepArgs,
     help_asked,
     optional,
     source_options,
 )
+from hectorscope.cli.sweep_flags import SweepArgs
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
 from hectorscope.common.resources import resource_folder
 from hectorscope.common.terminal import printable
