@@ -2,8 +2,9 @@
 
     python -m benchmarks.sweeps.overhead [--runs 200] [--write]
 
-The plain loops read, run and score as `hectorscope run` does, and keep nothing. They take turns with the sweep, in
-blocks; the time of the processors is compared, and that of the wall. --write keeps the outcome in docs/sweeps.md.
+The plain loops check the sensors, read, run and score as `hectorscope run` does, and keep nothing. They take turns
+with the sweep, in blocks; the time of the processors is compared, and that of the wall. --write keeps the outcome
+in docs/sweeps.md.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from benchmarks.cases import DEMOS
 from benchmarks.sweeps.cases import base_of
 from benchmarks.sweeps.marks import fill
 from benchmarks.tables import table
+from hectorscope.checks.sensor_check import CheckedSource
 from hectorscope.run.headless import run_headless
 from hectorscope.run.metrics import metrics
 from hectorscope.run.warmup import load_everything
@@ -58,7 +60,7 @@ def specs_of(count: int) -> list[RunSpec]:
 
 def plain(spec: RunSpec) -> float:
     """A run and its figures."""
-    source = open_source(spec.path, spec.source_options())
+    source = CheckedSource(partial(open_source, spec.path), spec.source_options())
     pipeline, effort = run_headless(source, spec.run_settings())
     metrics(pipeline, source.report, effort)
     return effort.wall_s
