@@ -103,6 +103,14 @@ def test_every_executor_gives_the_same_table(bag: Path, tmp_path: Path):
     assert [row[2] for row in tables[0][1:]] == [str(sigma) for sigma in SIGMAS]
 
 
+def test_a_process_does_many_runs_in_the_same_memory(bag: Path, tmp_path: Path):
+    """One process loads the kernels once and does all; after 40 runs it takes no more than after a few."""
+    specs = specs_of(bag, sigmas=tuple(round(0.1 + 0.01 * k, 2) for k in range(40)))
+    rows = list(done(tmp_path, specs, 1).rows.values())
+    assert len({row["worker"] for row in rows}) == 1
+    assert float(rows[-1]["memory_mb"]) < float(rows[7]["memory_mb"]) + 16.0
+
+
 def test_started_again_it_does_what_is_missing(bag: Path, tmp_path: Path):
     """Rows that are there are left as they are, times too."""
     specs = specs_of(bag)

@@ -22,12 +22,12 @@ from hectorscope.cli.options import (
     RelationsArg,
     SettingArgs,
     SourceArgs,
-    SweepArgs,
     help_asked,
     optional,
     source_flags,
     source_options,
 )
+from hectorscope.cli.sweep_flags import SweepArgs
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import SourceOptions

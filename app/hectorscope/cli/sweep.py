@@ -6,8 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hectorscope.cli.options import AddressFlags, SettingFlags, SweepFlags, source_options
+from hectorscope.cli.options import AddressFlags, SettingFlags, source_options
 from hectorscope.cli.report import show_sweep, sweep_summary
+from hectorscope.cli.sweep_flags import SweepFlags
 from hectorscope.exporters import OutputError, reserved
 from hectorscope.run.relations import read_relations
 from hectorscope.sweep.executors import executor

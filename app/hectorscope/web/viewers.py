@@ -6,11 +6,12 @@ import subprocess
 import sys
 import tempfile
 import threading
+from dataclasses import asdict
 from pathlib import Path
 
 from hectorscope.checks.sensor_check import stated
 from hectorscope.exporters import OutputError
-from hectorscope.inputs import SENSOR_OPTIONS, OptionValue
+from hectorscope.inputs import OptionValue
 from hectorscope.run.settings_file import to_toml
 from hectorscope.sweep.fetch import local
 from hectorscope.sweep.spec import RunSpec
@@ -82,21 +83,30 @@ class Viewers:
 def spec_of(folder: Path, key: str) -> RunSpec:
     """The spec of a run of a sweep; OutputError if there is none."""
     try:
-        return RunSpec.from_json(json.dumps(read_details(folder, key)["spec"]))
+        spec = RunSpec.from_json(json.dumps(read_details(folder, key)["spec"]))
+        spec.source_options()
     except (KeyError, TypeError, AttributeError) as error:
         raise OutputError(f"{folder} has the run {key} of another version: run it again") from error
+    return spec
 
 
 def view_arguments(spec: RunSpec, config: Path) -> list[str]:
-    """The command that shows a run with its settings; config: the file that holds them."""
-    arguments = ["view", str(local(spec.path)), "--config", str(config)]
-    for name, value in spec.options.items():
-        if name not in SENSOR_OPTIONS or name.endswith("_topic"):
-            arguments += [f"--{name.replace('_', '-')}", *_words(value)]
+    """The command that shows a run with its settings; config: the file that holds them.
+
+    A folder of somebody else's is not trusted: a name or value that looks like another flag stays what it is.
+    ViewerError for a path that is none.
+    """
+    path = local(spec.path)
+    if not path.is_absolute():
+        raise ViewerError(f"{spec.path} is no absolute path: run the sweep again")
+    options = {name: value for name, value in asdict(spec.source_options()).items() if value is not None}
+    arguments = ["view", str(path), "--config", str(config)]
+    for name in sorted(options.keys() - stated(spec.source_options()).keys()):  # the others are in the file
+        arguments += _flag(name.replace("_", "-"), options[name])
     return [*arguments, "--repair"] if spec.repair else arguments
 
 
-def _words(value: OptionValue) -> list[str]:
-    if isinstance(value, tuple | list):
-        return [repr(part) for part in value]
-    return [str(value).lower() if isinstance(value, bool) else str(value)]
+def _flag(name: str, value: OptionValue) -> list[str]:
+    if isinstance(value, tuple):
+        return [f"--{name}", *(repr(float(part)) for part in value)]
+    return [f"--{name}={value}"]

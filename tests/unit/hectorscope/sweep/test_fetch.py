@@ -33,6 +33,6 @@ def test_an_address_is_copied_once_and_the_last_one_is_kept(tmp_path: Path):
 
 def test_what_cannot_be_had_is_named():
     """Unknown protocols, and files that are not there."""
-    for address in ("nosuch://bucket/a.bag", "file:///nowhere/a.bag"):
+    for address in ("nosuch://bucket/a.bag", Path("/nowhere/a.bag").as_uri()):
         with pytest.raises(SourceError, match=f"{address} cannot be read"):
             local(address)

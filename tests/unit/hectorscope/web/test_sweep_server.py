@@ -11,11 +11,12 @@ import pytest
 from hectorscope.exporters import OutputError
 from hectorscope.run.settings_file import read_toml, to_toml
 from hectorscope.sweep.spec import RunSpec, RunSummary
-from hectorscope.sweep.table import Table
+from hectorscope.sweep.table import Table, write_details
 from hectorscope.web.server import ServerError
 from hectorscope.web.sweep_files import SweepFiles
 from hectorscope.web.sweep_server import SweepServer
-from hectorscope.web.viewers import spec_of, view_arguments
+from hectorscope.web.viewers import ViewerError, spec_of, view_arguments
+from slam_core.errors import SlamError
 
 SPEC = RunSpec(
     "<b>.bag",
@@ -158,5 +159,17 @@ def test_the_viewer_gets_the_settings_and_options_of_the_run(folder: Path, tmp_p
     assert read_toml(config).start.matcher.sigma == 0.1
     assert view_arguments(spec, config) == [
         *("view", "/nowhere/<b>.bag", "--config", str(config)),
-        *("--scan-topic", "/scan", "--laser-pose", "1.0", "0.0", "0.0", "0.0", "0.0", "0.5", "--repair"),
+        *("--laser-pose", "1.0", "0.0", "0.0", "0.0", "0.0", "0.5", "--scan-topic=/scan", "--repair"),
     ]
+
+
+def test_details_that_somebody_else_wrote_bring_no_flags(tmp_path: Path):
+    """A name that is no option, a value that looks like a flag, and a path that does."""
+    config = tmp_path / "config.toml"
+    shifty = RunSpec("a", "/a.bag", options={"scan_topic": "--out=/elsewhere"})
+    assert "--scan-topic=--out=/elsewhere" in view_arguments(shifty, config)
+    with pytest.raises(ViewerError, match="is no absolute path"):
+        view_arguments(RunSpec("a", "--out=x"), config)
+    write_details(tmp_path, RunSpec("a", "/a.bag", options={"out": "/elsewhere"}), RunSummary("ok"))
+    with pytest.raises(SlamError, match="of another version"):
+        spec_of(tmp_path, RunSpec("a", "/a.bag", options={"out": "/elsewhere"}).key)
