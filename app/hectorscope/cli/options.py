@@ -186,6 +186,9 @@ class PageFlags:
         tyro.conf.UseAppendAction[tuple[Path, ...]],
         _optional("Folder whose recordings the page can open; give it again for more of them."),
     ] = ()
+    runs: Annotated[
+        Path | None, _optional("Folder in which the page keeps runs by name, and from which it opens them again.")
+    ] = None
     upload_limit: Annotated[
         int, tyro.conf.arg(help="Most MiB of recordings that are dropped onto the page, together; 0 takes none.")
     ] = 512

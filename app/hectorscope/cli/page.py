@@ -1,6 +1,5 @@
 """Serves the page, with the engine behind it, until the program is interrupted."""
 
-from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -12,7 +11,8 @@ from hectorscope.common.terminal import printable
 from hectorscope.exporters import reserved
 from hectorscope.inputs import Source
 from hectorscope.session.engine import Engine
-from hectorscope.session.library import Library, check_folders
+from hectorscope.session.kept_runs import KeptRuns
+from hectorscope.session.library import Library, Opened, check_folders
 from hectorscope.web.access_control import is_loopback
 from hectorscope.web.server import PageServer, serve
 
@@ -22,7 +22,7 @@ def show(
     settings: SettingFlags,
     saved: MapFlags,
     page: PageFlags,
-    opened: Callable[[Path], Source],
+    opened: Opened,
     shown: Path | None = None,
 ) -> None:
     """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording."""
@@ -55,11 +55,11 @@ def show(
         print(printable(message))
 
 
-def _library(page: PageFlags, opened: Callable[[Path], Source], shown: Path | None) -> Library:
+def _library(page: PageFlags, opened: Opened, shown: Path | None) -> Library:
     """What the page can open. The recent recordings of this person are for nobody else on the network."""
     check_folders(page.folder)
     recent = Recent(recent_file() if is_loopback(page.host) else None)
-    library = Library(opened, page.folder, demos(), recent)
+    library = Library(opened, page.folder, demos(), recent, KeptRuns(page.runs))
     if shown is not None:
         library.note(shown)
     return library

@@ -24,8 +24,9 @@ _numbers = count(1)
 class ActiveRun:
     """Everything that makes a run what it is: put aside and taken up again, it goes on as if nothing had been.
 
-    number: no other run has it. revision: grows with each change of settings. pipeline: what is shown. head: runs
-    ahead of it; None for a stream, and before `run_ahead`. checkpoints: of both.
+    number: no other run has it. slot: its number in the list of the session. revision: grows with each change of
+    settings. pipeline: what is shown. head: runs ahead of it; None for a stream, and before `run_ahead`.
+    checkpoints: of both.
     sought: whether it was said that the robot is not found in the map. folder: where it was saved.
     """
 
@@ -37,13 +38,14 @@ class ActiveRun:
         *,
         live: bool,
         checkpoints: Checkpoints | None = None,
+        slot: int = 0,
     ) -> None:
         self._begun = partial(Pipeline, start_ns=start_ns, prior_map=prior_map, live=live)
         self.pipeline = self._begun(settings)
         self.settings = settings
         self.checkpoints = Checkpoints() if checkpoints is None else checkpoints
         self.head: Head | None = None
-        self.number, self.revision = next(_numbers), 0
+        self.number, self.revision, self.slot = next(_numbers), 0, slot
         self.sought = False
         self.folder: Path | None = None
         self._ready: deque[Measurement] = deque()

@@ -133,6 +133,52 @@ class Follow:
 
 
 @dataclass(frozen=True, slots=True)
+class RunCommand:
+    """Of the runs of the session."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fork(RunCommand):
+    """The shown run stays in the list as it is, and another one goes on from here. name: empty for any."""
+
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ShowRun(RunCommand):
+    """Show the run of this number, where it was last looked at."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class RenameRun(RunCommand):
+    """Another name for the run of this number."""
+
+    number: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class RemoveRun(RunCommand):
+    """Take the run of this number out of the list."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class KeepRun(RunCommand):
+    """Write the shown run to the folder for runs."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompareRun(RunCommand):
+    """Show the run of this number beside the shown one, at the same time; 0 for none."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
 class Identified:
     """A recording is known by its content. Sent by the engine's own threads only."""
 
@@ -171,6 +217,7 @@ Command = (
     | Open
     | OpenUploaded
     | Follow
+    | RunCommand
     | Identified
     | Answer
     | Quit

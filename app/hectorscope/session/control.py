@@ -18,6 +18,7 @@ from hectorscope.session.commands import (
     PlayPause,
     Repair,
     Restart,
+    RunCommand,
     Save,
     Seek,
     SetSpeed,
@@ -30,6 +31,7 @@ from hectorscope.session.library import Library
 from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
 from hectorscope.session.questions import Questions
+from hectorscope.session.run_commands import RunCommands
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
 from hectorscope.session.transport import valid_speed
@@ -45,6 +47,7 @@ class Control:
         self.questions = Questions()
         self._session, self._saver, self._library, self._opening = session, saver, library, opening
         self._following = Following(session, library, opening)
+        self._runs = RunCommands(session, library, self._following)
         self._transport = session.transport
 
     @property
@@ -96,7 +99,7 @@ class Control:
                 self._begin_again(command)
             case Undo() | Agree() | Decline():
                 self._answer(command)
-            case ListRecordings() | Open() | OpenUploaded() | Follow():
+            case ListRecordings() | Open() | OpenUploaded() | Follow() | RunCommand():
                 self._show_other(command)
 
     def _pace(self, command: StepScan | StepBack | SetSpeed | ChangeSpeed) -> None:
@@ -122,7 +125,7 @@ class Control:
             case Seek(time_ns):
                 self._session.seek(time_ns)
 
-    def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow) -> None:
+    def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow | RunCommand) -> None:
         try:
             match command:
                 case ListRecordings():
@@ -133,12 +136,17 @@ class Control:
                     self._open(self._library.add(path, name))
                 case Follow(link):
                     self._following.follow(link)
+                case _:
+                    self._runs.obey(command)
         except SlamError as error:
             self._refuse(str(error))
         finally:
             self._opening("")
 
     def _open(self, key: str) -> None:
+        if run := self._library.kept_run(key):
+            self._following.follow_kept(run)
+            return
         self._opening(f"Opening {self._library.name(key)}")
         self._session.open(*self._library.open(key))
 

@@ -22,7 +22,7 @@ from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
-from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.snapshot import ListedRun, Snapshot
 from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
@@ -237,6 +237,7 @@ class Engine:
     def _scan(self, stamp_ns: int) -> None:
         self._publisher.touch()
         if self._transport.arrives(stamp_ns):
+            self._session.arrived()
             return
         if self._transport.unwanted:
             self._session.run.skip(PAUSED)
@@ -258,6 +259,7 @@ class Engine:
         session.intake.check()
         if not (pipeline := session.run.pipeline).scans:
             raise nothing_used(session.source.name, session.report.skipped, pipeline.slam)
+        session.arrived()
         self._transport.end()
         self._publisher.touch()
         self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
@@ -290,8 +292,19 @@ class Engine:
             behind=session.intake.behind,
             library=self._library.listed,
             recording=self._recording(),
+            runs=self._runs(),
+            shown_run=session.run.slot,
+            keeps=self._library.kept.folder is not None,
+            compared=session.comparison.state if session.comparison else None,
         )
         self._publisher.publish(run, complete=resting)
+
+    def _runs(self) -> tuple[ListedRun, ...]:
+        """Those of the session; without the shown one as long as nothing is open, or a stream is."""
+        session = self._session
+        if session.run.pipeline.scans and not session.source.live:
+            session.note_run()
+        return session.runs.listed()
 
     def _recording(self) -> Identity | None:
         """What is shown, by its content: it is read for that once the run goes, and not before."""

@@ -12,7 +12,17 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.snapshot import Ahead, Listed, LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
+from hectorscope.session.snapshot import (
+    Ahead,
+    Compared,
+    Listed,
+    ListedRun,
+    LogEntry,
+    PlaybackStatus,
+    Question,
+    Snapshot,
+    UndoOffer,
+)
 from hectorscope.session.transport import Transport
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
@@ -46,6 +56,10 @@ class Run:
     behind: int
     library: tuple[Listed, ...]
     recording: Identity | None
+    runs: tuple[ListedRun, ...]
+    shown_run: int
+    keeps: bool
+    compared: Compared | None
 
 
 class Publisher:
@@ -118,6 +132,10 @@ class Publisher:
             undo=run.undo,
             library=run.library,
             recording=run.recording,
+            runs=run.runs,
+            shown_run=run.shown_run,
+            keeps=run.keeps,
+            compared=run.compared,
             ahead=run.ahead,
         )
         self.mailbox.put(snapshot)

@@ -5,28 +5,33 @@ from pathlib import Path
 
 from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
+from hectorscope.run.run_file import RunFile, hash_of
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
 from hectorscope.session.commands import Configure, ConfigureAll
+from hectorscope.session.comparison import Comparison
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
 from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import LogLevel, Publisher
+from hectorscope.session.runs import NamedRun, Runs, RunsError, first_difference
 from hectorscope.session.snapshot import Ahead, LogEntry
 from hectorscope.session.transport import Transport
-from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
+from hectorscope.session.undo import Kept, KeptName, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
 
+COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
 PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 
 
 class Session:
     """Belongs to the engine's thread. epoch: grows whenever what was drawn is no longer true.
 
-    given: the settings that the recording was opened with; others were set by hand since.
+    given: the settings that the recording was opened with; others were set by hand since. expected: a kept run on
+    its way to where it was kept.
     """
 
     def __init__(
@@ -48,12 +53,15 @@ class Session:
         self.prior_map, self._publisher = prior_map, publisher
         self._budget, self._runs_ahead = budget, runs_ahead
         self.given = settings
-        self.run = self._new_run(intake.source, settings, None)
+        self.runs = Runs()
+        self.comparison: Comparison | None = None
+        self.expected: RunFile | None = None
+        self.run = self._new_run(intake.source, settings, None, self.runs.new())
 
-    def _new_run(self, source: Source, settings: Settings, now_ns: int | None) -> ActiveRun:
+    def _new_run(self, source: Source, settings: Settings, now_ns: int | None, slot: int) -> ActiveRun:
         start_ns = source.span_ns[0] if source.span_ns else now_ns
         kept = Checkpoints(self._budget)
-        return ActiveRun(settings, start_ns, self.prior_map, live=source.live, checkpoints=kept)
+        return ActiveRun(settings, start_ns, self.prior_map, live=source.live, checkpoints=kept, slot=slot)
 
     @property
     def source(self) -> Source:
@@ -109,21 +117,43 @@ class Session:
         self.intake.close()
         self.begin(self.run.settings, "repair")
 
-    def begin(self, settings: Settings, what: str = "") -> None:
-        """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
+    def begin(self, settings: Settings, what: str = "", slot: int | None = None) -> None:
+        """A new run takes the place of the present one, which is kept for a minute if `what` says why.
+
+        slot: its number in the list of runs; None for that of the present one.
+        """
         now_ns = self.run.pipeline.time_ns or None
-        run = self._new_run(self.source, settings, now_ns)  # may want more memory than there is
+        slot = self.run.slot if slot is None else slot
+        run = self._new_run(self.source, settings, now_ns, slot)  # may want more memory than there is
         self._put_aside(what)
+        self._begin(run)
+
+    def switch(self, settings: Settings, slot: int) -> None:
+        """Another run of the list and of the recording takes the place of the present one, which stays there."""
+        run = self._new_run(self.source, settings, None, slot)
+        run.checkpoints = self.run.checkpoints.until(first_difference(self.run.settings, settings))
+        self._put_aside("")
+        self.undone.forget_values()
+        self._begin(run)
+        if self.compared_with == slot:
+            self.compare(0)
+
+    def _begin(self, run: ActiveRun) -> None:
         self.run = run
         self.intake.begin()
         self.transport.begin()
         self._show_anew()
 
-    def open(self, source: Source, path: Path, settings: Settings | None = None) -> None:
-        """Another recording, with the settings of now from its start, or others; the run is kept for a minute."""
+    def open(self, source: Source, path: Path, settings: Settings | None = None, slot: int | None = None) -> None:
+        """Another recording, with the settings of now from its start, or others; the run is kept for a minute.
+
+        slot: its number in the list of runs; None for one more.
+        """
+        slot = self.new_slot() if slot is None else slot
         given = settings or Settings(self.run.settings.at(self.now_ns))
-        run = self._new_run(source, given, None)
+        run = self._new_run(source, given, None, slot)
         self.given = given
+        self.compare(0)
         self._put_aside(f"opening {source.name}")
         before, self.run, self._publisher.event_log = self.intake, run, EventLog()
         before.begin()
@@ -151,6 +181,7 @@ class Session:
 
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
+        self.compare(0)
         self.run.put_aside()
         self.undone.clear()
         self.intake.end()
@@ -162,12 +193,18 @@ class Session:
             self.log("There is nothing to undo any more: a minute has passed", "warning", answer=True)
             return
         what, before = kept
-        if isinstance(before, KeptRun):
+        if isinstance(before, KeptName):
+            self.runs.put(before.run)
+        elif isinstance(before, KeptRun):
+            self.note_run()
             self.run.put_aside()
             self.run, self._publisher.event_log = before.run, before.event_log
             left = self.intake
             self._read(before.intake)
+            if left is not before.intake or self.compared_with == self.run.slot:
+                self.compare(0)
             self._let_go(left)
+            self.note_run()
             self.intake.resume(before.aside)
             self.transport.resume(before.stand)
             self._show_anew()
@@ -191,6 +228,7 @@ class Session:
         if span is None:
             self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
             return
+        self.expected = None
         time_ns = min(max(time_ns, span[0]), span[1])
         checkpoint = self.run.checkpoints.before(time_ns)
         now_ns = self.run.pipeline.time_ns
@@ -225,7 +263,10 @@ class Session:
             self.run.checkpoints.add(self.run.pipeline, place)
 
     def run_ahead(self, seconds: float) -> bool:
-        """Run on ahead of what is shown for about so long; whether there is more to do."""
+        """Run on with the compared run, or ahead of what is shown, for about so long; whether there is more."""
+        if self.comparison and self.comparison.advance(seconds, self.run.pipeline.time_ns):
+            self._publisher.touch()
+            return True
         head = self.run.head or self._begun_head()
         if head is None or head.done:
             return False
@@ -241,6 +282,66 @@ class Session:
         source = self.source.again() if isinstance(self.source, Rereadable) else None
         self._is_rereadable = source is not None
         return self.run.run_ahead(source) if source else None
+
+    # --------------------------------------------------------------------------------------------------- runs
+
+    def note_run(self) -> None:
+        """Put the shown run into the list as it is now."""
+        run, pipeline = self.run, self.run.pipeline
+        offset_ns = max(0, (self.transport.target_ns or pipeline.time_ns) - (pipeline.start_ns or 0))
+        name = self.runs.name(run.slot)
+        noted = NamedRun(run.slot, name, self.source.name, self.intake.path, run.settings, offset_ns)
+        self.runs.put(noted)
+
+    def arrived(self) -> None:
+        """A seek has ended: a kept run that was opened is compared with what was kept of it."""
+        kept, self.expected, pipeline = self.expected, None, self.run.pipeline
+        if kept is None or self.run.settings != kept.link.settings:
+            return
+        if (pipeline.scans, hash_of(pipeline.trajectory)) == (kept.scans, kept.trajectory_sha256):
+            self.log(f"{kept.link.name}: the same trajectory to the byte as when it was kept ({kept.scans} scans)")
+        else:
+            self.log(
+                f"{kept.link.name} differs from when it was kept: {pipeline.scans} scans, {kept.scans} then."
+                " Another version of the program or another --map was used",
+                "warning",
+                answer=True,
+            )
+
+    def new_slot(self, name: str = "") -> int:
+        """The number of one more run; the shown one is noted. The first recording has that of the beginning."""
+        if not self.transport.empty:
+            self.note_run()
+            return self.runs.new(name)
+        if name:
+            self.runs.rename(self.run.slot, name)
+        return self.run.slot
+
+    def keep_removed(self, run: NamedRun) -> None:
+        """For a minute."""
+        self.undone.push(f"removing {run.name}", KeptName(run))
+
+    @property
+    def compared_with(self) -> int:
+        """The number of the run that is compared; 0 for none."""
+        return self.comparison.run.number if self.comparison else 0
+
+    def compare(self, number: int) -> None:
+        """Compare with the run of this number, of the shown recording; 0 for none. RunsError if that cannot be."""
+        if number == 0:
+            if self.comparison:
+                self.comparison.close()
+            self.comparison = None
+            return
+        run, pipeline = self.runs[number], self.run.pipeline
+        if number == self.run.slot or run.path != self.intake.path or not pipeline.scans:
+            raise RunsError(f"{run.name} cannot be compared: choose another run of the recording that is shown")
+        known = self.run.checkpoints.until(
+            first_difference(self.run.settings, run.settings), self._budget // COMPARED_SHARE
+        )
+        made = Comparison(run, self.source, pipeline.start_ns, self.prior_map, known)
+        self.compare(0)
+        self.comparison = made
 
     # ----------------------------------------------------------------------------------------------- settings
 

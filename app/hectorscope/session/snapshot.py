@@ -76,6 +76,34 @@ class Listed:
 
 
 @dataclass(frozen=True, slots=True)
+class ListedRun:
+    """A run of the session. source: the name of its recording. offset_ns: where it was last looked at."""
+
+    number: int
+    name: str
+    source: str
+    offset_ns: int
+    settings: Settings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """Another run of the shown recording, at the same time of it or on the way there. whole: whether it is there.
+
+    map: its finest level. The others as in a `Snapshot`.
+    """
+
+    number: int
+    name: str
+    settings: Settings
+    whole: bool
+    trajectory: NDArray[np.float64]
+    truth_in_map: NDArray[np.float64]
+    series: NDArray[np.void]
+    map: MapImage | None
+
+
+@dataclass(frozen=True, slots=True)
 class UndoOffer:
     """What can be taken back, until a time of `time.monotonic`, in seconds."""
 
@@ -114,7 +142,8 @@ class Snapshot:
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
     question: what waits for an answer. undo: what can be taken back. library: what else can be opened.
-    recording: by its content, once known; None for a stream.
+    recording: by its content, once known; None for a stream. runs, shown_run: those of the session, and the number
+    of the shown one. keeps: whether there is a folder for them. compared: the run that it is compared with.
     ahead: of the same run, with what follows.
     """
 
@@ -144,4 +173,8 @@ class Snapshot:
     undo: UndoOffer | None = None
     library: tuple[Listed, ...] = ()
     recording: Identity | None = None
+    runs: tuple[ListedRun, ...] = ()
+    shown_run: int = 0
+    keeps: bool = False
+    compared: Compared | None = None
     ahead: Ahead = field(default_factory=Ahead)
