@@ -1,18 +1,24 @@
-"""How long a seek takes after one pass: from the command to the published snapshot, at random times.
+"""How long a seek takes behind one pass, at random times: to the published snapshot, and to the drawn map.
 
-    python -m benchmarks.seek [BAG] [--seeks 100] [--checkpoints 512]
+    python -m benchmarks.seek [BAG] [--seeks 100] [--checkpoints 512] [--browser]
 
-Without a recording, the scenes of the demo are taken. BAG: what `hectorscope` takes.
+Without a recording, the scenes of the demo are taken. BAG: what `hectorscope` takes. The pass is the one ahead of
+what is shown; the run rests meanwhile. --browser: from the release of the timeline to the drawn map, in a real
+Chromium, whose own drawing in software is counted.
 """
 
 import argparse
-import math
 import random
 import statistics
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
+from playwright.sync_api import Page, sync_playwright
+
+from benchmarks.screenshots import FLAGS
 from benchmarks.tables import table
 from hectorscope.checks.sensor_check import CheckedSource
 from hectorscope.inputs import SourceOptions
@@ -22,9 +28,41 @@ from hectorscope.session.commands import Command, Seek
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.sources import open_source
+from hectorscope.web.server import PageServer
+from tests.conftest import chromium_path
 
 DEMOS = (Path("demo_bags/arena.bag"), Path("demo_bags/littoral.mcap"))
 LOOK_S = 0.001
+FAR_S = 2.0  # seconds of a recording: so far away the map is another one
+CELLS = "/floor/map/level0/cells"
+READY = f"window.__viserMutable?.nodeRefFromName?.['{CELLS}'] && window.hectorscope?.timeline?.state().end"
+# Milliseconds from the release of the timeline at a time until the scene is drawn with another picture of the
+# finest level, and the run is there.
+RELEASED = """(seconds) => new Promise((drawn) => {
+  const { timeline, drawing } = window.hectorscope;
+  const picture = () => {
+    let found = null;
+    const level = window.__viserMutable.nodeRefFromName['/floor/map/level0/cells'];
+    level.traverse((part) => (found ??= part.material?.map));
+    return found;
+  };
+  const [before, begun] = [picture(), performance.now()];
+  const look = () => {
+    const { at, state } = timeline.state();
+    if (state === 'seeking' || Math.abs(at - seconds) > 0.2 || picture() === before) return;
+    drawing.splice(drawing.indexOf(look), 1);
+    requestAnimationFrame(() => drawn(performance.now() - begun));
+  };
+  drawing.push(look);
+  timeline.seek(seconds);
+})"""
+
+
+def until_whole(engine: Engine) -> Snapshot:
+    """The snapshot once the pass is at the end."""
+    while not ((now := engine.mailbox.latest) and now.ahead.whole):
+        time.sleep(LOOK_S)
+    return now
 
 
 def rest(engine: Engine, *commands: Command) -> Snapshot:
@@ -38,36 +76,79 @@ def rest(engine: Engine, *commands: Command) -> Snapshot:
         time.sleep(LOOK_S)
 
 
-def measure(path: Path, seeks: int, budget: int) -> tuple[float, list[float]]:
-    """Seconds of the pass, and milliseconds of each seek."""
+@contextmanager
+def passed(path: Path, budget: int) -> Iterator[tuple[Engine, float]]:
+    """An engine at rest whose pass is done, and the seconds that it took."""
     source = CheckedSource(partial(open_source, str(path)), SourceOptions())
-    engine = Engine(source, speed=math.inf, checkpoints=budget)
+    engine = Engine(source, autoplay=False, checkpoints=budget)
     begun = time.perf_counter()
     engine.start()
-    ended, passed = rest(engine), time.perf_counter() - begun
-    where, taken = random.Random(1), []
+    try:
+        until_whole(engine)
+        yield engine, time.perf_counter() - begun
+    finally:
+        engine.stop()
+
+
+def published(engine: Engine, seeks: int) -> list[float]:
+    """Milliseconds of each seek, from the command to the snapshot."""
+    playback, where, taken = until_whole(engine).playback, random.Random(1), []
     for _ in range(seeks):
-        time_ns = where.randint(ended.playback.start_ns, ended.playback.end_ns or 0)
+        time_ns = where.randint(playback.start_ns, playback.end_ns or 0)
         begun = time.perf_counter()
         rest(engine, Seek(time_ns))
         taken.append(1e3 * (time.perf_counter() - begun))
-    engine.stop()
-    return passed, taken
+    return taken
+
+
+def drawn(engine: Engine, page: Page, seeks: int) -> list[float]:
+    """Milliseconds of each, from the release of the timeline to the drawn map."""
+    playback, where = until_whole(engine).playback, random.Random(1)
+    taken: list[float] = []
+    length, before = ((playback.end_ns or 0) - playback.start_ns) / 1e9, 0.0
+    while len(taken) < seeks:
+        seconds = where.uniform(FAR_S, length - 0.2)
+        if abs(seconds - before) >= FAR_S:
+            taken.append(float(page.evaluate(RELEASED, seconds)))
+            before = seconds
+    return taken
+
+
+def measured(path: Path, options: argparse.Namespace, page: Page | None) -> list[str]:
+    """A row of the table."""
+    with passed(path, options.checkpoints) as (engine, took):
+        if page is None:
+            taken = published(engine, options.seeks)
+        else:
+            rest(engine, Seek(until_whole(engine).ahead.time_ns))  # else there is no map to be drawn
+            server = PageServer(engine, port=0)
+            server.start()
+            page.goto(f"{server.url}?fixedDpr=0.3")
+            page.wait_for_function(READY)
+            taken = drawn(engine, page, options.seeks)
+            server.stop()
+    median, most = statistics.median(taken), max(taken)
+    tenth = sorted(taken)[-max(1, len(taken) // 10)]
+    return [path.name, f"{took:.1f} s", *(f"{each:.0f} ms" for each in (median, tenth, most))]
 
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bags", nargs="*", type=Path, default=DEMOS)
     parser.add_argument("--seeks", type=int, default=100)
     parser.add_argument("--checkpoints", type=int, default=BUDGET_MB, help="MiB")
+    parser.add_argument("--browser", action="store_true", help="to the drawn map in a browser")
     options = parser.parse_args()
     load_everything()
-    rows = []
-    for path in options.bags:
-        passed, taken = measure(path, options.seeks, options.checkpoints)
-        rows.append([path.name, f"{passed:.1f} s", f"{statistics.median(taken):.0f} ms", f"{max(taken):.0f} ms"])
-    print(table(("recording", "one pass", "median seek", "longest seek"), rows))
+    if options.browser:
+        with sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
+            rows = [measured(path, options, browser.new_page()) for path in options.bags]
+            browser.close()
+    else:
+        rows = [measured(path, options, None) for path in options.bags]
+    print(table(("recording", "one pass", "median seek", "slowest tenth", "longest seek"), rows))
 
 
 if __name__ == "__main__":

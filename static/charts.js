@@ -159,5 +159,17 @@
     return { left, right };
   }
 
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { charts: { rowAt, shown, ticks, plot: { any, draw } } });
+  // All of a table without axes, from second 0 to `end`, between two heights.
+  function strip(ctx, table, chart, { width, top, bottom, end }, colours) {
+    const curves = thinned(table, chart, [0, end], width);
+    const levels = range(curves, chart.log);
+    const frame = { left: 0, y: (value) => bottom - ((value - levels[0]) / (levels[1] - levels[0])) * (bottom - top) };
+    Object.assign(ctx, { lineWidth: 1, lineJoin: "round" });
+    curves.forEach((columns, i) => {
+      ctx.strokeStyle = colours[i];
+      curve(ctx, columns, frame);
+    });
+  }
+
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { charts: { rowAt, shown, ticks, plot: { any, draw, strip } } });
 })();

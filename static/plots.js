@@ -5,7 +5,6 @@
 (() => {
   const { own } = window.hectorscope;
   const PATIENCE = 100; // milliseconds between two drawings of new rows
-  const TIMELINE = "div:has(> div > .hs-bar-transport) .mantine-Slider-root";
   const WINDOWS = { 10: "10 s", 30: "30 s", 120: "2 min", 1e9: "all" };
   const tables = {};
   let pages = null;
@@ -13,6 +12,7 @@
   let figures = [];
   let at = null; // seconds, where the cursor is
   let due = 0;
+  let shown = Infinity; // rows of what is shown: those behind it are known, but not yet to be drawn
 
   // ---------------------------------------------------------------------------------------------- rows
 
@@ -20,7 +20,7 @@
   function rows(name, first, base64) {
     const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
     const news = new Float32Array(bytes.buffer);
-    const table = (tables[name] ??= { values: new Float32Array(4096), width: 0, count: 0 });
+    const table = (tables[name] ??= { values: new Float32Array(4096), width: 0, count: 0, known: 0 });
     table.width = described()?.widths[name] ?? table.width;
     if (!table.width) return;
     const begin = first * table.width;
@@ -31,7 +31,14 @@
       table.values = larger;
     }
     table.values.set(news, begin);
-    table.count = end / table.width;
+    table.known = end / table.width;
+    show(shown);
+  }
+
+  // The charts show so many rows of each table.
+  function show(count) {
+    shown = count;
+    for (const table of Object.values(tables)) table.count = Math.min(table.known, count);
     due = Math.max(due, performance.now() + PATIENCE);
   }
 
@@ -99,7 +106,7 @@
     const made = { chart, element, canvas, values, cursor: element.querySelector(".hs-cursor"), shape: null };
     canvas.addEventListener("pointermove", (event) => point(timeAt(made, event)));
     canvas.addEventListener("pointerleave", () => point(null));
-    canvas.addEventListener("click", (event) => seek(timeAt(made, event)));
+    canvas.addEventListener("click", (event) => window.hectorscope.timeline?.seek(timeAt(made, event)));
     return made;
   }
 
@@ -127,42 +134,21 @@
     return stretch[0] + Math.min(Math.max(share, 0), 1) * (stretch[1] - stretch[0]);
   }
 
-  function timeline() {
-    const track = document.querySelector(TIMELINE);
-    const end = Number(track?.querySelector("[role=slider]")?.getAttribute("aria-valuemax"));
-    return track && end > 0 ? { box: track.getBoundingClientRect(), end, still: track.matches("[data-disabled]") || !!track.querySelector("[data-disabled]") } : null;
-  }
-
-  function seek(seconds) {
-    const uuid = document.querySelector("[data-hs-timeline]")?.dataset.hsTimeline;
-    if (seconds === null || !uuid || timeline()?.still !== false) return;
-    window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid, updates: { value: seconds } });
-  }
-
-  const marker = Object.assign(document.createElement("i"), { className: "hs-timeline-cursor", hidden: true });
-  document.body.append(marker);
-
   // The cursor stands at a time in every chart and on the timeline; null takes it away.
   function point(seconds) {
     at = seconds;
     charts.classList.toggle("hs-pointing", seconds !== null);
-    const line = seconds === null ? null : timeline();
-    marker.hidden = !line;
-    if (line) Object.assign(marker.style, { left: `${line.box.left + (Math.min(seconds, line.end) / line.end) * line.box.width}px`, top: `${line.box.top}px`, height: `${line.box.height}px` });
+    window.hectorscope.timeline?.point(seconds);
     figures.forEach(read);
   }
 
-  document.addEventListener("pointermove", (event) => {
-    const over = event.target.closest?.(TIMELINE);
-    if (over) {
-      const { box, end } = timeline() ?? {};
-      if (box) point((end * Math.min(Math.max(event.clientX - box.left, 0), box.width)) / box.width);
-    } else if (at !== null && !event.target.closest?.(".hs-canvas")) point(null);
+  document.addEventListener("pointermove", ({ target }) => {
+    if (at !== null && !target.closest?.(".hs-canvas, .hs-timeline-track")) point(null);
   });
 
   // ---------------------------------------------------------------------------------------------- charts
 
-  const { rowAt, plot, shown } = window.hectorscope.charts;
+  const { rowAt, plot, shown: worded } = window.hectorscope.charts;
 
   // The figures at the cursor, or the newest ones.
   function read({ chart, cursor, values, shape }) {
@@ -173,7 +159,7 @@
     const row = !table?.count ? -1 : inside ? rowAt(table, at) : table.count - 1;
     chart.curves.forEach((curve, i) => {
       const value = row < 0 ? NaN : table.values[row * table.width + curve.column] * chart.factor;
-      const text = shown(value);
+      const text = worded(value);
       if (values[i].value.textContent !== text) values[i].value.textContent = text;
     });
   }
@@ -217,5 +203,5 @@
   });
   grip.addEventListener("pointerup", () => (grip.onpointermove = null));
 
-  Object.assign(window.hectorscope, { rows, plotted: () => ({ span: span(), at, tables }) });
+  Object.assign(window.hectorscope, { rows, plotted: () => ({ span: span(), at, tables, pages: pages?.pages, colour, point, show }) });
 })();

@@ -8,7 +8,7 @@ from hectorscope.run.map_images import MapImage
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.session.commands import Command
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.snapshot import PlaybackStatus, Snapshot
+from hectorscope.session.snapshot import Ahead, PlaybackStatus, Snapshot
 from slam_core.geometry import from_euler
 from slam_core.measurements import Transform
 from slam_core.results import AidingStatus, Durations, MatchResult, NavigationState, PlanarGaussian, StepResult
@@ -97,6 +97,7 @@ def room_snapshot(sequence: int = 1, x: float = 0.0, y: float = 0.0) -> Snapshot
     path[:, 0] = 0.025 * np.arange(rows)
     path[:, 1], path[:, 2] = np.linspace(-6.0, x, rows), np.linspace(0.0, y, rows)
     path[:, 4] = 1.0
+    series = np.zeros(rows, SERIES_DTYPE)
     return Snapshot(
         sequence=sequence,
         source="room",
@@ -104,11 +105,17 @@ def room_snapshot(sequence: int = 1, x: float = 0.0, y: float = 0.0) -> Snapshot
         result=step_result(sequence, x, y),
         trajectory=path,
         truth=path + np.array([0, 0, 0.1, 0, 0, 0, 0, 0]),
-        series=np.zeros(rows, SERIES_DTYPE),
+        series=series,
+        ahead=Ahead(series=series),
         maps=room_maps(),
         map_updates=3,
         scans=rows,
     )
+
+
+def with_series(snapshot: Snapshot, series: np.ndarray, lineage: int = 0) -> Snapshot:
+    """Shown and known alike. lineage: of another run."""
+    return replace(snapshot, series=series, ahead=Ahead(lineage=(lineage, 0), series=series))
 
 
 def restarted(snapshot: Snapshot) -> Snapshot:

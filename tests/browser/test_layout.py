@@ -79,8 +79,8 @@ def test_small_screens_have_the_scene_on_top_and_the_state_in_sight(
             assert box["x"] >= 0 and box["x"] + box["width"] <= size["width"], part
             assert box["y"] >= 0 and box["y"] + box["height"] <= size["height"], part
         assert page.evaluate(CUT) == [], tab
-    track = box_of(page.locator("div:has(> div > .hs-bar-transport) .mantine-Slider-root"))
-    assert track["width"] > 0.3 * size["width"]
+    track = box_of(page.locator(".hs-timeline-track"))
+    assert track["width"] > 0.3 * size["width"] and track["y"] + track["height"] <= size["height"]
 
 
 @pytest.mark.parametrize("name", ["tall tablet", "phone"])

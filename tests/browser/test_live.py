@@ -115,7 +115,7 @@ def test_a_stream_shows_what_it_has_use_for(robot: Robot, open_page: Open) -> No
     page = open_page(robot.server.url)
     bar = page.locator("div:has(> div > .hs-bar-transport)")
     expect(page.get_by_role("button", name="Step one scan")).to_have_count(0)
-    expect(bar.locator(".mantine-Slider-root")).to_have_count(0)
+    expect(page.locator(".hs-timeline-track")).to_have_count(0)
     expect(bar.locator(".mantine-Select-root")).to_have_count(0)
     page.get_by_role("button", name="Pause").click()
     until(robot.engine, lambda now: now.playback.state == "paused", PATIENCE_S)
@@ -129,7 +129,7 @@ def test_a_recording_has_all_of_them(show: Show, open_page: Open) -> None:
     page = open_page(show.url)
     bar = page.locator("div:has(> div > .hs-bar-transport)")
     expect(page.get_by_role("button", name="Step one scan")).to_be_visible()
-    expect(bar.locator(".mantine-Slider-root")).to_be_visible()
+    expect(page.locator(".hs-timeline-track")).to_be_visible()
     expect(bar.locator(".mantine-Select-root")).to_be_visible()
     expect(page.locator(".hs-message")).to_be_hidden()
 

@@ -200,7 +200,7 @@ def test_the_timeline_jumps(run: Run, open_page: Open) -> None:
     """A click in the middle of the timeline goes there, and the slider stays there."""
     page = open_page(run.url)
     expect(page.locator(".hs-clock b")).to_have_text("00:02.0")  # the bar knows the recording by now
-    track = page.locator("div:has(> div > .hs-bar-transport) .mantine-Slider-root")
+    track = page.locator(".hs-timeline-track")
     box = track.bounding_box()
     assert box is not None
     track.click(position={"x": box["width"] / 2, "y": box["height"] / 2})

@@ -11,7 +11,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.session.commands import Seek
 from hectorscope.session.snapshot import PlaybackStatus, Snapshot
 from tests.browser.conftest import Open, Show
-from tests.page import room_snapshot
+from tests.page import room_snapshot, with_series
 
 pytestmark = pytest.mark.browser
 
@@ -33,7 +33,8 @@ def driven() -> Snapshot:
     path = np.zeros((ROWS, 8))
     path[:, 0], path[:, 1], path[:, 4] = series["time_s"], np.linspace(-6.0, 0.0, ROWS), 1.0
     playback = PlaybackStatus(state="paused", time_ns=40 * 10**9, end_ns=round(END_S * 1e9))
-    return replace(room_snapshot(), series=series, trajectory=path, truth=path + BESIDE, playback=playback)
+    shown = replace(room_snapshot(), trajectory=path, truth=path + BESIDE, playback=playback)
+    return with_series(shown, series)
 
 
 def opened(show: Show, open_page: Open, **own: object) -> Page:
@@ -74,8 +75,8 @@ def test_charts_fill_the_window_and_go_away(show: Show, open_page: Open) -> None
     page, other = opened(show, open_page, pages=EVERY), opened(show, open_page)
     page.keyboard.press("x")
     expect(page.locator("html")).to_have_attribute("data-hs-plots", "full")
-    expect(page.locator(FIGURE)).to_have_count(18)
-    page.wait_for_function("document.querySelector('.hs-plots').getBoundingClientRect().height > 650")
+    expect(page.locator(FIGURE)).to_have_count(19)
+    page.wait_for_function("document.querySelector('.hs-plots').getBoundingClientRect().height > 620")
     assert inside(page) >= 9
     page.keyboard.press("g")
     expect(page.locator(".hs-plots")).to_be_hidden()
@@ -100,10 +101,10 @@ def test_one_cursor_is_in_every_chart_and_on_the_timeline(show: Show, open_page:
     row = int(at / 0.1) - 1
     shown = float(page.locator(f"{FIGURE} output").first.inner_text())
     assert shown == pytest.approx(1e3 * driven().series["match_sigma_x"][row], rel=0.02)
-    track = page.locator("div:has(> div > .hs-bar-transport) .mantine-Slider-root").bounding_box()
+    track = page.locator(".hs-timeline-track").bounding_box()
     marker = page.locator(".hs-timeline-cursor").bounding_box()
     assert track is not None and marker is not None
-    assert marker["x"] + 1 == pytest.approx(track["x"] + at / END_S * track["width"], abs=2.0)
+    assert marker["x"] + 0.5 == pytest.approx(track["x"] + at / END_S * track["width"], abs=2.0)
     assert page.evaluate(BOXES) == before
     page.mouse.move(track["x"] + 0.5 * track["width"], track["y"] + 0.5 * track["height"])
     page.wait_for_function(f"Math.abs(window.hectorscope.plotted().at - {END_S / 2}) < 0.2")
@@ -135,5 +136,5 @@ def test_a_run_begun_again_has_new_curves(show: Show, open_page: Open) -> None:
     again = replace(driven(), sequence=2, epoch=1)
     count = "window.hectorscope.plotted().tables.series.count"
     for rows in (20, 35):
-        show.engine.show(replace(again, sequence=rows, series=again.series[:rows]))
+        show.engine.show(with_series(replace(again, sequence=rows), again.series[:rows], lineage=1))
         page.wait_for_function(f"{count} === {rows}")

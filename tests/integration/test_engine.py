@@ -15,6 +15,8 @@ from slam_core.measurements import LaserScan
 from tests.engines import START, after, running, scan_times, state, until
 from tests.sources import MemoryRecording
 
+SECOND = 10**9
+
 
 def test_the_page_runs_what_the_headless_run_runs(drive: list[Item], reference: np.ndarray):
     """As fast as it goes, the trajectory is the headless one to the last bit."""
@@ -166,6 +168,21 @@ def test_a_seek_beyond_the_ends_is_clamped(drive: list[Item], reference: np.ndar
         assert (ended.playback.state, ended.scans) == ("ended", len(reference))
         first = after(engine, Seek(-5))
         assert first.scans == 0
+
+
+def test_a_dragged_timeline_shows_places_on_its_way_and_ends_where_it_was_left(
+    drive: list[Item], reference: np.ndarray
+):
+    """A time wanted while a seek is about to arrive waits; the newest one counts, others are dropped."""
+    begin = drive[0].stamp_ns
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        until(engine, lambda now: now.ahead.whole)
+        before = after(engine, Seek(begin + SECOND)).playback.seeks
+        targets = [begin + round(share * SECOND) for share in np.linspace(1.2, 3.4, 40)]
+        there = after(engine, *map(Seek, targets))
+    assert there.playback.time_ns == max(stamp for stamp in scan_times(drive) if stamp <= targets[-1])
+    assert there.trajectory.tobytes() == reference[: there.scans].tobytes()
+    assert 2 <= there.playback.seeks - before < len(targets)
 
 
 def test_the_next_button_cancels_a_seek(drive: list[Item], reference: np.ndarray):

@@ -15,12 +15,15 @@ from hectorscope.exporters import Exporter, _charts
 from hectorscope.exporters._charts import Chart, chart
 from hectorscope.exporters._files import write_whole
 from hectorscope.exporters._map_drawing import map_drawing
+from hectorscope.inputs import SourceReport
 from hectorscope.run.fingerprint import fingerprints
+from hectorscope.run.marks import listed, marks
 from hectorscope.run.results import Run
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings_file import to_toml
 from slam_core.config import Leaf, SlamConfig, leaves
 
+MOST_MARKS = 300  # listed; more of them say no more
 TEMPLATE = Path(__file__).with_name("report.html.jinja")
 
 
@@ -92,6 +95,7 @@ def _template() -> Template:
 
 def page(run: Run) -> str:
     """The page; what comes from the recording is escaped."""
+    series = np.ascontiguousarray(run.series).view(SERIES_DTYPE).reshape(-1)
     return _template().render(
         title=run.recording.name if run.recording else "Run",
         begin=datetime.fromtimestamp(run.start_ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M:%S UTC"),
@@ -102,6 +106,7 @@ def page(run: Run) -> str:
         findings=run.report.findings,
         repaired=run.report.repaired,
         notes=run.metrics.get("notes", ()),
+        marks=listed(marks(series, run.start_ns, run.settings, SourceReport()), run.start_ns)[:MOST_MARKS],
         figures=list(figures(run)),
         changed=changed(run),
         changes=[((change.time_ns - run.start_ns) / 1e9, change) for change in run.settings.changes],

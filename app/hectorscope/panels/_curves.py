@@ -49,6 +49,7 @@ PAGES: dict[str, tuple[Chart, ...]] = {
     "Covariance": (sigmas("σ x, mm", "x", 1e3), sigmas("σ y, mm", "y", 1e3), sigmas("σ ψ, °", "yaw", DEGREES)),
     "Match": (
         columns("Mean residual", 1.0, "residual"),
+        columns("Points on walls, %", 100.0, "fit"),
         columns("Iterations", 1.0, "iterations"),
         columns("Beams used", 1.0, "beams"),
         columns("Unexpected beams, %", 100.0, "unexpected"),

@@ -34,7 +34,7 @@ def _messages(snapshot: Snapshot) -> Iterator[Message]:
         yield Message("busy", "Getting ready", playback.detail)
     if playback.live:
         yield from _of_stream(snapshot)
-    if playback.state == "seeking":
+    if playback.state == "seeking" and playback.detail:
         yield Message("busy", "Please wait", playback.detail)
     yield from _of_pose(snapshot)
     if playback.live and playback.state == "playing" and playback.detail:

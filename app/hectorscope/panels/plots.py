@@ -1,4 +1,4 @@
-"""Curves over time: every row of figures is sent to each browser once; static/plots.js draws them.
+"""Curves over time: every row of figures is sent to each browser once; static/plots.js draws those shown.
 
 Each browser chooses its charts and their window. viser's own charts know neither: what they show, and how high,
 all browsers share, and each update sends them whole (19 KB for three charts of 300 points; a row of all is 150
@@ -59,9 +59,10 @@ class PlotsPanel:
 
     def news(self, client: int, snapshot: Snapshot) -> list[str]:
         """The scripts that give this browser the rows that it does not have yet, at most BATCH of each table."""
-        truth = (snapshot.epoch, *snapshot.truth_in_map)
+        known = snapshot.ahead.lineage
+        truth = (known, *snapshot.truth_in_map)
         scripts = (
-            self._added(client, "series", snapshot.epoch, lambda first: series_rows(snapshot, first)),
+            self._added(client, "series", known, lambda first: series_rows(snapshot, first)),
             self._added(client, "truth", truth, lambda first: error_rows(snapshot, first)),
         )
         return [script for script in scripts if script]
@@ -80,8 +81,8 @@ class PlotsPanel:
 
 
 def series_rows(snapshot: Snapshot, first: int) -> Table:
-    """(n, columns) of the rows from `first` on, in the order of COLUMNS."""
-    rows = snapshot.series[first:]
+    """(n, columns) of the known rows from `first` on, in the order of COLUMNS."""
+    rows = snapshot.ahead.series[first:]
     return np.stack([rows[name] for name in COLUMNS], axis=1).astype(np.float32)
 
 

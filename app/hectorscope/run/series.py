@@ -1,12 +1,15 @@
 """One row of figures for every scan: what the plots draw and the metrics are computed from."""
 
 import math
+from typing import get_args
 
 import numpy as np
 
 from slam_core.geometry import to_euler
 from slam_core.measurements import Float64s
-from slam_core.results import NavigationState, StepResult
+from slam_core.results import NavigationState, StepResult, Tracking
+
+TRACKING: tuple[Tracking, ...] = get_args(Tracking)  # what the numbers of the column stand for
 
 # One row a scan; the plots and metrics read columns by name. All float64 seconds, metres, radians.
 SERIES_FIELDS = (
@@ -17,7 +20,7 @@ SERIES_FIELDS = (
     "residual", "iterations", "beams", "map_updates", "weakest_sigma", "unexpected", "weakest_share", "fit",
     "gyro_bias_x", "gyro_bias_y", "gyro_bias_z", "accel_bias_x", "accel_bias_y", "accel_bias_z",
     "vx", "vy", "vz",
-    "stabilise_ms", "match_ms", "update_ms", "filter_ms",
+    "stabilise_ms", "match_ms", "update_ms", "filter_ms", "tracking",
 )  # fmt: skip
 SERIES_DTYPE = np.dtype([(name, np.float64) for name in SERIES_FIELDS])
 
@@ -48,6 +51,7 @@ def series_row(result: StepResult, time_s: float, map_updates: int) -> tuple[flo
         durations.match / 1e6,
         durations.update / 1e6,
         durations.filter / 1e6,
+        TRACKING.index(result.tracking),
     )
     assert len(row) == len(SERIES_FIELDS)
     return row

@@ -59,6 +59,17 @@ def arrival_text(arrival: Arrival, *, live: bool = False) -> str:
     return ARRIVALS[arrival.code].format(source=arrival.source, **REMEDIES[live])
 
 
+SILENCES = frozenset(
+    text
+    for live in (True, False)
+    for text in (
+        diagnostic_text(Diagnostic("imu_silent"), live=live),
+        arrival_text(Arrival("scans_stopped"), live=live),
+    )
+)
+"""The warnings that a topic has stopped."""
+
+
 def rejection_text(rejection: Rejection) -> str:
     """Why a match was rejected."""
     value, limit = rejection.value, rejection.limit

@@ -84,7 +84,8 @@ class ActiveRun:
         """Step the scan that waits. rests: what was before it is kept, so that it can be processed again."""
         scan = self._ready.popleft()
         assert isinstance(scan, LaserScan)
-        self._rework = Rework(self.pipeline, scan.stamp_ns) if rests else None
+        earlier = self.checkpoints.before(scan.stamp_ns)
+        self._rework = Rework(self.pipeline, scan.stamp_ns, earlier) if rests else None
         result: StepResult | None = self._give(methodcaller("step", scan))
         return result
 

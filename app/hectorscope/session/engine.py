@@ -238,12 +238,22 @@ class Engine:
         self._publisher.touch()
         if self._transport.arrives(stamp_ns):
             self._session.arrived()
+            self._seek_on()
             return
         if self._transport.unwanted:
             self._session.run.skip(PAUSED)
         else:
             self._step(stamp_ns)
         self._transport.passed(stamp_ns)
+
+    def _seek_on(self) -> None:
+        """A seek has arrived: show that, and go on to where somebody wants to be by now."""
+        wanted_ns = self._transport.wanted_ns
+        if wanted_ns is not None:
+            self._publisher.touch()
+            self._publish(resting=True)
+            self._transport.wanted_ns = None
+            self._session.seek(wanted_ns)
 
     def _step(self, stamp_ns: int) -> None:
         run, before = self._session.run, self._session.run.pipeline.result
@@ -263,6 +273,7 @@ class Engine:
         self._transport.end()
         self._publisher.touch()
         self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
+        self._seek_on()
 
     def _fail(self, reason: str) -> None:
         self._transport.fail(reason)

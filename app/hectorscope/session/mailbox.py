@@ -1,6 +1,7 @@
 """Latest-wins hand-over: the writer never waits and the reader never sees anything stale."""
 
 import threading
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -13,12 +14,18 @@ class Mailbox(Generic[T]):
         self._filled = threading.Condition()
         self._value: T | None = None
         self._fresh = False
+        self._told: Callable[[T], None] = lambda _: None
+
+    def tell(self, told: Callable[[T], None]) -> None:
+        """Call a function with each new value, on the thread that puts it: it must not wait."""
+        self._told = told
 
     def put(self, value: T) -> None:
         """Replace the content."""
         with self._filled:
             self._value, self._fresh = value, True
             self._filled.notify_all()
+        self._told(value)
 
     def take(self, timeout: float | None = 0.0) -> T | None:
         """The newest value if nobody took it yet, after waiting up to `timeout` seconds (None: for ever)."""

@@ -189,6 +189,7 @@ def status(run: Run) -> PlaybackStatus:
         realtime_factor=transport.meter.realtime_factor,
         scan_rate=transport.meter.scan_rate,
         detail=detail,
+        seeks=transport.seeks,
         preparing=transport.preparing,
         prepared=transport.prepared,
     )

@@ -1,8 +1,8 @@
 """The last scan, ready to be processed again: what a changed setting does to it is seen while the run rests."""
 
 from collections.abc import Callable
-from copy import deepcopy
 
+from hectorscope.run.checkpoints import Checkpoint, Place
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 
@@ -10,14 +10,15 @@ Act = Callable[[Pipeline], object]
 
 
 class Rework:
-    """A copy of the pipeline before a scan, and what it was given since.
+    """The pipeline as it was before a scan, and what it was given since.
 
-    scan_ns: the stamp of that scan, from which on a change acts.
+    scan_ns: the stamp of that scan, from which on a change acts. earlier: a checkpoint of the same run before it,
+    with which tiles of the map are shared.
     """
 
-    def __init__(self, pipeline: Pipeline, scan_ns: int) -> None:
+    def __init__(self, pipeline: Pipeline, scan_ns: int, earlier: Checkpoint | None) -> None:
         self.scan_ns = scan_ns
-        self._before = deepcopy(pipeline)
+        self._before = Checkpoint(pipeline, Place(0, None), earlier)
         self._since: list[Act] = []
 
     def note(self, act: Act) -> None:
@@ -26,8 +27,7 @@ class Rework:
 
     def again(self, settings: Settings) -> Pipeline:
         """Another pipeline at the same instant, as if these settings had been there before the scan."""
-        pipeline = deepcopy(self._before)
-        pipeline.settings = settings
+        pipeline = self._before.pipeline(settings)
         for act in self._since:
             act(pipeline)
         return pipeline

@@ -223,13 +223,19 @@ class Session:
         self._publisher.touch()
 
     def seek(self, time_ns: int) -> None:
-        """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run."""
+        """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run.
+
+        While a seek is about to arrive, the newest wanted time waits for it: each drag of a hand shows something.
+        """
         span = self.source.span_ns
         if span is None:
             self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
             return
         self.expected = None
         time_ns = min(max(time_ns, span[0]), span[1])
+        if self.transport.hurries:
+            self.transport.wanted_ns = time_ns
+            return
         checkpoint = self.run.checkpoints.before(time_ns)
         now_ns = self.run.pipeline.time_ns
         back = bool(self.transport.failure) or time_ns < now_ns
@@ -288,7 +294,10 @@ class Session:
     def note_run(self) -> None:
         """Put the shown run into the list as it is now."""
         run, pipeline = self.run, self.run.pipeline
-        offset_ns = max(0, (self.transport.target_ns or pipeline.time_ns) - (pipeline.start_ns or 0))
+        offset_ns = max(
+            0,
+            (self.transport.wanted_ns or self.transport.target_ns or pipeline.time_ns) - (pipeline.start_ns or 0),
+        )
         name = self.runs.name(run.slot)
         noted = NamedRun(run.slot, name, self.source.name, self.intake.path, run.settings, offset_ns)
         self.runs.put(noted)

@@ -25,8 +25,8 @@ PlaybackState = Literal["empty", "loading", "playing", "paused", "seeking", "end
 class PlaybackStatus:
     """Where the run is. Times are of the recording; a live stream has no end (end_ns None).
 
-    state: "empty" while no recording is open. preparing: what the run waits for until it can go on, empty if for
-    nothing. prepared: the share of it that is done, if known.
+    state: "empty" while no recording is open. seeks: how many have arrived. preparing: what the run waits
+    for until it can go on, empty if for nothing. prepared: the share of it that is done, if known.
     """
 
     state: PlaybackState = "loading"
@@ -38,6 +38,7 @@ class PlaybackStatus:
     realtime_factor: float = 0.0
     scan_rate: float = 0.0
     detail: str = ""
+    seeks: int = 0
     preparing: str = ""
     prepared: float | None = None
 

@@ -28,7 +28,8 @@ class Transport:
 
     A stream flows on while it is paused: its scans are `unwanted`. live: whether it is one. empty: whether no
     recording is open. opening: what is being opened, for the time that takes. processed_again: whether the last
-    scan was so, with other settings. preparing, prepared: as in a `PlaybackStatus`. clock: seconds, monotonic.
+    scan was so, with other settings. wanted_ns: where the next seek goes, once this one has arrived. seeks: how
+    many have arrived. preparing, prepared: as in a `PlaybackStatus`. clock: seconds, monotonic.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Transport:
         self.preparing = ""
         self.prepared: float | None = None
         self.failure = ""
+        self.seeks = 0
         self.meter = RateMeter(clock)
         self._clock = clock
         self._pacer = Pacer(speed, clock)
@@ -51,6 +53,7 @@ class Transport:
         self.failure, self._ended, self._single = "", False, False
         self.processed_again = False
         self.target_ns: int | None = None
+        self.wanted_ns: int | None = None
         self._last_ns: int | None = None
         self._passed_at = self._sought_at = self._clock()
         self._rest()
@@ -67,12 +70,14 @@ class Transport:
 
     def play(self) -> None:
         """On from here."""
-        self._paused, self._single, self.target_ns = False, False, None
+        self._paused, self._single = False, False
+        self._give_up_seek()
         self._rest()
 
     def pause(self) -> None:
         """Nothing more."""
-        self._paused, self._single, self.target_ns = True, False, None
+        self._paused, self._single = True, False
+        self._give_up_seek()
         self._rest()
 
     def step(self) -> None:
@@ -87,11 +92,13 @@ class Transport:
 
     def end(self) -> None:
         """There is no more."""
+        self.seeks += self.target_ns is not None
         self._ended, self._single, self.target_ns = True, False, None
 
     def fail(self, reason: str) -> None:
         """It cannot go on."""
-        self.failure, self._single, self.target_ns = reason, False, None
+        self.failure, self._single = reason, False
+        self._give_up_seek()
 
     @property
     def speed(self) -> float:
@@ -135,6 +142,7 @@ class Transport:
         if self.target_ns is None or scan_ns <= self.target_ns:
             return False
         self.target_ns = None
+        self.seeks += 1
         self._rest()
         return True
 
@@ -163,11 +171,15 @@ class Transport:
             (bool(self.opening), "loading"),
             (bool(self.failure), "failed"),
             (self.empty, "empty"),
+            (self.wanted_ns is not None, "seeking"),
             (self._ended, "ended"),
             (self.target_ns is not None, "seeking"),
             (self._paused and not self._single, "paused"),
         ]
         return next((state for holds, state in choices if holds), playing)
+
+    def _give_up_seek(self) -> None:
+        self.target_ns = self.wanted_ns = None
 
     def _rest(self) -> None:
         self._pacer.rest()

@@ -1,4 +1,7 @@
-"""The display thread: brings the newest snapshot to the page at a fixed rate, within a budget of time."""
+"""The display thread: brings the newest snapshot to the page at a fixed rate, within a budget of time.
+
+Behind a jump to another time everything is drawn at once, whatever its rate: somebody waits for it.
+"""
 
 import logging
 import threading
@@ -37,8 +40,10 @@ class Renderer:
         self._items = [Item(i.title, i.draw, 1.0 / getattr(i, "rate", RATE)) for i in items]
         self._wake = threading.Event()
         self._stopping = False
+        self._jumps = jumps(Snapshot())
         self._thread = threading.Thread(target=self._run, name="renderer", daemon=True)
         scene.server.on_client_connect(lambda _: self._wake.set())
+        mailbox.tell(self._hear)
 
     def start(self) -> None:
         """Begin to draw."""
@@ -53,19 +58,25 @@ class Renderer:
     def _run(self) -> None:
         while not self._stopping:
             started = time.monotonic()
+            self._wake.clear()
             self.tick(started)
             rate = RATE if self._scene.server.get_clients() else IDLE_RATE
             self._wake.wait(max(0.0, started + 1.0 / rate - time.monotonic()))
-            self._wake.clear()
+
+    def _hear(self, snapshot: Snapshot) -> None:
+        if jumps(snapshot) != self._jumps:
+            self._wake.set()
 
     def tick(self, now: float) -> None:
-        """Draw what is due, the longest waiting first, until the budget is spent."""
+        """Draw what is due, the longest waiting first, until the budget is spent; behind a jump all of it."""
         snapshot = self._mailbox.latest or Snapshot()
+        jumped, self._jumps = jumps(snapshot) != self._jumps, jumps(snapshot)
         ends = time.monotonic() + BUDGET
-        for item in sorted((item for item in self._items if item.due <= now), key=lambda item: item.due):
+        due = sorted((item for item in self._items if item.due <= now), key=lambda item: item.due)
+        for item in list(self._items) if jumped else due:
             self._draw(item, snapshot)
             item.due = now + item.period
-            if time.monotonic() > ends:
+            if time.monotonic() > ends and not jumped:
                 return
 
     def _draw(self, item: Item, snapshot: Snapshot) -> None:
@@ -75,3 +86,8 @@ class Renderer:
             log.exception("%s cannot be drawn any more", item.title)
             self._items.remove(item)
             self._scene.failures[item.title] = type(error).__name__
+
+
+def jumps(snapshot: Snapshot) -> tuple[int, int]:
+    """Another one whenever a run has jumped, back or forward."""
+    return snapshot.epoch, snapshot.playback.seeks

@@ -15,7 +15,7 @@ from hectorscope.inputs import Finding, SourceReport
 from hectorscope.run.fingerprint import fingerprints
 from hectorscope.run.map_images import MapImage
 from hectorscope.run.results import Run
-from hectorscope.run.series import SERIES_FIELDS
+from hectorscope.run.series import SERIES_FIELDS, TRACKING
 from hectorscope.run.settings import Change, Settings
 from slam_core.config import SlamConfig, with_value
 
@@ -66,6 +66,19 @@ def test_everything_that_is_known_is_in_it(run: Run):
     assert hashlib.sha256(b"some bytes").hexdigest() in text
     assert "2023-11-14 22:13:20 UTC" in text
     assert len(charts(run)) == 5
+
+
+def test_what_is_worth_a_look_is_listed(run: Run):
+    """By time: a change of settings, and the matches that were rejected; a finding has no time, and is no mark."""
+    series = run.series.copy()
+    series[:, SERIES_FIELDS.index("tracking")] = 0.0
+    series[[50, 51], SERIES_FIELDS.index("tracking")] = TRACKING.index("degraded")
+    text = page(replace(run, series=series))
+    rows = re.findall(r"<tr><td>([\d.]+) s</td><td>([\w ]+)</td><td>(.*)</td></tr>", text)
+    assert rows == [
+        ("1.000", "settings changed", "fusion.omega = 0.4"),
+        ("5.000", "bad match", "2 matches rejected: at worst 20% of the points lie on walls"),
+    ]
 
 
 def test_nothing_of_a_recording_becomes_markup(run: Run):

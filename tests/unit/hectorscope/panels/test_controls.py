@@ -10,8 +10,8 @@ from hectorscope.page.scene import Scene
 from hectorscope.panels._format import label
 from hectorscope.panels.display import DisplayPanel
 from hectorscope.panels.settings import PATIENCE, RESTART_SETTLE, PresetChoice, Setting, SettingsPanel
-from hectorscope.panels.transport import HOLD, SETTLE, STEP, Timeline, TransportPanel
-from hectorscope.session.commands import Command, Configure, ConfigureAll, Seek
+from hectorscope.panels.transport import TransportPanel
+from hectorscope.session.commands import Command, Configure, ConfigureAll
 from hectorscope.session.snapshot import PlaybackStatus, Snapshot
 from slam_core.config import PRESETS, SlamConfig, differences, leaves, with_values
 
@@ -163,69 +163,6 @@ def test_names_of_settings_tell_them_apart() -> None:
     """No two settings have the same name on the page."""
     names = [label(leaf) for leaf in LEAVES.values()]
     assert {name for name in names if names.count(name) > 1} == set()
-
-
-def timeline(scene: Scene) -> tuple[Timeline, Any, list[Seek]]:
-    slider = scene.server.gui.add_slider("Timeline", 0.0, 1.0, STEP, initial_value=0.0)
-    return Timeline(slider), slider, []
-
-
-def test_the_timeline_shows_the_time_and_never_seeks_by_itself(scene: Scene, clock: list[float]) -> None:
-    """Times are since the start; following the run sends nothing."""
-    line, slider, sent = timeline(scene)
-    line.draw(PlaybackStatus("playing", False, 12 * S, 10 * S, 60 * S), sent.append, 100.0)
-    line.draw(PlaybackStatus("playing", False, 13 * S, 10 * S, 60 * S), sent.append, 101.0)
-    assert (slider.value, slider.max, sent) == (3.0, 50.0, [])
-
-
-def test_a_dragged_timeline_is_one_jump(scene: Scene, clock: list[float]) -> None:
-    """It waits for the hand to rest, jumps once, and stays put until the run arrives."""
-    line, slider, sent = timeline(scene)
-    playing = PlaybackStatus("playing", False, 12 * S, 10 * S, 60 * S)
-    line.draw(playing, sent.append, 100.0)
-    for value in (20.0, 30.0):
-        by_hand(slider, value)
-        line.draw(playing, sent.append, 100.1)
-    assert sent == []
-    line.draw(playing, sent.append, 100.0 + SETTLE)
-    line.draw(PlaybackStatus("seeking", False, 20 * S, 10 * S, 60 * S), sent.append, 100.0 + HOLD + 5)
-    assert (sent, slider.value) == ([Seek(40 * S)], 30.0)
-    line.draw(PlaybackStatus("paused", False, 40 * S, 10 * S, 60 * S), sent.append, 110.0)
-    assert slider.value == 30.0
-    line.draw(PlaybackStatus("playing", False, 41 * S, 10 * S, 60 * S), sent.append, 111.0)
-    assert slider.value == 31.0
-
-
-def test_a_jump_whose_event_is_late(scene: Scene, clock: list[float]) -> None:
-    """Viser sets the value before it calls anybody: the time that is drawn in between does not overwrite it."""
-    line, slider, sent = timeline(scene)
-    status = PlaybackStatus("paused", False, 15 * S, 10 * S, 60 * S)
-    line.draw(status, sent.append, 100.0)
-    slider._impl.value = 2.0
-    line.draw(status, sent.append, 100.1)
-    line.draw(status, sent.append, 100.1 + SETTLE)
-    assert sent == [Seek(12 * S)]
-
-
-def test_a_jump_stays_inside_the_recording(scene: Scene, clock: list[float]) -> None:
-    """Whatever a browser sends."""
-    line, slider, sent = timeline(scene)
-    status = PlaybackStatus("paused", False, 12 * S, 10 * S, 60 * S)
-    line.draw(status, sent.append, 100.0)
-    by_hand(slider, 1e6)
-    line.draw(status, sent.append, 100.0 + SETTLE)
-    assert sent == [Seek(60 * S)]
-
-
-def test_a_stream_has_no_timeline(scene: Scene, clock: list[float]) -> None:
-    """There is nowhere to jump to."""
-    line, slider, sent = timeline(scene)
-    status = PlaybackStatus("playing", True, 12 * S, 10 * S, None)
-    line.draw(status, sent.append, 100.0)
-    by_hand(slider, 0.05)
-    line.draw(status, sent.append, 101.0)
-    assert slider.disabled
-    assert sent == []
 
 
 def test_a_speed_that_was_just_chosen_stays(scene: Scene) -> None:

@@ -13,7 +13,7 @@ from hectorscope.panels._truth_error import truth_error
 from hectorscope.panels.plots import BATCH, PlotsPanel, charts_json, error_rows, series_rows
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.session.snapshot import Snapshot
-from tests.page import room_snapshot
+from tests.page import room_snapshot, with_series
 
 SCRIPT = re.compile(r"window\.hectorscope\?\.rows\?\.\('(\w+)', (\d+), '([^']*)'\)")
 
@@ -38,13 +38,13 @@ class Browser:
             self.received += len(news)
 
 
-def run_of(rows: int, epoch: int = 0) -> Snapshot:
+def run_of(rows: int, lineage: int = 0) -> Snapshot:
     """A run of so many scans, whose columns are all different."""
     series = np.zeros(rows, SERIES_DTYPE)
     for i, name in enumerate(SERIES_DTYPE.names or ()):
         series[name] = i + np.arange(rows)
     series[TIME] = 0.1 * np.arange(rows)
-    return replace(room_snapshot(), series=series, epoch=epoch, truth=np.empty((0, 8)))
+    return with_series(replace(room_snapshot(), truth=np.empty((0, 8))), series, lineage)
 
 
 def test_every_row_is_sent_once(scene: Scene) -> None:
@@ -59,8 +59,16 @@ def test_every_row_is_sent_once(scene: Scene) -> None:
     one.take(panel, whole)
     np.testing.assert_array_equal(two.tables["series"], series_rows(whole, 0))
     np.testing.assert_array_equal(one.tables["series"], series_rows(whole, 0)[: 25 + BATCH])
-    one.take(panel, run_of(5, epoch=1))
+    one.take(panel, run_of(5, lineage=1))
     assert len(one.tables["series"]) == 5
+
+
+def test_rows_that_are_known_are_sent_before_they_are_shown(scene: Scene) -> None:
+    """A jump back sends nothing again: the page draws fewer of the rows that it has."""
+    panel, page, known = PlotsPanel(scene), Browser(1), run_of(30)
+    for shown in (0, 20, 5, 25):
+        page.take(panel, replace(known, series=known.series[:shown], epoch=shown))
+    assert page.received == 30
 
 
 def test_charts_name_their_columns() -> None:

@@ -32,6 +32,17 @@ def test_a_waiting_reader_is_woken():
     assert got == [3]
 
 
+def test_each_new_value_is_told_at_once():
+    """To one function, which is called with it; taking tells nothing."""
+    box: Mailbox[int] = Mailbox()
+    told: list[int] = []
+    box.tell(told.append)
+    box.put(1)
+    box.take()
+    box.put(2)
+    assert told == [1, 2]
+
+
 def test_an_empty_mailbox_gives_none_after_the_wait():
     """Nothing came: None, not an error."""
     assert Mailbox[int]().take(timeout=0.01) is None

@@ -57,11 +57,28 @@ def test_a_seek_runs_up_to_its_time_and_then_goes_on_as_before(clock: Clock):
 
 @pytest.mark.parametrize("button", ["play", "pause", "step"])
 def test_any_button_ends_a_seek(clock: Clock, button: str):
-    """The next command cancels the run up to a time."""
+    """The next command cancels the run up to a time, and the time that waits behind it."""
     transport = recording(clock)
     transport.seek(5 * S)
+    transport.wanted_ns = 7 * S
     getattr(transport, button)()
-    assert transport.target_ns is None
+    assert transport.target_ns is transport.wanted_ns is None
+
+
+def test_a_seek_hurries_for_a_moment(clock: Clock):
+    """One that takes longer shows how far it is; each that arrives is counted."""
+    transport = recording(clock)
+    assert not transport.hurries
+    transport.seek(5 * S)
+    assert transport.hurries
+    clock.now += 1.0
+    assert not transport.hurries
+    transport.seek(6 * S)
+    assert transport.hurries
+    assert transport.arrives(6 * S + 1)
+    assert (transport.hurries, transport.seeks) == (False, 1)
+    transport.wanted_ns = 7 * S
+    assert transport.state(1) == "seeking"
 
 
 def test_after_the_end_only_a_new_beginning_helps(clock: Clock):

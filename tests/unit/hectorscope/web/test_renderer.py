@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import viser
@@ -30,9 +31,11 @@ def fail() -> None:
     raise ValueError("broken")
 
 
-def make(server: viser.ViserServer, *items: Any) -> tuple[Renderer, Scene]:
+def make(
+    server: viser.ViserServer, *items: Any, mailbox: Mailbox[Snapshot] | None = None
+) -> tuple[Renderer, Scene]:
     scene = Scene(server, lambda command: None)
-    return Renderer(scene, Mailbox(), items), scene
+    return Renderer(scene, mailbox or Mailbox(), items), scene
 
 
 def test_one_that_fails_is_left_out_and_named(server: viser.ViserServer) -> None:
@@ -85,3 +88,41 @@ def test_what_the_budget_leaves_out_comes_first_next_time(server: viser.ViserSer
     assert (greedy.drawn, modest.drawn) == (1, 0)
     thread.tick(1.0)
     assert modest.drawn == 1
+
+
+def test_all_is_drawn_behind_a_jump(server: viser.ViserServer) -> None:
+    """Back or forward, whatever the rates and the budget; the next tick is one as ever."""
+    mailbox: Mailbox[Snapshot] = Mailbox()
+    greedy, slow = Item("greedy", act=lambda: time.sleep(1.5 * module.BUDGET)), Item("slow", rate=0.1)
+    thread, _ = make(server, greedy, slow, mailbox=mailbox)
+    for now, snapshot in enumerate(
+        (
+            Snapshot(),
+            Snapshot(epoch=1),
+            Snapshot(epoch=1, playback=replace(Snapshot().playback, seeks=1)),
+        )
+    ):
+        mailbox.put(snapshot)
+        thread.tick(0.1 * now)
+    assert slow.drawn == 2
+    thread.tick(0.3)
+    assert slow.drawn == 2
+
+
+def test_a_jump_is_not_waited_for(server: viser.ViserServer) -> None:
+    """While nobody looks, it is drawn twice a second; a jump is drawn as it comes."""
+    mailbox: Mailbox[Snapshot] = Mailbox()
+    drawn: list[int] = []
+    item = Item("item", rate=1e-3)
+    item.draw = lambda snapshot: drawn.append(snapshot.epoch)  # type: ignore[method-assign]
+    thread, _ = make(server, item, mailbox=mailbox)
+    thread.start()
+    try:
+        for epoch in range(1, 4):
+            mailbox.put(Snapshot(epoch=epoch))
+            ends = time.monotonic() + 20.0
+            while epoch not in drawn and time.monotonic() < ends:
+                time.sleep(0.001)
+    finally:
+        thread.stop()
+    assert drawn[-3:] == [1, 2, 3]
