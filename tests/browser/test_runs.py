@@ -26,7 +26,7 @@ def test_a_run_is_forked_compared_and_shown_again(opened: Opened, open_page: Ope
     key = next(each.key for each in engine.mailbox.latest.library if each.name == "kitchen.bag")  # type: ignore[union-attr]
     begun = after(engine, OpenRecording(key), SetSpeed(float("inf")))
     after(engine, Pause(), Seek(begun.playback.start_ns + 2_000_000_000))
-    page = open_page(opened.server.url)
+    page = open_page(opened.server.url, own={"plots": "below", "pages": ["Compared runs"]})
     page.get_by_role("tab", name="Runs").click()
     page.get_by_role("button", name="Fork here").click()
     rows = page.locator(".hs-run-row")
@@ -42,6 +42,8 @@ def test_a_run_is_forked_compared_and_shown_again(opened: Opened, open_page: Ope
     page.wait_for_function("!!window.__viserMutable.nodeRefFromName['/compared/chunk0']")
     page.wait_for_function("window.__viserMutable.nodeRefFromName['/floor/compared_map/cells']?.visible")
     assert page.evaluate(COLOUR) is not None
+    for title in ("Positions apart, mm", "σ in the plane, mm", "Error against truth, mm"):
+        expect(page.locator(".hs-plots figure", has_text=title)).to_be_visible()
     assert SENT.compared == DARK.compared
     rows.nth(0).get_by_role("button", name="Show").click()
     back = until(engine, lambda now: now.shown_run == 1 and now.playback.state == "paused", PATIENCE_S)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from hectorscope.inputs import Item, OptionValue, Source
+from hectorscope.run.map_difference import share_that_differs
 from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.run_file import FILE
@@ -158,6 +159,10 @@ def test_the_compared_run_is_at_the_time_of_the_shown_one(shelf: Shelf) -> None:
             expected = straight(shelf.drive, START, shown.scans)
             assert shown.compared.trajectory.tobytes() == expected.trajectory.tobytes()
             assert shown.compared.map.cells.tobytes() == map_images(expected.slam.map)[0].cells.tobytes()
+            when, share = shown.compared.map_apart[-1]
+            assert when == shown.trajectory[-1, 0]
+            assert share == share_that_differs(shown.maps[0], shown.compared.map)
+            assert share == 0.0 or shown.playback.time_ns >= forked.playback.time_ns
             shelf.check(
                 shown, other if shown.playback.time_ns >= forked.playback.time_ns else shown.ahead.settings
             )

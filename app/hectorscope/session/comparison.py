@@ -6,8 +6,10 @@ from functools import partial
 
 from hectorscope.inputs import Rereadable, Source
 from hectorscope.run.checkpoints import Checkpoints
+from hectorscope.run.map_difference import share_that_differs
 from hectorscope.run.map_images import MapImage, level_image
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.rows import GrowingRows
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.session.head import Head
 from hectorscope.session.runs import NamedRun, RunsError
@@ -15,6 +17,7 @@ from hectorscope.session.snapshot import Compared
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan
 
+APART_S = 1 / 2  # of the recording, between two comparisons of the maps
 MAPS_S = 1 / 2  # between two pictures of its map, while it goes on
 
 _logger = logging.getLogger("hectorscope")
@@ -67,6 +70,7 @@ class Comparison:
         self._map: MapImage | None = None
         self._drawn: tuple[int, int] | None = None
         self._drawn_at = 0.0
+        self._apart = GrowingRows(2)
 
     def advance(self, seconds: float, time_ns: int) -> bool:
         """Follow the shown run to its time for about so long; whether there was something to do."""
@@ -80,11 +84,12 @@ class Comparison:
         """Stop reading."""
         self._companion.close()
 
-    @property
-    def state(self) -> Compared:
-        """For a snapshot."""
+    def state(self, shown: Pipeline) -> Compared:
+        """For a snapshot, with the run that is shown."""
         pipeline = self._companion.pipeline
         self._draw(pipeline)
+        if self._companion.is_there and shown.time_ns == pipeline.time_ns:
+            self._compare_maps(shown)
         return Compared(
             number=self.run.number,
             name=self.run.name,
@@ -94,7 +99,20 @@ class Comparison:
             truth_in_map=pipeline.truth_in_map,
             series=pipeline.series.view(SERIES_DTYPE).reshape(-1),
             map=self._map,
+            map_apart=self._apart.view,
         )
+
+    def _compare_maps(self, shown: Pipeline) -> None:
+        """One row more some times a second of the recording; after a jump back they begin anew."""
+        if not shown.scans or shown.slam.map.empty or self._map is None:
+            return
+        seconds = float(shown.trajectory[-1, 0])
+        last = float(self._apart.view[-1, 0]) if len(self._apart) else -APART_S
+        if last <= seconds < last + APART_S:
+            return
+        if seconds < last:
+            self._apart = GrowingRows(2)
+        self._apart.append((seconds, share_that_differs(level_image(shown.slam.map, 0), self._map)))
 
     def _draw(self, pipeline: Pipeline) -> None:
         """Its finest level, some times a second, and once more where it stays."""

@@ -306,7 +306,7 @@ class Engine:
             runs=self._runs(),
             shown_run=session.run.slot,
             keeps=self._library.kept.folder is not None,
-            compared=session.comparison.state if session.comparison else None,
+            compared=session.comparison.state(session.run.pipeline) if session.comparison else None,
         )
         self._publisher.publish(run, complete=resting)
 

@@ -91,7 +91,8 @@ class ListedRun:
 class Compared:
     """Another run of the shown recording, at the same time of it or on the way there. whole: whether it is there.
 
-    map: its finest level. The others as in a `Snapshot`.
+    map: its finest level. map_apart: (n, 2) seconds since the start, and the share of the cells of that level in
+    which both differed then. The others as in a `Snapshot`.
     """
 
     number: int
@@ -102,6 +103,7 @@ class Compared:
     truth_in_map: NDArray[np.float64]
     series: NDArray[np.void]
     map: MapImage | None
+    map_apart: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True, slots=True)
