@@ -159,7 +159,8 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
     from hectorscope.session.engine import Engine  # noqa: PLC0415
     from hectorscope.web.server import serve  # noqa: PLC0415
 
-    chosen, token, budget = settings.settings(), page.secret(), page.budget()
+    chosen, token = settings.settings(), page.secret()
+    budget, look_back = page.budget(), page.kept_seconds()
     with reserved(page.out) if page.out is not None else nullcontext():
         prior = saved.prior_map(chosen)
         engine = Engine(
@@ -170,6 +171,7 @@ def _show(source: Source, settings: SettingFlags, saved: MapFlags, page: PageFla
             out=page.out,
             checkpoints=budget,
             runs_ahead=page.ahead,
+            look_back=look_back,
         )
         try:
             serve(engine, engine.start, host=page.host, port=page.port, token=token)

@@ -27,13 +27,16 @@ from hectorscope.session.session import Session
 from hectorscope.session.transport import valid_speed
 from slam_core.errors import SlamError
 
+# What is done at the time that is shown; all else is done to the run, which may be further.
+SHOWN = (Play, Pause, StepScan, StepBack, SetSpeed, ChangeSpeed, Seek, Save)
+
 
 class Control:
-    """Belongs to the engine's thread. live: whether the source is a stream, which brings nothing back."""
+    """Belongs to the engine's thread."""
 
-    def __init__(self, session: Session, saver: Saver, *, live: bool) -> None:
+    def __init__(self, session: Session, saver: Saver) -> None:
         self.questions = Questions()
-        self._session, self._saver, self._live = session, saver, live
+        self._session, self._saver = session, saver
         self._transport = session.transport
 
     def lapse(self) -> bool:
@@ -52,7 +55,9 @@ class Control:
         if isinstance(command, PlayPause):
             command = Pause() if self._transport.running else Play()
         session = self._session
-        would_lose = self._live and loss(
+        if not isinstance(command, SHOWN):
+            session.go_live()
+        would_lose = self._transport.live and loss(
             command, session.run.pipeline, session.change, stopped=self._transport.stopped
         )
         if would_lose:
@@ -68,7 +73,7 @@ class Control:
                 self._transport.play()
             case Pause():
                 self._pause()
-            case StepScan() | StepBack() | SetSpeed() | ChangeSpeed() if self._live:
+            case StepScan() | StepBack() | SetSpeed() | ChangeSpeed() if self._transport.live:
                 self._refuse("A live stream has its own pace: there are no steps and no other speed")
             case StepScan():
                 self._transport.step()
@@ -111,7 +116,7 @@ class Control:
 
     def _pause(self) -> None:
         """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
-        on = self._transport.running and not self._live
+        on = self._transport.running and not self._transport.live
         self._transport.pause()
         if on:
             self._transport.step()
@@ -133,7 +138,7 @@ class Control:
 
     def _save(self) -> None:
         try:
-            self._saver.start(self._session.run, self._session.report)
+            self._saver.start(self._session.newest, self._session.report)
         except SlamError as error:
             self._refuse(str(error))
 

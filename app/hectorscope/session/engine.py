@@ -19,14 +19,14 @@ from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
 from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.spare_time import use_time
 from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
 
 ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
-AHEAD_S = 0.008  # how long a command or a scan may wait while the recording is run ahead
-BREAK_S = 0.001  # between two such slices the threads that serve the page have the interpreter
+LOOK_BACK_S = 300.0
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
 
 _logger = logging.getLogger("hectorscope")
@@ -37,6 +37,7 @@ class Engine:
 
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
+    look_back: seconds of a stream that are kept, to be shown again while the run goes on.
     prepare: called on the engine's thread before anything is read, with what shows on the page what the run waits
     for, then or later, from any thread.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
@@ -58,6 +59,7 @@ class Engine:
         out: Path | None = None,
         checkpoints: int = BUDGET_MB,
         runs_ahead: bool = True,
+        look_back: float = LOOK_BACK_S,
         prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
         self._source = source
@@ -70,10 +72,17 @@ class Engine:
         self._transport = Transport(source.live, autoplay, speed)
         start, budget = settings or Settings(), checkpoints * MEBIBYTE
         self._session = Session(
-            source, start, prior_map, self._transport, self._publisher, budget, runs_ahead=runs_ahead
+            source,
+            start,
+            prior_map,
+            self._transport,
+            self._publisher,
+            budget,
+            runs_ahead=runs_ahead,
+            look_back=look_back,
         )
         self._saver = Saver(out, self._commands.put)
-        self._control = Control(self._session, self._saver, live=source.live)
+        self._control = Control(self._session, self._saver)
         self._is_ready = False
 
     @property
@@ -109,7 +118,7 @@ class Engine:
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return self._saver.finish(self._session.run, self._source.report)
+        return self._saver.finish(self._session.newest, self._source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -163,20 +172,14 @@ class Engine:
             self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
             if patience == 0.0 and self._commands.empty():
                 return None
-            left = (patience, self._control.patience, self._run_ahead(patience))
+            turn = use_time(self._session, patience, self._guard) if self._commands.empty() else None
+            left = (patience, self._control.patience, turn)
             sooner = min((seconds for seconds in left if seconds is not None), default=None)
             try:
                 return self._commands.get(timeout=sooner)
             except Empty:
                 if sooner == patience:
                     return None
-
-    def _run_ahead(self, patience: float | None) -> float | None:
-        """Use the time before the next scan to run ahead; seconds until the next such turn, if any."""
-        slice_s = AHEAD_S if patience is None else min(AHEAD_S, patience)
-        if slice_s < BREAK_S or not self._commands.empty() or not self._session.run_ahead(slice_s):
-            return None
-        return BREAK_S
 
     def _is_paced(self, waiting: Measurement) -> bool:
         """Whether it is a scan that waits for its time; there is nothing to see before the filter is aligned."""
@@ -188,6 +191,7 @@ class Engine:
 
     def _advance(self) -> None:
         """One item read, or one measurement stepped."""
+        self._session.step_front()
         waiting = self._session.run.waiting
         if waiting is None:
             self._fetch()
@@ -233,12 +237,15 @@ class Engine:
         if result is None and run.pipeline.searching and not run.sought:
             run.sought = True
             self._session.log(f"The robot is not found in the map yet: {run.pipeline.searching}", "warning")
-        if change := change_of_tracking(before, result):
+        if not self._session.past.front and (change := change_of_tracking(before, result)):
             self._session.log(*change)
 
     def _end(self) -> None:
         session = self._session
         session.intake.check()
+        if session.past.front:
+            session.go_live()
+            return
         if not (pipeline := session.run.pipeline).scans:
             raise nothing_used(self._source.name, session.report.skipped, pipeline.slam)
         self._transport.end()
@@ -247,16 +254,22 @@ class Engine:
         self._seek_on()
 
     def _fail(self, reason: str) -> None:
-        self._transport.fail(reason)
         self._session.log(reason, "error")
+        if self._session.past.front:  # if it is the run itself that fails, it will again
+            self._session.go_live()
+            return
+        self._transport.fail(reason)
         if isinstance(self._source, Repairable) and self._source.repairs and self._source.report.findings:
             self.send(Repair())
 
     def _publish(self, resting: bool) -> None:
         if self._transport.hurries or not self._publisher.due(resting):
             return
+        self._publisher.publish(self._composed(), complete=resting)
+
+    def _composed(self) -> Run:
         session = self._session
-        run = Run(
+        return Run(
             pipeline=session.run.pipeline,
             transport=self._transport,
             config=session.run.settings.at(session.now_ns),
@@ -266,7 +279,8 @@ class Engine:
             obeyed=self._obeyed,
             question=self._control.questions.open,
             undo=session.undone.offer,
-            ahead=session.ahead,
+            ahead=session.newest.ahead,
             behind=session.intake.behind,
+            lag=session.lag,
+            kept_ns=session.kept_ns,
         )
-        self._publisher.publish(run, complete=resting)

@@ -2,10 +2,11 @@
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from hectorscope.inputs import Item, Source
 from hectorscope.run.checkpoints import Place
-from hectorscope.session.feeder import Feeder
+from hectorscope.session.feeder import APART, Feeder
 from slam_core.measurements import LaserScan
 
 
@@ -17,11 +18,26 @@ class Aside:
     came: deque[Item] = field(default_factory=deque)
 
 
-class Intake:
-    """Hands out items one by one. A recording begins anew, or after so many items; a stream flows on."""
+class Keeps(Protocol):
+    """Takes the items of a stream, which are shown again later. end: how many it has had."""
 
-    def __init__(self, source: Source) -> None:
-        self._source = source
+    @property
+    def end(self) -> int:
+        """So many."""
+
+    def add(self, item: Item) -> None:
+        """One more."""
+
+
+class Intake:
+    """Hands out items one by one. A recording begins anew, or after so many items; a stream flows on.
+
+    keeps: gets what is handed out of a stream.
+    """
+
+    def __init__(self, source: Source, keeps: Keeps | None = None) -> None:
+        self._source, self._keeps = source, keeps
+        self._scans = 0
         self._feeder: Feeder | None = None
         self._taken = 0
         self._place: Place | None = None
@@ -55,12 +71,24 @@ class Intake:
         if self._backlog:
             while (fresh := self._fresh(0.0)) is not None:  # or the queue would give up scans meanwhile
                 self._backlog.append(fresh)
-            return self._backlog.popleft()
-        item = self._fresh(timeout)
-        if item is not None and not self._source.live:
-            self._taken += 1
-            self._place = self._feeder.place(self._taken)
+            item: Item | None = self._backlog.popleft()
+        else:
+            item = self._fresh(timeout)
+        if item is not None:
+            self._note(item, self._feeder)
         return item
+
+    def _note(self, item: Item, feeder: Feeder) -> None:
+        """Where the next item comes from, of a stream behind every so many scans."""
+        if not self._source.live:
+            self._taken += 1
+            self._place = feeder.place(self._taken)
+        elif self._keeps is not None:
+            self._keeps.add(item)
+            self._scans += isinstance(item, LaserScan)
+            end, is_due = self._keeps.end, self._scans == APART
+            self._place = Place(end, end) if is_due else None
+            self._scans = 0 if is_due else self._scans
 
     @property
     def begun(self) -> bool:

@@ -28,7 +28,7 @@ LogLevel = Literal["info", "warning", "error"]
 class Run:
     """What a snapshot is composed of. config: the one in force now. behind: scans of a stream to catch up with.
 
-    The others: as in a `Snapshot`.
+    lag, kept_ns: as in a `PlaybackStatus`. The others: as in a `Snapshot`.
     """
 
     pipeline: Pipeline
@@ -42,6 +42,8 @@ class Run:
     undo: UndoOffer | None
     ahead: Ahead
     behind: int
+    lag: float | None
+    kept_ns: tuple[int, int] | None
 
 
 class Publisher:
@@ -153,6 +155,8 @@ def status(source: Source, run: Run) -> PlaybackStatus:
     detail = transport.failure or source.report.waiting
     if run.behind:
         detail = detail or f"catching up with the stream: {run.behind} scans behind"
+    if run.lag is not None:
+        detail = f"behind by {run.lag:.0f} s"
     if transport.processed_again:
         detail = detail or "scan processed again"
     if transport.target_ns is not None:
@@ -168,6 +172,8 @@ def status(source: Source, run: Run) -> PlaybackStatus:
         realtime_factor=transport.meter.realtime_factor,
         scan_rate=transport.meter.scan_rate,
         detail=detail,
+        kept_ns=run.kept_ns,
+        lag=run.lag,
         seeks=transport.seeks,
         preparing=transport.preparing,
         prepared=transport.prepared,
