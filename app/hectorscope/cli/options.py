@@ -164,6 +164,9 @@ def _source_flags() -> type[Any]:
     return make_dataclass("SourceFlags", flags)
 
 
+LONGEST_LOOK_BACK = 240  # minutes; the memory for them is bounded too
+
+
 @dataclass
 class PageFlags:
     """Where the page is served, what it can open, and what it leaves."""
@@ -200,6 +203,19 @@ class PageFlags:
         bool,
         tyro.conf.arg(name="pass", help="Run a recording to its end in spare time, ahead of what is shown."),
     ] = True
+
+    look_back: Annotated[
+        float,
+        tyro.conf.arg(help="Minutes of a stream that are kept, to be shown again; 0 for none."),
+    ] = 5.0
+
+    def kept_seconds(self) -> float:
+        """Seconds of a stream that are kept; SlamError for what is no length of time."""
+        if not 0.0 <= self.look_back <= LONGEST_LOOK_BACK:
+            raise SlamError(
+                f"--look-back {self.look_back:g} is no number of minutes: give 0 to {LONGEST_LOOK_BACK}"
+            )
+        return 60.0 * self.look_back
 
     def budget(self) -> int:
         """MiB of checkpoints; SlamError for less than none."""

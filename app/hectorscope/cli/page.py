@@ -38,6 +38,7 @@ def show(
             out=page.out,
             checkpoints=budget,
             runs_ahead=page.ahead,
+            look_back=page.kept_seconds(),
             prepare=get_ready,
         )
         server = PageServer(

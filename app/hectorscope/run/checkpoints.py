@@ -135,6 +135,17 @@ class Checkpoints:
             other._thin_out()
         return other
 
+    def first(self, taken: int) -> Checkpoint | None:
+        """The first one behind so many items; None without any."""
+        return next((kept for kept in self._kept if kept.place.taken >= taken), None)
+
+    def forget_before(self, taken: int) -> None:
+        """Give up those that need an item before that number, once they are many."""
+        stale = sum(kept.place.taken < taken for kept in self._kept)
+        if stale * 8 > len(self._kept):
+            del self._kept[:stale]
+            self._count()
+
     def forget_from(self, time_ns: int) -> None:
         """Give up those at and after a time at which the settings changed."""
         self._kept = [kept for kept in self._kept if kept.time_ns < time_ns]

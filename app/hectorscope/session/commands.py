@@ -72,9 +72,14 @@ class Decline:
 
 @dataclass(frozen=True, slots=True)
 class Seek:
-    """Go to this time of the recording, by running up to it."""
+    """Go to this time of the recording, or of what is kept of a stream, by running up to it."""
 
     time_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class GoLive:
+    """Show a stream as it is now, after an earlier time of it was shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,6 +214,7 @@ Command = (
     | Agree
     | Decline
     | Seek
+    | GoLive
     | Configure
     | ConfigureAll
     | Save

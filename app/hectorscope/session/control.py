@@ -38,6 +38,8 @@ from hectorscope.session.transport import valid_speed
 from slam_core.errors import SlamError
 
 NEEDS_RECORDING = (Restart, Seek, StepScan, StepBack, Repair, Save)
+# What is done at the time that is shown; all else is done to the run, which may be further.
+SHOWN = (Play, Pause, StepScan, StepBack, SetSpeed, ChangeSpeed, Seek, Save, ListRecordings)
 
 
 class Control:
@@ -71,6 +73,8 @@ class Control:
         if isinstance(command, PlayPause):
             command = Pause() if self._transport.running else Play()
         session = self._session
+        if not isinstance(command, SHOWN):
+            session.go_live()
         would_lose = self._following.loss(command.link) if isinstance(command, Follow) else None
         if self._live and not would_lose:
             would_lose = loss(command, session.run.pipeline, session.change, stopped=self._transport.stopped)
@@ -164,7 +168,7 @@ class Control:
 
     def _pause(self) -> None:
         """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
-        on = self._transport.running and not self._live
+        on = self._transport.running and not self._transport.live
         self._transport.pause()
         if on:
             self._transport.step()
@@ -186,7 +190,7 @@ class Control:
 
     def _save(self) -> None:
         try:
-            self._saver.start(self._session.run, self._session.report)
+            self._saver.start(self._session.newest, self._session.report)
         except SlamError as error:
             self._refuse(str(error))
 

@@ -39,7 +39,7 @@ LogLevel = Literal["info", "warning", "error"]
 class Run:
     """What a snapshot is composed of. config: the one in force now. behind: scans of a stream to catch up with.
 
-    The others: as in a `Snapshot`.
+    lag, kept_ns: as in a `PlaybackStatus`. The others: as in a `Snapshot`.
     """
 
     source: Source
@@ -54,6 +54,8 @@ class Run:
     undo: UndoOffer | None
     ahead: Ahead
     behind: int
+    lag: float | None
+    kept_ns: tuple[int, int] | None
     library: tuple[Listed, ...]
     recording: Identity | None
     runs: tuple[ListedRun, ...]
@@ -174,6 +176,8 @@ def status(run: Run) -> PlaybackStatus:
     detail = transport.opening or transport.failure or source.report.waiting
     if run.behind:
         detail = detail or f"catching up with the stream: {run.behind} scans behind"
+    if run.lag is not None:
+        detail = f"behind by {run.lag:.0f} s"
     if transport.processed_again:
         detail = detail or "scan processed again"
     if transport.target_ns is not None:
@@ -189,6 +193,8 @@ def status(run: Run) -> PlaybackStatus:
         realtime_factor=transport.meter.realtime_factor,
         scan_rate=transport.meter.scan_rate,
         detail=detail,
+        kept_ns=run.kept_ns,
+        lag=run.lag,
         seeks=transport.seeks,
         preparing=transport.preparing,
         prepared=transport.prepared,

@@ -6,7 +6,6 @@ from pathlib import Path
 from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.run_file import RunFile, hash_of
-from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
@@ -15,15 +14,17 @@ from hectorscope.session.comparison import Comparison
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
+from hectorscope.session.look_back import LookBack
 from hectorscope.session.no_recording import NoRecording
-from hectorscope.session.publisher import LogLevel, Publisher
+from hectorscope.session.publisher import LogLevel, Publisher, change_of_tracking
 from hectorscope.session.runs import NamedRun, Runs, RunsError, first_difference
-from hectorscope.session.snapshot import Ahead, LogEntry
+from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
 from hectorscope.session.undo import Kept, KeptName, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
 
 COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
+NOW_NS = 500_000_000  # of a stream: so near to its end somebody wants to see it as it is
 PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 
 
@@ -44,9 +45,14 @@ class Session:
         budget: int,
         *,
         runs_ahead: bool = True,
+        look_back: float = 0.0,
     ) -> None:
-        """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown."""
+        """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown.
+
+        look_back: seconds of a stream that are kept.
+        """
         self.transport = transport
+        self._look_back = look_back
         self._read(intake)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
@@ -66,7 +72,8 @@ class Session:
     @property
     def source(self) -> Source:
         """What the shown run reads."""
-        return self.intake.source
+        intake = self.past.front[1] if self.past.front else self.intake
+        return intake.source
 
     @property
     def now_ns(self) -> int:
@@ -76,21 +83,8 @@ class Session:
     @property
     def report(self) -> SourceReport:
         """Counters of the source, the queue and the core."""
-        return merged(self.source.report, self.run.pipeline.skipped, self.intake.dropped)
-
-    @property
-    def ahead(self) -> Ahead:
-        """What is known of the run, by what is shown or by what runs ahead of it."""
-        run = self.run
-        known = run.furthest
-        return Ahead(
-            lineage=(run.number, run.revision),
-            time_ns=known.time_ns,
-            whole=run.head is not None and run.head.done,
-            series=known.series.view(SERIES_DTYPE).reshape(-1),
-            settings=run.settings,
-            warned=known.warned.copy(),
-        )
+        intake = self.past.front[1] if self.past.front else self.intake
+        return merged(self.source.report, self.newest.pipeline.skipped, intake.dropped)
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
@@ -98,7 +92,8 @@ class Session:
 
     def entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
         """The same, to be logged later."""
-        return LogEntry(self.run.pipeline.time_ns, text, level, self.run.pipeline.scans, answer)
+        pipeline = self.newest.pipeline
+        return LogEntry(pipeline.time_ns, text, level, pipeline.scans, answer)
 
     # ---------------------------------------------------------------------------------------------- beginning
 
@@ -165,6 +160,8 @@ class Session:
     def _read(self, intake: Intake) -> None:
         self.intake = intake
         self.transport.live, self.transport.empty = intake.source.live, isinstance(intake.source, NoRecording)
+        self.past = LookBack(self._look_back if intake.source.live else 0.0)
+        intake.keeps = self.past.items
         self._is_rereadable = isinstance(intake.source, Rereadable) and not intake.source.live
 
     def _put_aside(self, what: str) -> None:
@@ -181,6 +178,7 @@ class Session:
 
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
+        self.go_live()
         self.compare(0)
         self.run.put_aside()
         self.undone.clear()
@@ -200,7 +198,8 @@ class Session:
             self.run.put_aside()
             self.run, self._publisher.event_log = before.run, before.event_log
             left = self.intake
-            self._read(before.intake)
+            if left is not before.intake:
+                self._read(before.intake)
             if left is not before.intake or self.compared_with == self.run.slot:
                 self.compare(0)
             self._let_go(left)
@@ -227,15 +226,22 @@ class Session:
 
         While a seek is about to arrive, the newest wanted time waits for it: each drag of a hand shows something.
         """
-        span = self.source.span_ns
+        span = self.source.span_ns or self.kept_ns
         if span is None:
-            self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
+            self.log("Nothing of the stream is kept yet: nothing was sought", "warning", answer=True)
             return
         self.expected = None
         time_ns = min(max(time_ns, span[0]), span[1])
         if self.transport.hurries:
             self.transport.wanted_ns = time_ns
             return
+        if self.source.live:
+            if time_ns > span[1] - NOW_NS:
+                self.go_live()
+                return
+            if self.past.front is None:
+                self.run, self.intake = self.past.leave_now(self.run, self.intake)
+                self.transport.look_back()
         checkpoint = self.run.checkpoints.before(time_ns)
         now_ns = self.run.pipeline.time_ns
         back = bool(self.transport.failure) or time_ns < now_ns
@@ -245,6 +251,36 @@ class Session:
             if rests:  # a jump from the end is to look there, not to go on to the end again
                 self.transport.pause()
         self.transport.seek(time_ns)
+
+    @property
+    def newest(self) -> ActiveRun:
+        """The run as it is now, whatever time of it is shown."""
+        return self.past.front[0] if self.past.front else self.run
+
+    @property
+    def kept_ns(self) -> tuple[int, int] | None:
+        """First and last time of a stream that can be shown; None without any."""
+        return self.past.span_ns(self.newest)
+
+    @property
+    def lag(self) -> float | None:
+        """Seconds from what is shown to the run as it is now; None if it is shown as it is now."""
+        behind_ns = self.newest.pipeline.time_ns - self.run.pipeline.time_ns
+        return behind_ns / 1e9 if self.past.front else None
+
+    def step_front(self) -> None:
+        """Let the run of a stream go on by a scan, if there is one, while an earlier time is shown."""
+        if change := change_of_tracking(*self.past.advance()):
+            self.log(*change)
+
+    def go_live(self) -> None:
+        """Show the run of a stream as it is now."""
+        if self.past.front is None:
+            return
+        self.intake.close()
+        (self.run, self.intake), self.past.front = self.past.front, None
+        self.transport.go_live()
+        self._show_anew()
 
     def step_back(self) -> None:
         """Go to the scan before the last one, if there is one."""
@@ -264,9 +300,9 @@ class Session:
         self._show_anew()
 
     def keep(self) -> None:
-        """Keep a checkpoint if the run is at a place where the recording can be gone on from."""
-        if place := self.intake.place:
-            self.run.checkpoints.add(self.run.pipeline, place)
+        """Keep a checkpoint if the run is at a place where it can be gone on from."""
+        if self.past.front is None:
+            self.past.keep(self.run, self.intake)
 
     def run_ahead(self, seconds: float) -> bool:
         """Run on with the compared run, or ahead of what is shown, for about so long; whether there is more."""

@@ -25,8 +25,10 @@ PlaybackState = Literal["empty", "loading", "playing", "paused", "seeking", "end
 class PlaybackStatus:
     """Where the run is. Times are of the recording; a live stream has no end (end_ns None).
 
-    state: "empty" while no recording is open. seeks: how many have arrived. preparing: what the run waits
-    for until it can go on, empty if for nothing. prepared: the share of it that is done, if known.
+    state: "empty" while no recording is open. kept_ns: first and last time that a stream can be shown at; None for
+    a recording, or if there is none yet. lag: seconds that an earlier time of a stream is behind it; None if it is
+    shown as it is now. seeks: how many have arrived. preparing: what the run waits for until it can go on, empty
+    if for nothing. prepared: the share of it that is done, if known.
     """
 
     state: PlaybackState = "loading"
@@ -38,6 +40,8 @@ class PlaybackStatus:
     realtime_factor: float = 0.0
     scan_rate: float = 0.0
     detail: str = ""
+    kept_ns: tuple[int, int] | None = None
+    lag: float | None = None
     seeks: int = 0
     preparing: str = ""
     prepared: float | None = None
