@@ -159,9 +159,9 @@
     return { left, right };
   }
 
-  // All of a table without axes, from second 0 to `end`, between two heights.
-  function strip(ctx, table, chart, { width, top, bottom, end }, colours) {
-    const curves = thinned(table, chart, [0, end], width);
+  // A stretch of a table without axes, between two heights.
+  function strip(ctx, table, chart, { width, top, bottom, stretch }, colours) {
+    const curves = thinned(table, chart, stretch, width);
     const levels = range(curves, chart.log);
     const frame = { left: 0, y: (value) => bottom - ((value - levels[0]) / (levels[1] - levels[0])) * (bottom - top) };
     Object.assign(ctx, { lineWidth: 1, lineJoin: "round" });

@@ -11,8 +11,9 @@
   const POINT_SIZE = "gl_PointSize = (scale / -world_pos.z)"; // as viser writes it
   const POINT_COLOUR = "vColor = color;";
   const POINT_PIXELS = "3.0";
-  const LINES = { "/trajectory/": "trajectory", "/truth/": "truth", "/floor/footprint": "robot" };
+  const LINES = { "/trajectory/": "trajectory", "/truth/": "truth", "/compared/": "compared", "/floor/footprint": "robot" };
   const CELLS = /^\/floor\/map\/level(\d+)\/cells$/;
+  const WALLS = "/floor/compared_map/cells"; // white: they are painted here
   const SOLIDS = { "/robot/hull": "robot", "/position/ellipsoid": "position" };
   for (const key of ["prior", "match", "fused"]) {
     LINES[`/floor/${key}/pose/rim`] = key;
@@ -90,14 +91,23 @@
     Object.assign(material, { transparent: true, needsUpdate: true });
   }
 
-  // Free and occupied cells; those of a level over others are veiled.
-  function cells(material, { of, veil }, veiled) {
+  function crisp(material) {
     const texture = material.map;
     if (texture && texture.magFilter !== NEAREST) Object.assign(texture, { magFilter: NEAREST, anisotropy: 4, needsUpdate: true });
     material.depthWrite = false; // what is transparent must not hide what lies below
+  }
+
+  // Free and occupied cells; those of a level over others are veiled.
+  function cells(material, { of, veil }, veiled) {
+    crisp(material);
     const wear = (material.userData.wear ??= compiled(material, of));
     [wear.free.value, wear.wall.value] = [of("free"), of("occupied")].map((colour) => colour.map(linear));
     wear.veil.value = veiled ? veil : [1, 1];
+  }
+
+  function walls(material, colour) {
+    crisp(material);
+    paint(material.color, colour);
   }
 
   function compiled(material, of) {
@@ -144,6 +154,7 @@
       else if (name === "/floor/surfels/lines") drawn(page, name, (material) => surfel(material, worn));
       else if (name === "/floor/scan/points") drawn(page, name, (material) => points(material, worn));
       else if (name === "/floor/grid/lines") drawn(page, name, (material) => grid(material, worn.of("grid")));
+      else if (name === WALLS) drawn(page, name, (material) => walls(material, worn.of("compared")));
       else if (CELLS.test(name)) drawn(page, name, (material) => cells(material, worn, places[name.match(CELLS)[1]]?.z > 0));
     }
     hide(page);

@@ -56,7 +56,7 @@
     if (text.length > LONGEST) return say("This link cannot be followed: it is too long.");
     const waiting = setInterval(() => {
       const uuid = told().follow;
-      if (!uuid || !window.__viserMutable?.sendMessage) return;
+      if (!uuid || !window.hectorscope.linked?.()) return; // before, nobody could be told what came of it
       clearInterval(waiting);
       window.__viserMutable.sendMessage({ type: "GuiUpdateMessage", uuid, updates: { value: text } });
     }, LOOK);

@@ -1,4 +1,4 @@
-// The timeline over the whole recording: what is known of it, its marks, and below them a strip of one chart, so that
+// The timeline over the whole recording, or over what is kept of a stream: what is known of it, its marks, and below them a strip of one chart, so that
 // a bad place is seen before it is sought. A hand drags it anywhere; the newest wanted time is sent, some times a second.
 // panels/timeline.py sends where the run is and the marks; the rows are those of plots.js.
 "use strict";
@@ -25,7 +25,7 @@
   const paths = Object.fromEntries(Object.entries(SHAPES).map(([kind, [, path]]) => [kind, new Path2D(path)]));
 
   let told = null; // by the server: uuids of its controls, titles of the kinds
-  let run = { at: 0, end: null, known: 0, whole: false, rows: 0, state: "loading" };
+  let run = { at: 0, begin: 0, end: null, known: 0, whole: false, rows: 0, state: "loading" };
   let marks = [];
   let wanted = null; // seconds: where a hand wants to be
   let wantedAt = 0;
@@ -46,12 +46,13 @@
 
   // ---------------------------------------------------------------------------------------------- times
 
-  const share = (seconds) => (run.end ? Math.min(Math.max(seconds / run.end, 0), 1) : 0);
+  const share = (seconds) => (run.end > run.begin ? Math.min(Math.max((seconds - run.begin) / (run.end - run.begin), 0), 1) : 0);
   const clock = (seconds) => `${String(Math.floor(seconds / 60)).padStart(2, "0")}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
 
   function timeAt({ clientX }) {
     const box = track.getBoundingClientRect();
-    return box.width ? (run.end * Math.min(Math.max(clientX - box.left, 0), box.width)) / box.width : 0;
+    const part = box.width ? Math.min(Math.max(clientX - box.left, 0), box.width) / box.width : 0;
+    return run.begin + part * (run.end - run.begin);
   }
 
   // Goes to a time. The server takes a value only if it is another one: it differs by less than a microsecond.
@@ -64,14 +65,14 @@
   }
 
   function want(seconds) {
-    [wanted, wantedAt] = [Math.min(Math.max(seconds, 0), run.end), performance.now()];
+    [wanted, wantedAt] = [Math.min(Math.max(seconds, run.begin), run.end), performance.now()];
     place();
   }
 
   // The next mark from where the run is, or will be; -1: the one before.
   function step(way) {
     const from = wanted ?? run.at;
-    const there = marks.map(([seconds]) => seconds).filter((seconds) => (seconds - from) * way > 0.02);
+    const there = marks.map(([seconds]) => seconds).filter((seconds) => seconds >= run.begin && (seconds - from) * way > 0.02);
     if (there.length) seek(way > 0 ? Math.min(...there) : Math.max(...there));
   }
 
@@ -87,6 +88,7 @@
   function place() {
     const shown = wanted ?? run.at;
     head.style.left = `${100 * share(shown)}%`;
+    track.setAttribute("aria-valuemin", String(run.begin));
     track.setAttribute("aria-valuemax", String(run.end ?? 0));
     track.setAttribute("aria-valuenow", String(shown));
     track.setAttribute("aria-valuetext", clock(shown));
@@ -105,7 +107,7 @@
     const { clientWidth: width, clientHeight: height } = canvas;
     if (width < 40 || !run.end) return;
     const { tables } = window.hectorscope.plotted();
-    const state = [width, height, run.end, run.known, marks, tables.series?.known, own.get("strip"), own.get("theme"), own.get("present")].join();
+    const state = [width, height, run.begin, run.end, run.known, marks, tables.series?.known, own.get("strip"), own.get("theme"), own.get("present")].join();
     if (state === drawn) return;
     drawn = state;
     const [sharp, ctx, colour] = [window.devicePixelRatio || 1, canvas.getContext("2d"), colours()];
@@ -114,7 +116,7 @@
     drawTrack(ctx, colour, width, tables.series);
     drawStrip(ctx, width, height, tables);
     for (const kind of Object.keys(SHAPES)) {
-      for (const mark of marks) if (mark[1] === kind) drawMark(ctx, colour, width * share(mark[0]), kind);
+      for (const mark of marks) if (mark[1] === kind && mark[0] >= run.begin) drawMark(ctx, colour, width * share(mark[0]), kind);
     }
   }
 
@@ -129,7 +131,7 @@
     let last = 0;
     for (let row = 0; row < series.known; row += 1) {
       const updates = series.values[row * series.width + told.updates];
-      if (updates > last) ctx.fillRect(width * share(series.values[row * series.width]), LANES.track + 4, 0.6, 3);
+      if (updates > last && series.values[row * series.width] >= run.begin) ctx.fillRect(width * share(series.values[row * series.width]), LANES.track + 4, 0.6, 3);
       last = updates;
     }
   }
@@ -139,7 +141,7 @@
     const table = chart && tables[chart.table];
     if (!table?.known) return;
     const whole = { ...table, count: table.known };
-    charts.plot.strip(ctx, whole, chart, { width, top: LANES.strip, bottom: height - 1, end: run.end }, chart.curves.map(window.hectorscope.plotted().colour));
+    charts.plot.strip(ctx, whole, chart, { width, top: LANES.strip, bottom: height - 1, stretch: [run.begin, run.end] }, chart.curves.map(window.hectorscope.plotted().colour));
   }
 
   function drawMark(ctx, colour, x, kind) {
@@ -181,7 +183,7 @@
   track.addEventListener("keydown", (event) => {
     if (!(event.key in ARROWS) || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
-    seek(Math.min(Math.max((wanted ?? run.at) + ARROWS[event.key], 0), run.end ?? 0));
+    seek(Math.min(Math.max((wanted ?? run.at) + ARROWS[event.key], run.begin), run.end ?? 0));
   });
   before.addEventListener("click", () => step(-1));
   next.addEventListener("click", () => step(1));

@@ -1,7 +1,7 @@
 """A real Chromium in front of a real page, without a window and with software graphics."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -133,8 +133,8 @@ class Opened:
         self.server.start()
         self.engine.start()
 
-    def _open(self, path: Path) -> Source:
-        return open_source(str(path), SourceOptions())
+    def _open(self, path: Path, sensors: Mapping[str, Any]) -> Source:
+        return open_source(str(path), SourceOptions(**sensors))
 
     def stop(self) -> None:
         """End both."""

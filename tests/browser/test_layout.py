@@ -20,7 +20,7 @@ TABLETS_AND_PHONES: dict[str, ViewportSize] = {
     "phone": {"width": 390, "height": 844},
 }
 SIZES = pytest.mark.parametrize("size", TABLETS_AND_PHONES.values(), ids=list(TABLETS_AND_PHONES))
-TABS = ("Live", "Filter", "Settings", "Display", "Log")
+TABS = ("Live", "Filter", "Settings", "Display", "Runs", "Log")
 ALWAYS = (".hs-state", ".hs-clock", ".hs-losses", ".hs-tools", "button:has-text('Play')")
 # Elements of the open tab that reach beyond the window, or hide some of their text.
 CUT = """() => [...document.querySelectorAll('.hs-attitude, .hs-pose, .hs-readout, .hs-sigmas, .hs-legend,'

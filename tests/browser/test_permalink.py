@@ -25,7 +25,7 @@ TOUCH = "document.querySelector('canvas[data-engine]').dispatchEvent(new WheelEv
 def copied(page: Page) -> str:
     """The link to what is shown."""
     page.wait_for_function("JSON.parse(document.querySelector('[data-hs-link]').dataset.hsLink).link")
-    page.locator("body").press("l")
+    page.locator("body").press("c")
     page.wait_for_function("window.copied")
     link: str = page.evaluate("window.copied")
     return link

@@ -18,7 +18,8 @@ from hectorscope.web.server import PageServer
 from slam_core.measurements import LaserScan
 from tests.browser.conftest import Open
 from tests.engines import START, after, until
-from tests.sources import MemoryRecording
+from tests.sources import MemoryRecording, MemoryStream
+from tests.streams import Robot
 
 pytestmark = pytest.mark.browser
 
@@ -183,3 +184,44 @@ def test_arrows_move_the_head_by_seconds(bench: Bench, open_page: Open) -> None:
     slider.press("Home")
     bench.until(lambda now: now.scans == 0)
     expect(slider).to_have_attribute("aria-valuetext", "00:00.0")
+
+
+@pytest.fixture
+def robot(drive: list[Item]) -> Iterator[tuple[Robot, str]]:
+    """A stream that has come to the middle of the drive, and its page."""
+    stream = MemoryStream()
+    engine = Engine(stream, START)
+    server = PageServer(engine, port=0)
+    server.start()
+    engine.start()
+    made = Robot(engine, stream, drive)
+    try:
+        made.drive_on(8.0)
+        yield made, server.url
+    finally:
+        server.stop()
+        engine.stop()
+
+
+def test_a_stream_is_scrubbed_while_it_goes_on(robot: tuple[Robot, str], open_page: Open) -> None:
+    """Dragged back it says how far behind that is; the run goes on, and one key leads back to now."""
+    made, url = robot
+    page = open_page(url, size={"width": 1280, "height": 800})
+    page.wait_for_function(f"{STATE}.end > 7")
+    box = track(page)
+    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 30)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 30, steps=5)
+    page.mouse.up()
+    there = made.until(lambda now: now.playback.state == "paused" and (now.playback.lag or 0.0) > 2.0)
+    expect(page.locator(".hs-detail")).to_contain_text("behind by")
+    on = made.drive_on(9.5)
+    assert on.scans == there.scans
+    page.wait_for_function(f"{STATE}.end > 9")
+    button = page.get_by_role("button", name="Now")
+    expect(button).to_be_visible()
+    page.locator("canvas[data-engine]").focus()
+    page.keyboard.press("l")
+    now = made.until(lambda now: now.playback.lag is None)
+    assert now.scans == len(now.ahead.series) > there.scans
+    expect(button).to_be_hidden()

@@ -1,8 +1,10 @@
 """A permalink is followed: the same view is restored, and nothing is lost without asking."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import pytest
 
@@ -33,8 +35,8 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def opened(path: Path) -> Source:
-    return open_source(str(path), SourceOptions())
+def opened(path: Path, sensors: Mapping[str, Any] = MappingProxyType({})) -> Source:
+    return open_source(str(path), SourceOptions(**sensors))
 
 
 @contextmanager

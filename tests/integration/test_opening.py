@@ -1,13 +1,13 @@
 """Another recording in the same session: what is shown, what is kept, what is refused."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hectorscope.inputs import Item, Source, SourceError
+from hectorscope.inputs import Item, OptionValue, Source, SourceError
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import (
@@ -43,7 +43,7 @@ class Shelf:
             (folder / name).touch()
         self.library = Library(self.open, [folder])
 
-    def open(self, path: Path) -> Source:
+    def open(self, path: Path, _: Mapping[str, OptionValue]) -> Source:
         """By its name."""
         if (items := self._items.get(path.name, [])) is None:
             raise SourceError(f"{path} is no recording: record it again")

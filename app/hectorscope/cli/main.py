@@ -78,7 +78,7 @@ def view(
 ) -> int:
     """Show a recording in the browser; the page can open others."""
     by_path = partial(opened, source, settings)
-    return _show(by_path(bag) if bag else None, settings, saved, page, by_path, bag)
+    return _show(by_path(bag, {}) if bag else None, settings, saved, page, by_path, bag)
 
 
 def live(

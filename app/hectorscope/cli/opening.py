@@ -1,13 +1,16 @@
 """Opens what the command line names: recordings, streams, and the recordings that come with the program."""
 
 import gc
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from hectorscope.cli.options import SettingFlags, source_options
 from hectorscope.common.resources import resource_folder
-from hectorscope.inputs import Source, SourceOptions
+from hectorscope.inputs import OptionValue, Source, SourceOptions
 from hectorscope.run.report import Report
 from hectorscope.sources import open_source
 from slam_core.errors import SlamError
@@ -22,20 +25,29 @@ class DemoError(SlamError):
     """The recordings that come with the program are not there."""
 
 
-def checked(uri: str, flags: Any, settings: SettingFlags) -> "CheckedSource":
+def checked(
+    uri: str,
+    flags: Any,
+    settings: SettingFlags,
+    sensors: Mapping[str, OptionValue] = MappingProxyType({}),
+) -> "CheckedSource":
     """The source behind a path or address, whose sensors are checked as it is read; SlamError for a bad one."""
     from hectorscope.checks.sensor_check import CheckedSource  # noqa: PLC0415
 
     settings.settings()  # a bad file is named before the source is opened
-    options = source_options(flags, settings)
+    stated: dict[str, Any] = dict(sensors)
+    options = replace(source_options(flags, settings), **stated)
     return CheckedSource(partial(open_source, uri), options, repairs=flags.repair)
 
 
-def opened(flags: Any, settings: SettingFlags, path: Path) -> Source:
-    """A recording by the flags about the sensors; those that come with the program need none."""
+def opened(flags: Any, settings: SettingFlags, path: Path, sensors: Mapping[str, OptionValue]) -> Source:
+    """A recording by the flags about the sensors; those that come with the program need none.
+
+    sensors: `SENSOR_OPTIONS` that a kept run states, over the flags.
+    """
     if path in demos().values():
         return open_source(str(path), SourceOptions())
-    return checked(str(path), flags, settings)
+    return checked(str(path), flags, settings, sensors)
 
 
 def demos() -> dict[str, Path]:

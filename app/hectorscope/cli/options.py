@@ -164,6 +164,9 @@ def _source_flags() -> type[Any]:
     return make_dataclass("SourceFlags", flags)
 
 
+LONGEST_LOOK_BACK = 240  # minutes; the memory for them is bounded too
+
+
 @dataclass
 class AddressFlags:
     """Where a page is served."""
@@ -200,6 +203,9 @@ class PageFlags(AddressFlags):
         tyro.conf.UseAppendAction[tuple[Path, ...]],
         optional("Folder whose recordings the page can open; give it again for more of them."),
     ] = ()
+    runs: Annotated[
+        Path | None, optional("Folder in which the page keeps runs by name, and from which it opens them again.")
+    ] = None
     upload_limit: Annotated[
         int, tyro.conf.arg(help="Most MiB of recordings that are dropped onto the page, together; 0 takes none.")
     ] = 512
@@ -211,6 +217,19 @@ class PageFlags(AddressFlags):
         bool,
         tyro.conf.arg(name="pass", help="Run a recording to its end in spare time, ahead of what is shown."),
     ] = True
+
+    look_back: Annotated[
+        float,
+        tyro.conf.arg(help="Minutes of a stream that are kept, to be shown again; 0 for none."),
+    ] = 5.0
+
+    def kept_seconds(self) -> float:
+        """Seconds of a stream that are kept; SlamError for what is no length of time."""
+        if not 0.0 <= self.look_back <= LONGEST_LOOK_BACK:
+            raise SlamError(
+                f"--look-back {self.look_back:g} is no number of minutes: give 0 to {LONGEST_LOOK_BACK}"
+            )
+        return 60.0 * self.look_back
 
     def budget(self) -> int:
         """MiB of checkpoints; SlamError for less than none."""

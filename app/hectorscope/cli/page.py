@@ -12,7 +12,8 @@ from hectorscope.common.recent import Recent, recent_file
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source
 from hectorscope.session.exchange import Exchange
-from hectorscope.session.library import Library, check_folders
+from hectorscope.session.kept_runs import KeptRuns
+from hectorscope.session.library import Library, Opened, check_folders
 from hectorscope.web.access_control import is_loopback
 from hectorscope.web.server import PageServer, serve
 
@@ -25,7 +26,7 @@ def show(
     settings: SettingFlags,
     saved: MapFlags,
     page: PageFlags,
-    opened: Callable[[Path], Source],
+    opened: Opened,
     shown: Path | None = None,
 ) -> None:
     """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording.
@@ -51,6 +52,7 @@ def show(
                 out=page.out,
                 checkpoints=budget,
                 runs_ahead=page.ahead,
+                look_back=page.kept_seconds(),
                 prepare=get_ready,
             )
 
@@ -89,11 +91,11 @@ def _reserved(out: Path | None) -> AbstractContextManager[None]:
     return reserved(out)
 
 
-def _library(page: PageFlags, opened: Callable[[Path], Source], shown: Path | None) -> Library:
+def _library(page: PageFlags, opened: Opened, shown: Path | None) -> Library:
     """What the page can open. The recent recordings of this person are for nobody else on the network."""
     check_folders(page.folder)
     recent = Recent(recent_file() if is_loopback(page.host) else None)
-    library = Library(opened, page.folder, demos(), recent)
+    library = Library(opened, page.folder, demos(), recent, KeptRuns(page.runs))
     if shown is not None:
         library.note(shown)
     return library

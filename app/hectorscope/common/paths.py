@@ -1,5 +1,7 @@
-"""Why a file that a person named cannot be used."""
+"""Files and folders: why one that a person named cannot be used, and how one is written."""
 
+import os
+import tempfile
 from pathlib import Path
 
 from slam_core.errors import nearest
@@ -34,3 +36,14 @@ def _nearest(path: Path) -> str:
     except OSError:  # a folder that may not be listed
         return ""
     return str(missing.with_name(near)) if near else ""
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write for the owner alone, under another name first: whoever reads has the old file or the new. OSError."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        Path(name).replace(path)
+    finally:
+        Path(name).unlink(missing_ok=True)

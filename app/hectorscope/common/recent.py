@@ -2,10 +2,9 @@
 
 import json
 import os
-import tempfile
 from pathlib import Path
 
-from hectorscope.common.paths import exists
+from hectorscope.common.paths import exists, write_whole
 
 MOST = 10  # recordings
 LARGEST = 64 * 1024  # bytes of the file
@@ -24,16 +23,17 @@ def recent_file() -> Path | None:
 class Recent:
     """The newest first. A file that is missing or damaged is an empty list; one that cannot be written is left.
 
-    file: None keeps nothing.
+    file: None keeps it for as long as the program runs.
     """
 
     def __init__(self, file: Path | None) -> None:
         self._file = file
+        self._paths: list[Path] = []  # without a file
 
     def paths(self) -> list[Path]:
         """Those that are still there."""
         if self._file is None:
-            return []
+            return [path for path in self._paths if exists(path)]
         try:
             with self._file.open(encoding="utf-8") as file:
                 names = json.loads(file.read(LARGEST))
@@ -44,23 +44,13 @@ class Recent:
 
     def add(self, path: Path) -> None:
         """Put one that was opened now in front."""
-        if self._file is None:
-            return
         first = path.absolute()
-        names = [str(first), *(str(other) for other in self.paths() if other != first)]
+        paths = [first, *(other for other in self.paths() if other != first)][:MOST]
+        if self._file is None:
+            self._paths = paths
+            return
         try:
-            self._write(self._file, json.dumps(names[:MOST], indent=1))
+            self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            write_whole(self._file, json.dumps([str(each) for each in paths], indent=1))
         except OSError:  # the list is a convenience: a full disk must not end a run
             return
-
-    def _write(self, file: Path, text: str) -> None:
-        """Under another name first, so that whoever reads has the old list or the new one."""
-        file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        handle, name = tempfile.mkstemp(dir=file.parent, prefix=file.name)  # for its owner alone
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as written:
-                written.write(text)
-            Path(name).replace(file)
-        except OSError:
-            Path(name).unlink(missing_ok=True)
-            raise

@@ -23,9 +23,9 @@ class Theme:
     """Every colour of the page, sRGB 0-255, by what it means.
 
     background: unknown cells, and all around the map. surface, field, line: of panels, their fields and rules.
-    match, prior, fused, position: the three planar covariances and the position ellipsoid. ramp: small to large
-    residual. unexpected: beams that end in free space. veil: opacity of free and occupied cells of a level that
-    lies over others. series: for plots of several curves.
+    match, prior, fused, position: the three planar covariances and the position ellipsoid. compared: the line and
+    the walls of another run. ramp: small to large residual. unexpected: beams that end in free space. veil: how
+    opaque free and occupied cells of a level are that lies over others. series: for plots of several curves.
     """
 
     dark: bool
@@ -45,6 +45,7 @@ class Theme:
     prior: Rgb
     fused: Rgb
     position: Rgb
+    compared: Rgb
     accent: Rgb
     warning: Rgb
     error: Rgb
@@ -118,6 +119,7 @@ DARK = Theme(
     prior=(120, 190, 255),
     fused=(60, 212, 160),
     position=(250, 176, 216),
+    compared=(255, 84, 196),
     accent=(36, 200, 150),
     warning=(255, 178, 48),
     error=(255, 118, 70),
@@ -145,6 +147,7 @@ LIGHT = Theme(
     prior=(0, 114, 178),
     fused=(0, 138, 100),
     position=(184, 84, 146),
+    compared=(190, 0, 130),
     accent=(0, 104, 76),
     warning=(138, 75, 0),
     error=(190, 60, 0),

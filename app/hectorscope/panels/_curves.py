@@ -44,6 +44,13 @@ def columns(title: str, factor: float, *names: str) -> Chart:
     return Chart(title, factor, tuple(Curve(c, short or c, i) for i, (c, _, short) in enumerate(pairs)))
 
 
+def pair(title: str, name: str, *, log: bool = False) -> Chart:
+    """The same of the shown and of the compared run, in the colours of their lines."""
+    colours = (("shown", "trajectory"), ("compared", "compared"))
+    return Chart(title, 1e3, tuple(Curve(f"{name}_{run}", run, colour) for run, colour in colours), log=log)
+
+
+COMPARED = "Compared runs"
 AGAINST_TRUTH = "Error against truth"
 PAGES: dict[str, tuple[Chart, ...]] = {
     "Covariance": (sigmas("σ x, mm", "x", 1e3), sigmas("σ y, mm", "y", 1e3), sigmas("σ ψ, °", "yaw", DEGREES)),
@@ -59,6 +66,13 @@ PAGES: dict[str, tuple[Chart, ...]] = {
         columns("Position in the plane, mm", 1e3, "error:distance"),
         columns("Heading, °", DEGREES, "error_yaw:heading"),
         columns("Height, mm", 1e3, "error_z:height"),
+    ),
+    COMPARED: (
+        columns("Positions apart, mm", 1e3, "apart:distance", "apart_z:height"),
+        columns("Headings apart, °", DEGREES, "apart_yaw:heading"),
+        pair("σ in the plane, mm", "sigma", log=True),
+        pair("Error against truth, mm", "error"),
+        columns("Cells of the map that differ, %", 100.0, "map_apart:share"),
     ),
     "Attitude": (
         columns("Roll and pitch, °", DEGREES, "roll", "pitch"),
@@ -88,7 +102,7 @@ COLUMNS = (
     *(
         c.column
         for page, charts in PAGES.items()
-        if page != AGAINST_TRUTH
+        if page not in {AGAINST_TRUTH, COMPARED}
         for chart in charts
         for c in chart.curves
     ),

@@ -37,7 +37,7 @@ def _messages(snapshot: Snapshot) -> Iterator[Message]:
     if playback.state == "seeking" and playback.detail:
         yield Message("busy", "Please wait", playback.detail)
     yield from _of_pose(snapshot)
-    if playback.live and playback.state == "playing" and playback.detail:
+    if playback.live and playback.state == "playing" and playback.detail and playback.lag is None:
         yield Message("busy", "Please wait", playback.detail)
 
 
@@ -50,7 +50,7 @@ def _of_stream(snapshot: Snapshot) -> Iterator[Message]:
         yield Message("error", title, report.waiting)
     elif report.waiting:
         yield Message("error", "No laser on this robot yet", report.waiting)
-    elif playback.state == "paused":
+    elif playback.state == "paused" and playback.lag is None:
         yield Message("warning", "Paused", "The scans of the robot go by unused; press play to go on.")
     elif playback.state == "waiting" and snapshot.scans:
         yield Message("error", "No scans from the robot", f"The link is there, but nothing comes from {awaited}.")

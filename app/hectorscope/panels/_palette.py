@@ -8,7 +8,7 @@ from hectorscope.page.theme import DARK, LIGHT, SENT, Rgb, Theme, css
 
 PAGE = ("surface", "field", "line", "text", "muted", "accent", "warning", "error")
 SCENE = ("background", "grid", "free", "occupied")
-MEANINGS = ("match", "prior", "fused", "position", "trajectory", "truth", "robot", "unexpected")
+MEANINGS = ("match", "prior", "fused", "position", "compared", "trajectory", "truth", "robot", "unexpected")
 SKY: dict[bool, Rgb] = {True: (56, 104, 150), False: (98, 158, 210)}  # by Theme.dark
 GROUND: dict[bool, Rgb] = {True: (98, 78, 60), False: (176, 140, 104)}
 

@@ -9,6 +9,7 @@ import html
 import json
 from base64 import b64encode
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,12 @@ from viser import GuiButtonHandle, GuiEvent
 
 from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
+from hectorscope.panels._compared import APART_COLUMNS, ERRORS_COLUMNS, MAPS_COLUMNS, apart_rows, errors_rows
 from hectorscope.panels._curves import COLUMNS, PAGES, TIME
 from hectorscope.panels._truth_error import ERROR_COLUMNS, truth_error
 from hectorscope.session.snapshot import Snapshot
 
+COMPARED_TABLES = {"apart": APART_COLUMNS, "errors": ERRORS_COLUMNS, "maps": MAPS_COLUMNS}
 BATCH = 4000  # rows sent at once: one who joins a long run gets them over some seconds
 Table = NDArray[np.float32]
 
@@ -61,10 +64,14 @@ class PlotsPanel:
         """The scripts that give this browser the rows that it does not have yet, at most BATCH of each table."""
         known = snapshot.ahead.lineage
         truth = (known, *snapshot.truth_in_map)
-        scripts = (
+        scripts = [
             self._added(client, "series", known, lambda first: series_rows(snapshot, first)),
             self._added(client, "truth", truth, lambda first: error_rows(snapshot, first)),
-        )
+        ]
+        both = (known, snapshot.compared.number if snapshot.compared else 0)
+        for table, rows in compared_tables(snapshot).items():
+            begun = rows(0)[:1].tobytes() if table == "maps" else b""  # after a jump back they begin anew
+            scripts.append(self._added(client, table, (both, begun), rows))
         return [script for script in scripts if script]
 
     def _added(self, client: int, table: str, run: object, rows: Callable[[int], Table]) -> str:
@@ -94,9 +101,25 @@ def error_rows(snapshot: Snapshot, first: int) -> Table:
     return np.stack([rows[name] for name in ERROR_COLUMNS], axis=1).astype(np.float32)
 
 
+def compared_tables(snapshot: Snapshot) -> dict[str, Callable[[int], Table]]:
+    """Of each table of the compared run what gives its rows from one on; of none, without one."""
+    compared = snapshot.compared
+    if compared is None:
+        return {name: partial(_no_rows, len(columns)) for name, columns in COMPARED_TABLES.items()}
+    return {
+        "apart": lambda first: apart_rows(snapshot, compared, first).astype(np.float32),
+        "errors": lambda first: errors_rows(snapshot, compared, first).astype(np.float32),
+        "maps": lambda first: compared.map_apart[first:].astype(np.float32),
+    }
+
+
+def _no_rows(width: int, _first: int) -> Table:
+    return np.empty((0, width), np.float32)
+
+
 def charts_json() -> str:
     """The charts of every page, with the tables and columns that their curves are in."""
-    tables = {"series": COLUMNS, "truth": ERROR_COLUMNS}
+    tables = {"series": COLUMNS, "truth": ERROR_COLUMNS, **COMPARED_TABLES}
     places = {name: (table, i) for table, names in tables.items() for i, name in enumerate(names) if name != TIME}
     pages = {
         page: [

@@ -1,4 +1,4 @@
-"""The timeline over the whole recording: how far it is known, its marks, and the way to any of its times.
+"""The timeline over a recording, or over what is kept of a stream: how far it is known, its marks, its times.
 
 static/timeline.js draws it, and the strip of a series below it, from the rows that `plots.py` sends. It sends the
 time that a hand wants to be at; the session takes the newest one.
@@ -58,9 +58,9 @@ class TimelinePanel:
 
     def _go(self, event: GuiEvent[Any]) -> None:
         """To the newest wanted time: callbacks may come out of order."""
-        end_ns, start_ns = self._playback.end_ns, self._playback.start_ns
-        if event.client is not None and end_ns is not None:
-            self._scene.send(Seek(min(start_ns + round(self._wanted.value * 1e9), end_ns)))
+        span, start_ns = span_ns(self._playback), self._playback.start_ns
+        if event.client is not None and span is not None:
+            self._scene.send(Seek(min(max(start_ns + round(self._wanted.value * 1e9), span[0]), span[1])))
 
     def _begin(self, event: GuiEvent[GuiButtonHandle]) -> None:
         """A page is ready: what was sent before may be lost."""
@@ -70,7 +70,7 @@ class TimelinePanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Send what changed to every browser that has asked."""
         self._playback = snapshot.playback
-        visible = snapshot.playback.end_ns is not None
+        visible = span_ns(snapshot.playback) is not None
         if self._folder.visible != visible:
             self._folder.visible = visible
         play, found = play_script(snapshot), self._marks_script(snapshot)
@@ -105,10 +105,11 @@ def container(wanted: str, ask: str) -> str:
 def play_script(snapshot: Snapshot) -> str:
     """Where the run is, in seconds since its start; rows: of the series that are shown."""
     playback, ahead = snapshot.playback, snapshot.ahead
-    start_ns, end_ns = playback.start_ns, playback.end_ns
+    start_ns, span = playback.start_ns, span_ns(playback)
     told = {
         "at": seconds(playback.time_ns - start_ns),
-        "end": None if end_ns is None else seconds(end_ns - start_ns),
+        "begin": seconds(span[0] - start_ns) if span else 0.0,
+        "end": seconds(span[1] - start_ns) if span else None,
         "known": seconds(max(ahead.time_ns, playback.time_ns) - start_ns),
         "whole": ahead.whole,
         "rows": len(snapshot.series),
@@ -122,6 +123,11 @@ def marks_script(found: tuple[Mark, ...], start_ns: int) -> str:
     some = found[:: max(1, math.ceil(len(found) / MOST))]
     told = [[after(mark.time_ns - start_ns), mark.kind, mark.scan, mark.text] for mark in some]
     return f"window.hectorscope?.marks?.({json.dumps(told)})"
+
+
+def span_ns(playback: PlaybackStatus) -> tuple[int, int] | None:
+    """First and last time that can be gone to: of a recording, or of what is kept of a stream."""
+    return playback.kept_ns if playback.end_ns is None else (playback.start_ns, playback.end_ns)
 
 
 def seconds(time_ns: int) -> float:

@@ -1,6 +1,6 @@
 """The bar at the bottom: play, pause, step, restart, undo, speed, and the same as hotkeys.
 
-A stream has no steps and no speed: it shows none of them.
+A stream has no steps and no speed: it shows none of them, except while an earlier time of it is shown.
 """
 
 import math
@@ -16,6 +16,7 @@ from hectorscope.panels._format import clock, tip
 from hectorscope.panels._handles import put, put_value, show
 from hectorscope.session.commands import (
     ChangeSpeed,
+    GoLive,
     PlayPause,
     Restart,
     Save,
@@ -50,6 +51,7 @@ class TransportPanel:
             self._save = gui.add_button("Save the results", icon=Icon.DEVICE_FLOPPY, visible=False)
             gui.add_html('<i class="hs-mark hs-undo"></i>')
             self._undo = gui.add_button("Undo · U", icon=Icon.ARROW_BACK_UP, visible=False)
+            self._now = gui.add_button("Now · L", icon=Icon.BROADCAST, visible=False)
             self._clock = gui.add_html("")
             self._speed = gui.add_dropdown(
                 "Speed", tuple(SPEEDS), initial_value="1×", hint="Times real time. Keys [ and ]."
@@ -58,6 +60,7 @@ class TransportPanel:
         self._toggle.on_click(lambda _: scene.send(PlayPause()))
         self._step.on_click(lambda _: scene.send(StepScan()))
         self._save.on_click(lambda _: scene.send(Save()))
+        self._now.on_click(lambda _: scene.send(GoLive()))
         self._undo.on_click(lambda _: scene.send(Undo()))
         self._speed.on_update(self._choose_speed)
         self._add_hotkeys()
@@ -72,7 +75,8 @@ class TransportPanel:
             self._toggle.icon = Icon.PLAYER_PAUSE_FILLED if running else Icon.PLAYER_PLAY_FILLED
         show(self._save, snapshot.saves)
         for control in (self._step, self._speed):
-            show(control, not playback.live)
+            show(control, not playback.live or playback.lag is not None)
+        show(self._now, playback.lag is not None)
         self._draw_undo(snapshot.undo, monotonic())
         self._draw_speed(name_of_speed(playback.speed))
         put(self._clock, clock_html(playback))
@@ -101,6 +105,7 @@ class TransportPanel:
         self._hotkey("Step one scan", ".", Icon.PLAYER_TRACK_NEXT, lambda: send(StepScan()))
         self._hotkey("Back one scan", ",", Icon.PLAYER_TRACK_PREV, lambda: send(StepBack()))
         self._hotkey("Restart", "R", Icon.PLAYER_SKIP_BACK, lambda: send(Restart()))
+        self._hotkey("Back to now, of a stream", "L", Icon.BROADCAST, lambda: send(GoLive()))
         self._hotkey("Undo", "U", Icon.ARROW_BACK_UP, lambda: send(Undo()))
         self._hotkey("Slower", "[", Icon.MINUS, lambda: send(ChangeSpeed(-1)))
         self._hotkey("Faster", "]", Icon.PLUS, lambda: send(ChangeSpeed(+1)))

@@ -131,6 +131,27 @@ class Checkpoints:
         serving = (kept for kept in reversed(self._kept) if kept.serves_ns <= time_ns)
         return next(serving, None)
 
+    def until(self, time_ns: int | None, budget: int | None = None) -> "Checkpoints":
+        """Those before a time (None: all), for a run that is the same up to there. budget: None for as much."""
+        other = Checkpoints(self._budget if budget is None else budget)
+        other._apart = self._apart
+        other._kept = [kept for kept in self._kept if time_ns is None or kept.time_ns < time_ns]
+        other._count()
+        while other.nbytes > other._budget and len(other) > 1:
+            other._thin_out()
+        return other
+
+    def first(self, taken: int) -> Checkpoint | None:
+        """The first one behind so many items; None without any."""
+        return next((kept for kept in self._kept if kept.place.taken >= taken), None)
+
+    def forget_before(self, taken: int) -> None:
+        """Give up those that need an item before that number, once they are many."""
+        stale = sum(kept.place.taken < taken for kept in self._kept)
+        if stale * 8 > len(self._kept):
+            del self._kept[:stale]
+            self._count()
+
     def forget_from(self, time_ns: int) -> None:
         """Give up those at and after a time at which the settings changed."""
         self._kept = [kept for kept in self._kept if kept.time_ns < time_ns]

@@ -80,6 +80,12 @@ def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
         raise SettingsError(f"{path}: {error}") from error
 
 
+def from_tree(tree: dict[str, Any], base: SlamConfig | None = None) -> tuple[Settings, dict[str, OptionValue]]:
+    """The settings of a parsed file, and what it states of the sensors; ConfigError for bad ones."""
+    sensors = sensor_options(tree.get(_SENSORS, {}))
+    return _settings(tree, base or SlamConfig()), sensors
+
+
 def read_sensors(path: Path) -> dict[str, OptionValue]:
     """What a file, which `read_toml` has read, states of the sensors, by the names of `SENSOR_OPTIONS`."""
     return sensor_options(tomllib.loads(path.read_text(encoding="utf-8")).get(_SENSORS, {}))

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from copy import copy
 from functools import partial
 from itertools import count
 from operator import methodcaller
@@ -11,9 +12,11 @@ from typing import Any
 from hectorscope.inputs import Item, Source
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Settings
 from hectorscope.session.head import Head
 from hectorscope.session.rework import Rework
+from hectorscope.session.snapshot import Ahead
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
 from slam_core.results import StepResult
@@ -24,8 +27,9 @@ _numbers = count(1)
 class ActiveRun:
     """Everything that makes a run what it is: put aside and taken up again, it goes on as if nothing had been.
 
-    number: no other run has it. revision: grows with each change of settings. pipeline: what is shown. head: runs
-    ahead of it; None for a stream, and before `run_ahead`. checkpoints: of both.
+    number: no other run has it. slot: its number in the list of the session. revision: grows with each change of
+    settings. pipeline: what is shown. head: runs ahead of it; None for a stream, and before `run_ahead`.
+    checkpoints: of both.
     sought: whether it was said that the robot is not found in the map. folder: where it was saved.
     """
 
@@ -37,13 +41,14 @@ class ActiveRun:
         *,
         live: bool,
         checkpoints: Checkpoints | None = None,
+        slot: int = 0,
     ) -> None:
         self._begun = partial(Pipeline, start_ns=start_ns, prior_map=prior_map, live=live)
         self.pipeline = self._begun(settings)
         self.settings = settings
         self.checkpoints = Checkpoints() if checkpoints is None else checkpoints
         self.head: Head | None = None
-        self.number, self.revision = next(_numbers), 0
+        self.number, self.revision, self.slot = next(_numbers), 0, slot
         self.sought = False
         self.folder: Path | None = None
         self._ready: deque[Measurement] = deque()
@@ -51,10 +56,19 @@ class ActiveRun:
         self._outdated = False
 
     @property
-    def furthest(self) -> Pipeline:
-        """What is shown, or what has run ahead of it."""
-        ahead = self.head.pipeline if self.head else self.pipeline
-        return ahead if ahead.scans_read > self.pipeline.scans_read else self.pipeline
+    def ahead(self) -> Ahead:
+        """What is known of it, by what is shown or by what runs ahead of that."""
+        known = self.head.pipeline if self.head else self.pipeline
+        if known.scans_read < self.pipeline.scans_read:
+            known = self.pipeline
+        return Ahead(
+            lineage=(self.number, self.revision),
+            time_ns=known.time_ns,
+            whole=self.head is not None and self.head.done,
+            series=known.series.view(SERIES_DTYPE).reshape(-1),
+            settings=self.settings,
+            warned=known.warned.copy(),
+        )
 
     @property
     def waiting(self) -> Measurement | None:
@@ -77,6 +91,7 @@ class ActiveRun:
         """Let the scan that waits go by."""
         self._ready.popleft()
         self.pipeline.skip(reason)
+        self.checkpoints.forget_from(0)  # from before the gap nothing leads here
 
     def step_scan(self, *, rests: bool) -> StepResult | None:
         """Step the scan that waits. rests: what was before it is kept, so that it can be processed again."""
@@ -112,6 +127,12 @@ class ActiveRun:
         """Begin to run ahead of what is shown, by a reading of its own."""
         self.head = Head(source, self._begun, self.settings, self.checkpoints)
         return self.head
+
+    def twin(self) -> "ActiveRun":
+        """The same run, to be shown at another time; with the same checkpoints."""
+        other = copy(self)
+        other._ready, other._rework = deque(), None
+        return other
 
     def put_aside(self) -> None:
         """Another run is shown from now on: it has the budget of the checkpoints, and the time to run ahead."""

@@ -73,9 +73,14 @@ class Decline:
 
 @dataclass(frozen=True, slots=True)
 class Seek:
-    """Go to this time of the recording, by running up to it."""
+    """Go to this time of the recording, or of what is kept of a stream, by running up to it."""
 
     time_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class GoLive:
+    """Show a stream as it is now, after an earlier time of it was shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +136,52 @@ class Follow:
     """Show what a permalink asks for."""
 
     link: Permalink
+
+
+@dataclass(frozen=True, slots=True)
+class RunCommand:
+    """Of the runs of the session."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fork(RunCommand):
+    """The shown run stays in the list as it is, and another one goes on from here. name: empty for any."""
+
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ShowRun(RunCommand):
+    """Show the run of this number, where it was last looked at."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class RenameRun(RunCommand):
+    """Another name for the run of this number."""
+
+    number: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class RemoveRun(RunCommand):
+    """Take the run of this number out of the list."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class KeepRun(RunCommand):
+    """Write the shown run to the folder for runs."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompareRun(RunCommand):
+    """Show the run of this number beside the shown one, at the same time; 0 for none."""
+
+    number: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,6 +242,7 @@ Command = (
     | Agree
     | Decline
     | Seek
+    | GoLive
     | Configure
     | ConfigureAll
     | Save
@@ -199,6 +251,7 @@ Command = (
     | Open
     | OpenUploaded
     | Follow
+    | RunCommand
     | Identified
     | Inspect
     | Examine

@@ -20,6 +20,7 @@ from hectorscope.session.commands import (
     PlayPause,
     Repair,
     Restart,
+    RunCommand,
     Save,
     Seek,
     SetSpeed,
@@ -34,12 +35,15 @@ from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
 from hectorscope.session.probes import Probes
 from hectorscope.session.questions import Questions
+from hectorscope.session.run_commands import RunCommands
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
 from hectorscope.session.transport import valid_speed
 from slam_core.errors import SlamError
 
 NEEDS_RECORDING = (Restart, Seek, StepScan, StepBack, Repair, Save)
+# What is done at the time that is shown; all else is done to the run, which may be further.
+SHOWN = (Play, Pause, StepScan, StepBack, SetSpeed, ChangeSpeed, Seek, Save, ListRecordings)
 
 
 class Control:
@@ -58,6 +62,7 @@ class Control:
         self._session, self._saver, self._library, self._opening = session, saver, library, opening
         self._examiner = examiner
         self._following = Following(session, library, opening)
+        self._runs = RunCommands(session, library, self._following)
         self._transport = session.transport
 
     @property
@@ -81,6 +86,8 @@ class Control:
         if isinstance(command, PlayPause):
             command = Pause() if self._transport.running else Play()
         session = self._session
+        if not isinstance(command, SHOWN):
+            session.go_live()
         would_lose = self._following.loss(command.link) if isinstance(command, Follow) else None
         if self._live and not would_lose:
             would_lose = loss(command, session.run.pipeline, session.change, stopped=self._transport.stopped)
@@ -109,7 +116,7 @@ class Control:
                 self._begin_again(command)
             case Undo() | Agree() | Decline() | Inspect():
                 self._answer(command)
-            case ListRecordings() | Open() | OpenUploaded() | Follow():
+            case ListRecordings() | Open() | OpenUploaded() | Follow() | RunCommand():
                 self._show_other(command)
 
     def _pace(self, command: StepScan | StepBack | SetSpeed | ChangeSpeed) -> None:
@@ -135,7 +142,7 @@ class Control:
             case Seek(time_ns):
                 self._session.seek(time_ns)
 
-    def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow) -> None:
+    def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow | RunCommand) -> None:
         try:
             match command:
                 case ListRecordings():
@@ -146,12 +153,17 @@ class Control:
                     self._open(self._library.add(path, name))
                 case Follow(link):
                     self._following.follow(link)
+                case _:
+                    self._runs.obey(command)
         except SlamError as error:
             self._refuse(str(error))
         finally:
             self._opening("")
 
     def _open(self, key: str) -> None:
+        if run := self._library.kept_run(key):
+            self._following.follow_kept(run)
+            return
         self._opening(f"Opening {self._library.name(key)}")
         self._session.open(*self._library.open(key))
 
@@ -171,7 +183,7 @@ class Control:
 
     def _pause(self) -> None:
         """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""
-        on = self._transport.running and not self._live
+        on = self._transport.running and not self._transport.live
         self._transport.pause()
         if on:
             self._transport.step()
@@ -197,7 +209,7 @@ class Control:
             if isinstance(command, Examine):
                 self._examiner.start(self._session.source)
             else:
-                self._saver.start(self._session.run, self._session.report)
+                self._saver.start(self._session.newest, self._session.report)
         except SlamError as error:
             self._refuse(str(error))
 

@@ -24,15 +24,15 @@ from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
-from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.snapshot import ListedRun, Snapshot
+from hectorscope.session.spare_time import use_time
 from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
 
 ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
-AHEAD_S = 0.008  # how long a command or a scan may wait while the recording is run ahead
-BREAK_S = 0.001  # between two such slices the threads that serve the page have the interpreter
+LOOK_BACK_S = 300.0
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
 
 _logger = logging.getLogger("hectorscope")
@@ -45,6 +45,7 @@ class Engine:
     there already. library: what can be opened instead.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
+    look_back: seconds of a stream that are kept, to be shown again while the run goes on.
     prepare: called on the engine's thread before anything is read, with what shows on the page what the run waits
     for, then or later, from any thread.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
@@ -69,6 +70,7 @@ class Engine:
         out: Path | None = None,
         checkpoints: int = BUDGET_MB,
         runs_ahead: bool = True,
+        look_back: float = LOOK_BACK_S,
         prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
         source = source or NoRecording()
@@ -88,6 +90,7 @@ class Engine:
             self._publisher,
             budget,
             runs_ahead=runs_ahead,
+            look_back=look_back,
         )
         self._saver = Saver(out, self._commands.put)
         self._library = library or Library()
@@ -132,7 +135,7 @@ class Engine:
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return self._saver.finish(self._session.run, self._session.source.report)
+        return self._saver.finish(self._session.newest, self._session.source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -193,20 +196,14 @@ class Engine:
             self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
             if patience == 0.0 and self._commands.empty():
                 return None
-            left = (patience, self._control.patience, self._run_ahead(patience))
+            turn = use_time(self._session, patience, self._guard) if self._commands.empty() else None
+            left = (patience, self._control.patience, turn)
             sooner = min((seconds for seconds in left if seconds is not None), default=None)
             try:
                 return self._commands.get(timeout=sooner)
             except Empty:
                 if sooner == patience:
                     return None
-
-    def _run_ahead(self, patience: float | None) -> float | None:
-        """Use the time before the next scan to run ahead; seconds until the next such turn, if any."""
-        slice_s = AHEAD_S if patience is None else min(AHEAD_S, patience)
-        if slice_s < BREAK_S or not self._commands.empty() or not self._session.run_ahead(slice_s):
-            return None
-        return BREAK_S
 
     def _is_paced(self, waiting: Measurement) -> bool:
         """Whether it is a scan that waits for its time; there is nothing to see before the filter is aligned."""
@@ -218,6 +215,7 @@ class Engine:
 
     def _advance(self) -> None:
         """One item read, or one measurement stepped."""
+        self._session.step_front()
         waiting = self._session.run.waiting
         if waiting is None:
             self._fetch()
@@ -240,6 +238,7 @@ class Engine:
     def _scan(self, stamp_ns: int) -> None:
         self._publisher.touch()
         if self._transport.arrives(stamp_ns):
+            self._session.arrived()
             self._seek_on()
             return
         if self._transport.unwanted:
@@ -263,33 +262,41 @@ class Engine:
         if result is None and run.pipeline.searching and not run.sought:
             run.sought = True
             self._session.log(f"The robot is not found in the map yet: {run.pipeline.searching}", "warning")
-        if change := change_of_tracking(before, result):
+        if not self._session.past.front and (change := change_of_tracking(before, result)):
             self._session.log(*change)
 
     def _end(self) -> None:
         session = self._session
         session.intake.check()
+        if session.past.front:
+            session.go_live()
+            return
         if not (pipeline := session.run.pipeline).scans:
             raise nothing_used(session.source.name, session.report.skipped, pipeline.slam)
+        session.arrived()
         self._transport.end()
         self._publisher.touch()
         self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
         self._seek_on()
 
     def _fail(self, reason: str) -> None:
-        self._transport.fail(reason)
         self._session.log(reason, "error")
+        if self._session.past.front:  # if it is the run itself that fails, it will again
+            self._session.go_live()
+            return
+        self._transport.fail(reason)
         source = self._session.source
         if isinstance(source, Repairable) and source.repairs and source.report.findings:
             self.send(Repair())
 
     def _publish(self, resting: bool) -> None:
-        if self._transport.hurries:
+        if self._transport.hurries or not self._publisher.due(resting, live=self._session.source.live):
             return
+        self._publisher.publish(self._composed(), complete=resting)
+
+    def _composed(self) -> Run:
         session = self._session
-        if not self._publisher.due(resting, live=session.source.live):
-            return
-        run = Run(
+        return Run(
             source=session.source,
             pipeline=session.run.pipeline,
             transport=self._transport,
@@ -300,14 +307,26 @@ class Engine:
             obeyed=self._obeyed,
             question=self._control.questions.open,
             undo=session.undone.offer,
-            ahead=session.ahead,
+            ahead=session.newest.ahead,
             behind=session.intake.behind,
+            lag=session.lag,
+            kept_ns=session.kept_ns,
             library=self._library.listed,
             recording=self._recording(),
             examined=self._examiner.found(session.source),
             views=self._control.probes.views(session.run),
+            runs=self._runs(),
+            shown_run=session.run.slot,
+            keeps=self._library.kept.folder is not None,
+            compared=session.comparison.state(session.run.pipeline) if session.comparison else None,
         )
-        self._publisher.publish(run, complete=resting)
+
+    def _runs(self) -> tuple[ListedRun, ...]:
+        """Those of the session; without the shown one as long as nothing is open, or a stream is."""
+        session = self._session
+        if session.run.pipeline.scans and not session.source.live:
+            session.note_run()
+        return session.runs.listed()
 
     def _recording(self) -> Identity | None:
         """What is shown, by its content: it is read for that once the run goes, and not before."""

@@ -1,8 +1,10 @@
 """Follows a permalink: the recording, the settings and the time that it asks for, by what a hand could do too."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
+from hectorscope.inputs import OptionValue
 from hectorscope.run.permalink import Permalink, PermalinkError
+from hectorscope.run.run_file import RunFile
 from hectorscope.session.changes import check_map
 from hectorscope.session.library import Library
 from hectorscope.session.losses import Loss
@@ -33,19 +35,35 @@ class Following:
             "Stay here",
         )
 
-    def follow(self, link: Permalink) -> None:
-        """Show what the link asks for, and rest there; SlamError, and nothing is changed, if that cannot be."""
+    def follow(
+        self,
+        link: Permalink,
+        sensors: Mapping[str, OptionValue] | None = None,
+        slot: int | None = None,
+    ) -> None:
+        """Show what the link asks for, and rest there; SlamError, and nothing is changed, if that cannot be.
+
+        sensors: the `SENSOR_OPTIONS` to open the recording with; None for those of now. slot: the number of a run
+        of the list, in which the present one stays; None for one more.
+        """
         session = self._session
         check_map(link.settings.start.map, session.prior_map)
-        if not self._is_open(link):
-            self._open(link)
+        if not self._is_open(link) or sensors not in (None, session.source.report.sensors):
+            self._open(link, sensors, slot)
+        elif slot is not None:
+            session.switch(link.settings, slot)
         elif session.run.settings != link.settings:
-            session.begin(link.settings, "following a link")
+            session.begin(link.settings, "following a link", session.new_slot(link.name))
         session.given = link.settings
         session.transport.pause()
         session.seek((session.run.pipeline.start_ns or 0) + link.offset_ns)
 
-    def _open(self, link: Permalink) -> None:
+    def follow_kept(self, run: RunFile) -> None:
+        """Show a kept run; once it is there, it is compared with what was kept of it."""
+        self.follow(run.link, run.sensors)
+        self._session.expected = run
+
+    def _open(self, link: Permalink, sensors: Mapping[str, OptionValue] | None, slot: int | None) -> None:
         self._opening("Looking for the recording of the link")
         key = self._library.find(link.recording)
         if key is None:
@@ -55,7 +73,8 @@ class Following:
                 " link again"
             )
         self._opening(f"Opening {self._library.name(key)}")
-        self._session.open(*self._library.open(key), link.settings)
+        session, (source, path) = self._session, self._library.open(key, sensors or {})
+        session.open(source, path, link.settings, session.new_slot(link.name) if slot is None else slot)
 
     def _is_open(self, link: Permalink) -> bool:
         path = self._session.intake.path

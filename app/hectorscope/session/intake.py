@@ -3,10 +3,11 @@
 from collections import deque
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 from hectorscope.inputs import Item, Source
 from hectorscope.run.checkpoints import Place
-from hectorscope.session.feeder import Feeder
+from hectorscope.session.feeder import APART, Feeder
 from slam_core.measurements import LaserScan
 
 
@@ -18,14 +19,27 @@ class Aside:
     came: deque[Item] = field(default_factory=deque)
 
 
+class Keeps(Protocol):
+    """Takes the items of a stream, which are shown again later. end: how many it has had."""
+
+    @property
+    def end(self) -> int:
+        """So many."""
+
+    def add(self, item: Item) -> None:
+        """One more."""
+
+
 class Intake:
     """Hands out items one by one. A recording begins anew, or after so many items; a stream flows on.
 
-    path: where the recording lies, if that is known.
+    path: where the recording lies, if that is known. keeps: gets what is handed out of a stream.
     """
 
     def __init__(self, source: Source, path: Path | None = None) -> None:
         self.source, self.path = source, path
+        self.keeps: Keeps | None = None
+        self._scans = 0
         self._feeder: Feeder | None = None
         self._taken = 0
         self._place: Place | None = None
@@ -59,12 +73,24 @@ class Intake:
         if self._backlog:
             while (fresh := self._fresh(0.0)) is not None:  # or the queue would give up scans meanwhile
                 self._backlog.append(fresh)
-            return self._backlog.popleft()
-        item = self._fresh(timeout)
-        if item is not None and not self.source.live:
-            self._taken += 1
-            self._place = self._feeder.place(self._taken)
+            item: Item | None = self._backlog.popleft()
+        else:
+            item = self._fresh(timeout)
+        if item is not None:
+            self._note(item, self._feeder)
         return item
+
+    def _note(self, item: Item, feeder: Feeder) -> None:
+        """Where the next item comes from, of a stream behind every so many scans."""
+        if not self.source.live:
+            self._taken += 1
+            self._place = feeder.place(self._taken)
+        elif self.keeps is not None:
+            self.keeps.add(item)
+            self._scans += isinstance(item, LaserScan)
+            end, is_due = self.keeps.end, self._scans == APART
+            self._place = Place(end, end) if is_due else None
+            self._scans = 0 if is_due else self._scans
 
     @property
     def begun(self) -> bool:

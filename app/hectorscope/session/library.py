@@ -4,12 +4,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from types import MappingProxyType
 
 from hectorscope.common.paths import absence
 from hectorscope.common.recent import Recent
-from hectorscope.inputs import Source
+from hectorscope.inputs import OptionValue, Source
 from hectorscope.run.fingerprint import Identity
+from hectorscope.run.run_file import RunFile
 from hectorscope.session.identities import Identities
+from hectorscope.session.kept_runs import GROUP as KEPT
+from hectorscope.session.kept_runs import KeptRuns
 from hectorscope.session.snapshot import Listed
 from hectorscope.sources import is_inside, recordings_in
 from slam_core.errors import SlamError
@@ -32,7 +36,10 @@ class _Found:
     below: Path | None = None
 
 
-def no_opening(path: Path) -> Source:
+Opened = Callable[[Path, Mapping[str, OptionValue]], Source]
+
+
+def no_opening(path: Path, _: Mapping[str, OptionValue]) -> Source:
     """For an engine that shows one source only."""
     raise LibraryError(f"{path.name} cannot be opened from here: start the program with it")
 
@@ -40,20 +47,22 @@ def no_opening(path: Path) -> Source:
 class Library:
     """A page asks by a key from the list that was made here; no path of a page reaches the disk.
 
-    opened: opens what is at a path; SlamError if that cannot be. Each is given as a whole: folders, demos by name.
+    opened: opens what is at a path, with `SENSOR_OPTIONS`; SlamError if that cannot be. demos: by name.
+    kept: runs, which are listed too.
     """
 
     def __init__(
         self,
-        opened: Callable[[Path], Source] = no_opening,
+        opened: Opened = no_opening,
         folders: Sequence[Path] = (),
         demos: Mapping[str, Path] | None = None,
         recent: Recent | None = None,
+        kept: KeptRuns | None = None,
     ) -> None:
         self.listed: tuple[Listed, ...] = ()
         self.identities = Identities()
         self._opened, self._folders, self._demos = opened, folders, demos or {}
-        self._recent = recent or Recent(None)
+        self._recent, self.kept = recent or Recent(None), kept or KeptRuns(None)
         self._uploaded: list[_Found] = []
         self._keys: dict[_Found, str] = {}
         self._found: dict[str, _Found] = {}
@@ -71,6 +80,7 @@ class Library:
                 yield _Found(path, path.relative_to(folder.resolve()).as_posix(), folder.resolve().name, folder)
         yield from (_Found(path, f"{path.parent.name}/{path.name}", RECENT) for path in self._recent.paths())
         yield from (_Found(path, name, DEMOS) for name, path in self._demos.items())
+        yield from (_Found(Path(run.key), run.name, run.group) for run in self.kept.listed())
 
     def _key(self, found: _Found) -> str:
         """The same for the same recording, as long as the program runs."""
@@ -89,21 +99,32 @@ class Library:
     def find(self, wanted: Identity) -> str | None:
         """The key of the recording with this content, or None. Those of its size are read for that."""
         self.refresh()
-        same = (key for key, found in self._found.items() if self.identities.is_at(wanted, found.path))
-        return next(same, None)
+        recordings = ((key, found.path) for key, found in self._found.items() if found.group != KEPT)
+        return next((key for key, path in recordings if self.identities.is_at(wanted, path)), None)
 
-    def open(self, key: str) -> tuple[Source, Path]:
+    def keep(self, run: RunFile) -> str:
+        """Write a run to the folder for them; the name that it has in the list."""
+        name = self.kept.keep(run)
+        self.refresh()
+        return name
+
+    def kept_run(self, key: str) -> RunFile | None:
+        """What is kept under a key; None if that is no run. SlamError for a bad one."""
+        found = self._found.get(key)
+        return self.kept.load(found.name) if found and found.group == KEPT else None
+
+    def open(self, key: str, sensors: Mapping[str, OptionValue] = MappingProxyType({})) -> tuple[Source, Path]:
         """The recording of a key, and where it lies.
 
         SlamError for one that is not in the list, is gone, or cannot be read.
         """
         found = self._found.get(key)
-        if found is None:
+        if found is None or found.group == KEPT:
             raise LibraryError("This recording is not in the list: open the list again")
         if found.below is not None and not is_inside(found.path, found.below.resolve()):
             raise LibraryError(f"{found.name} is no longer in its folder: open the list again")
         try:
-            source = self._opened(found.path)
+            source = self._opened(found.path, sensors)
         except SlamError as error:  # which names the path: that is the server's own
             raise LibraryError(str(error).replace(str(found.path), found.name)) from error
         if found.group == UPLOADED:

@@ -15,7 +15,17 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.snapshot import Ahead, Listed, LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
+from hectorscope.session.snapshot import (
+    Ahead,
+    Compared,
+    Listed,
+    ListedRun,
+    LogEntry,
+    PlaybackStatus,
+    Question,
+    Snapshot,
+    UndoOffer,
+)
 from hectorscope.session.transport import Transport
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
@@ -32,7 +42,7 @@ LogLevel = Literal["info", "warning", "error"]
 class Run:
     """What a snapshot is composed of. config: the one in force now. behind: scans of a stream to catch up with.
 
-    The others: as in a `Snapshot`.
+    lag, kept_ns: as in a `PlaybackStatus`. The others: as in a `Snapshot`.
     """
 
     source: Source
@@ -47,10 +57,16 @@ class Run:
     undo: UndoOffer | None
     ahead: Ahead
     behind: int
+    lag: float | None
+    kept_ns: tuple[int, int] | None
     library: tuple[Listed, ...]
     recording: Identity | None
     views: Mapping[int, View | None]
     examined: tuple[Finding, ...] | None
+    runs: tuple[ListedRun, ...]
+    shown_run: int
+    keeps: bool
+    compared: Compared | None
 
 
 class Publisher:
@@ -123,6 +139,10 @@ class Publisher:
             undo=run.undo,
             library=run.library,
             recording=run.recording,
+            runs=run.runs,
+            shown_run=run.shown_run,
+            keeps=run.keeps,
+            compared=run.compared,
             ahead=run.ahead,
             views=run.views,
             examined=run.examined,
@@ -163,6 +183,8 @@ def status(run: Run) -> PlaybackStatus:
     detail = transport.opening or transport.failure or source.report.waiting
     if run.behind:
         detail = detail or f"catching up with the stream: {run.behind} scans behind"
+    if run.lag is not None:
+        detail = f"behind by {run.lag:.0f} s"
     if transport.processed_again:
         detail = detail or "scan processed again"
     if transport.target_ns is not None:
@@ -178,6 +200,8 @@ def status(run: Run) -> PlaybackStatus:
         realtime_factor=transport.meter.realtime_factor,
         scan_rate=transport.meter.scan_rate,
         detail=detail,
+        kept_ns=run.kept_ns,
+        lag=run.lag,
         seeks=transport.seeks,
         preparing=transport.preparing,
         prepared=transport.prepared,

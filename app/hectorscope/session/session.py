@@ -5,28 +5,34 @@ from pathlib import Path
 
 from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
-from hectorscope.run.series import SERIES_DTYPE
+from hectorscope.run.run_file import RunFile, hash_of
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
 from hectorscope.session.commands import Configure, ConfigureAll
+from hectorscope.session.comparison import Comparison
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
+from hectorscope.session.look_back import LookBack
 from hectorscope.session.no_recording import NoRecording
-from hectorscope.session.publisher import LogLevel, Publisher
-from hectorscope.session.snapshot import Ahead, LogEntry
+from hectorscope.session.publisher import LogLevel, Publisher, change_of_tracking
+from hectorscope.session.runs import NamedRun, Runs, RunsError, first_difference
+from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
-from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
+from hectorscope.session.undo import Kept, KeptName, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
 
+COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
+NOW_NS = 500_000_000  # of a stream: so near to its end somebody wants to see it as it is
 PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 
 
 class Session:
     """Belongs to the engine's thread. epoch: grows whenever what was drawn is no longer true.
 
-    given: the settings that the recording was opened with; others were set by hand since.
+    given: the settings that the recording was opened with; others were set by hand since. expected: a kept run on
+    its way to where it was kept.
     """
 
     def __init__(
@@ -39,26 +45,35 @@ class Session:
         budget: int,
         *,
         runs_ahead: bool = True,
+        look_back: float = 0.0,
     ) -> None:
-        """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown."""
+        """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown.
+
+        look_back: seconds of a stream that are kept.
+        """
         self.transport = transport
+        self._look_back = look_back
         self._read(intake)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
         self.prior_map, self._publisher = prior_map, publisher
         self._budget, self._runs_ahead = budget, runs_ahead
         self.given = settings
-        self.run = self._new_run(intake.source, settings, None)
+        self.runs = Runs()
+        self.comparison: Comparison | None = None
+        self.expected: RunFile | None = None
+        self.run = self._new_run(intake.source, settings, None, self.runs.new())
 
-    def _new_run(self, source: Source, settings: Settings, now_ns: int | None) -> ActiveRun:
+    def _new_run(self, source: Source, settings: Settings, now_ns: int | None, slot: int) -> ActiveRun:
         start_ns = source.span_ns[0] if source.span_ns else now_ns
         kept = Checkpoints(self._budget)
-        return ActiveRun(settings, start_ns, self.prior_map, live=source.live, checkpoints=kept)
+        return ActiveRun(settings, start_ns, self.prior_map, live=source.live, checkpoints=kept, slot=slot)
 
     @property
     def source(self) -> Source:
         """What the shown run reads."""
-        return self.intake.source
+        intake = self.past.front[1] if self.past.front else self.intake
+        return intake.source
 
     @property
     def now_ns(self) -> int:
@@ -68,21 +83,8 @@ class Session:
     @property
     def report(self) -> SourceReport:
         """Counters of the source, the queue and the core."""
-        return merged(self.source.report, self.run.pipeline.skipped, self.intake.dropped)
-
-    @property
-    def ahead(self) -> Ahead:
-        """What is known of the run, by what is shown or by what runs ahead of it."""
-        run = self.run
-        known = run.furthest
-        return Ahead(
-            lineage=(run.number, run.revision),
-            time_ns=known.time_ns,
-            whole=run.head is not None and run.head.done,
-            series=known.series.view(SERIES_DTYPE).reshape(-1),
-            settings=run.settings,
-            warned=known.warned.copy(),
-        )
+        intake = self.past.front[1] if self.past.front else self.intake
+        return merged(self.source.report, self.newest.pipeline.skipped, intake.dropped)
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
@@ -90,7 +92,8 @@ class Session:
 
     def entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
         """The same, to be logged later."""
-        return LogEntry(self.run.pipeline.time_ns, text, level, self.run.pipeline.scans, answer)
+        pipeline = self.newest.pipeline
+        return LogEntry(pipeline.time_ns, text, level, pipeline.scans, answer)
 
     # ---------------------------------------------------------------------------------------------- beginning
 
@@ -109,21 +112,43 @@ class Session:
         self.intake.close()
         self.begin(self.run.settings, "repair")
 
-    def begin(self, settings: Settings, what: str = "") -> None:
-        """A new run takes the place of the present one, which is kept for a minute if `what` says why."""
+    def begin(self, settings: Settings, what: str = "", slot: int | None = None) -> None:
+        """A new run takes the place of the present one, which is kept for a minute if `what` says why.
+
+        slot: its number in the list of runs; None for that of the present one.
+        """
         now_ns = self.run.pipeline.time_ns or None
-        run = self._new_run(self.source, settings, now_ns)  # may want more memory than there is
+        slot = self.run.slot if slot is None else slot
+        run = self._new_run(self.source, settings, now_ns, slot)  # may want more memory than there is
         self._put_aside(what)
+        self._begin(run)
+
+    def switch(self, settings: Settings, slot: int) -> None:
+        """Another run of the list and of the recording takes the place of the present one, which stays there."""
+        run = self._new_run(self.source, settings, None, slot)
+        run.checkpoints = self.run.checkpoints.until(first_difference(self.run.settings, settings))
+        self._put_aside("")
+        self.undone.forget_values()
+        self._begin(run)
+        if self.compared_with == slot:
+            self.compare(0)
+
+    def _begin(self, run: ActiveRun) -> None:
         self.run = run
         self.intake.begin()
         self.transport.begin()
         self._show_anew()
 
-    def open(self, source: Source, path: Path, settings: Settings | None = None) -> None:
-        """Another recording, with the settings of now from its start, or others; the run is kept for a minute."""
+    def open(self, source: Source, path: Path, settings: Settings | None = None, slot: int | None = None) -> None:
+        """Another recording, with the settings of now from its start, or others; the run is kept for a minute.
+
+        slot: its number in the list of runs; None for one more.
+        """
+        slot = self.new_slot() if slot is None else slot
         given = settings or Settings(self.run.settings.at(self.now_ns))
-        run = self._new_run(source, given, None)
+        run = self._new_run(source, given, None, slot)
         self.given = given
+        self.compare(0)
         self._put_aside(f"opening {source.name}")
         before, self.run, self._publisher.event_log = self.intake, run, EventLog()
         before.begin()
@@ -135,6 +160,8 @@ class Session:
     def _read(self, intake: Intake) -> None:
         self.intake = intake
         self.transport.live, self.transport.empty = intake.source.live, isinstance(intake.source, NoRecording)
+        self.past = LookBack(self._look_back if intake.source.live else 0.0)
+        intake.keeps = self.past.items
         self._is_rereadable = isinstance(intake.source, Rereadable) and not intake.source.live
 
     def _put_aside(self, what: str) -> None:
@@ -151,6 +178,8 @@ class Session:
 
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
+        self.go_live()
+        self.compare(0)
         self.run.put_aside()
         self.undone.clear()
         self.intake.end()
@@ -162,12 +191,19 @@ class Session:
             self.log("There is nothing to undo any more: a minute has passed", "warning", answer=True)
             return
         what, before = kept
-        if isinstance(before, KeptRun):
+        if isinstance(before, KeptName):
+            self.runs.put(before.run)
+        elif isinstance(before, KeptRun):
+            self.note_run()
             self.run.put_aside()
             self.run, self._publisher.event_log = before.run, before.event_log
             left = self.intake
-            self._read(before.intake)
+            if left is not before.intake:
+                self._read(before.intake)
+            if left is not before.intake or self.compared_with == self.run.slot:
+                self.compare(0)
             self._let_go(left)
+            self.note_run()
             self.intake.resume(before.aside)
             self.transport.resume(before.stand)
             self._show_anew()
@@ -190,14 +226,22 @@ class Session:
 
         While a seek is about to arrive, the newest wanted time waits for it: each drag of a hand shows something.
         """
-        span = self.source.span_ns
+        span = self.source.span_ns or self.kept_ns
         if span is None:
-            self.log("A live stream has no other times: nothing was sought", "warning", answer=True)
+            self.log("Nothing of the stream is kept yet: nothing was sought", "warning", answer=True)
             return
+        self.expected = None
         time_ns = min(max(time_ns, span[0]), span[1])
         if self.transport.hurries:
             self.transport.wanted_ns = time_ns
             return
+        if self.source.live:
+            if time_ns > span[1] - NOW_NS:
+                self.go_live()
+                return
+            if self.past.front is None:
+                self.run, self.intake = self.past.leave_now(self.run, self.intake)
+                self.transport.look_back()
         checkpoint = self.run.checkpoints.before(time_ns)
         now_ns = self.run.pipeline.time_ns
         back = bool(self.transport.failure) or time_ns < now_ns
@@ -207,6 +251,36 @@ class Session:
             if rests:  # a jump from the end is to look there, not to go on to the end again
                 self.transport.pause()
         self.transport.seek(time_ns)
+
+    @property
+    def newest(self) -> ActiveRun:
+        """The run as it is now, whatever time of it is shown."""
+        return self.past.front[0] if self.past.front else self.run
+
+    @property
+    def kept_ns(self) -> tuple[int, int] | None:
+        """First and last time of a stream that can be shown; None without any."""
+        return self.past.span_ns(self.newest)
+
+    @property
+    def lag(self) -> float | None:
+        """Seconds from what is shown to the run as it is now; None if it is shown as it is now."""
+        behind_ns = self.newest.pipeline.time_ns - self.run.pipeline.time_ns
+        return behind_ns / 1e9 if self.past.front else None
+
+    def step_front(self) -> None:
+        """Let the run of a stream go on by a scan, if there is one, while an earlier time is shown."""
+        if change := change_of_tracking(*self.past.advance()):
+            self.log(*change)
+
+    def go_live(self) -> None:
+        """Show the run of a stream as it is now."""
+        if self.past.front is None:
+            return
+        self.intake.close()
+        (self.run, self.intake), self.past.front = self.past.front, None
+        self.transport.go_live()
+        self._show_anew()
 
     def step_back(self) -> None:
         """Go to the scan before the last one, if there is one."""
@@ -226,12 +300,15 @@ class Session:
         self._show_anew()
 
     def keep(self) -> None:
-        """Keep a checkpoint if the run is at a place where the recording can be gone on from."""
-        if place := self.intake.place:
-            self.run.checkpoints.add(self.run.pipeline, place)
+        """Keep a checkpoint if the run is at a place where it can be gone on from."""
+        if self.past.front is None:
+            self.past.keep(self.run, self.intake)
 
     def run_ahead(self, seconds: float) -> bool:
-        """Run on ahead of what is shown for about so long; whether there is more to do."""
+        """Run on with the compared run, or ahead of what is shown, for about so long; whether there is more."""
+        if self.comparison and self.comparison.advance(seconds, self.run.pipeline.time_ns):
+            self._publisher.touch()
+            return True
         head = self.run.head or self._begun_head()
         if head is None or head.done:
             return False
@@ -247,6 +324,69 @@ class Session:
         source = self.source.again() if isinstance(self.source, Rereadable) else None
         self._is_rereadable = source is not None
         return self.run.run_ahead(source) if source else None
+
+    # --------------------------------------------------------------------------------------------------- runs
+
+    def note_run(self) -> None:
+        """Put the shown run into the list as it is now."""
+        run, pipeline = self.run, self.run.pipeline
+        offset_ns = max(
+            0,
+            (self.transport.wanted_ns or self.transport.target_ns or pipeline.time_ns) - (pipeline.start_ns or 0),
+        )
+        name = self.runs.name(run.slot)
+        noted = NamedRun(run.slot, name, self.source.name, self.intake.path, run.settings, offset_ns)
+        self.runs.put(noted)
+
+    def arrived(self) -> None:
+        """A seek has ended: a kept run that was opened is compared with what was kept of it."""
+        kept, self.expected, pipeline = self.expected, None, self.run.pipeline
+        if kept is None or self.run.settings != kept.link.settings:
+            return
+        if (pipeline.scans, hash_of(pipeline.trajectory)) == (kept.scans, kept.trajectory_sha256):
+            self.log(f"{kept.link.name}: the same trajectory to the byte as when it was kept ({kept.scans} scans)")
+        else:
+            self.log(
+                f"{kept.link.name} differs from when it was kept: {pipeline.scans} scans, {kept.scans} then."
+                " Another version of the program or another --map was used",
+                "warning",
+                answer=True,
+            )
+
+    def new_slot(self, name: str = "") -> int:
+        """The number of one more run; the shown one is noted. The first recording has that of the beginning."""
+        if not self.transport.empty:
+            self.note_run()
+            return self.runs.new(name)
+        if name:
+            self.runs.rename(self.run.slot, name)
+        return self.run.slot
+
+    def keep_removed(self, run: NamedRun) -> None:
+        """For a minute."""
+        self.undone.push(f"removing {run.name}", KeptName(run))
+
+    @property
+    def compared_with(self) -> int:
+        """The number of the run that is compared; 0 for none."""
+        return self.comparison.run.number if self.comparison else 0
+
+    def compare(self, number: int) -> None:
+        """Compare with the run of this number, of the shown recording; 0 for none. RunsError if that cannot be."""
+        if number == 0:
+            if self.comparison:
+                self.comparison.close()
+            self.comparison = None
+            return
+        run, pipeline = self.runs[number], self.run.pipeline
+        if number == self.run.slot or run.path != self.intake.path or not pipeline.scans:
+            raise RunsError(f"{run.name} cannot be compared: choose another run of the recording that is shown")
+        known = self.run.checkpoints.until(
+            first_difference(self.run.settings, run.settings), self._budget // COMPARED_SHARE
+        )
+        made = Comparison(run, self.source, pipeline.start_ns, self.prior_map, known)
+        self.compare(0)
+        self.comparison = made
 
     # ----------------------------------------------------------------------------------------------- settings
 

@@ -26,8 +26,10 @@ PlaybackState = Literal["empty", "loading", "playing", "paused", "seeking", "end
 class PlaybackStatus:
     """Where the run is. Times are of the recording; a live stream has no end (end_ns None).
 
-    state: "empty" while no recording is open. seeks: how many have arrived. preparing: what the run waits for
-    until it can go on, empty if for nothing. prepared: the share of it that is done, if known.
+    state: "empty" while no recording is open. kept_ns: first and last time that a stream can be shown at; None for
+    a recording, or if there is none yet. lag: seconds that an earlier time of a stream is behind it; None if it is
+    shown as it is now. seeks: how many have arrived. preparing: what the run waits for until it can go on, empty
+    if for nothing. prepared: the share of it that is done, if known.
     """
 
     state: PlaybackState = "loading"
@@ -39,6 +41,8 @@ class PlaybackStatus:
     realtime_factor: float = 0.0
     scan_rate: float = 0.0
     detail: str = ""
+    kept_ns: tuple[int, int] | None = None
+    lag: float | None = None
     seeks: int = 0
     preparing: str = ""
     prepared: float | None = None
@@ -75,6 +79,36 @@ class Listed:
     key: str
     name: str
     group: str
+
+
+@dataclass(frozen=True, slots=True)
+class ListedRun:
+    """A run of the session. source: the name of its recording. offset_ns: where it was last looked at."""
+
+    number: int
+    name: str
+    source: str
+    offset_ns: int
+    settings: Settings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """Another run of the shown recording, at the same time of it or on the way there. whole: whether it is there.
+
+    map: its finest level. map_apart: (n, 2) seconds since the start, and the share of the cells of that level in
+    which both differed then. The others as in a `Snapshot`.
+    """
+
+    number: int
+    name: str
+    settings: Settings
+    whole: bool
+    trajectory: NDArray[np.float64]
+    truth_in_map: NDArray[np.float64]
+    series: NDArray[np.void]
+    map: MapImage | None
+    map_apart: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +150,8 @@ class Snapshot:
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
     question: what waits for an answer. undo: what can be taken back. library: what else can be opened.
-    recording: by its content, once known; None for a stream.
+    recording: by its content, once known; None for a stream. runs, shown_run: those of the session, and the number
+    of the shown one. keeps: whether there is a folder for them. compared: the run that it is compared with.
     ahead: of the same run, with what follows.
     views: what each browser that looks closer sees of its beam or cell, by the number of the browser; None if that
     is not there now. examined: what is wrong with the recording as a whole; None until somebody had it examined.
@@ -148,6 +183,10 @@ class Snapshot:
     undo: UndoOffer | None = None
     library: tuple[Listed, ...] = ()
     recording: Identity | None = None
+    runs: tuple[ListedRun, ...] = ()
+    shown_run: int = 0
+    keeps: bool = False
+    compared: Compared | None = None
     ahead: Ahead = field(default_factory=Ahead)
     views: Mapping[int, View | None] = field(default_factory=dict)
     examined: tuple[Finding, ...] | None = None

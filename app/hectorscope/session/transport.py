@@ -58,6 +58,15 @@ class Transport:
         self._passed_at = self._sought_at = self._clock()
         self._rest()
 
+    def look_back(self) -> None:
+        """Rest at an earlier time of a stream, which is then like a recording."""
+        self.live, self._paused = False, True
+
+    def go_live(self) -> None:
+        """Follow the stream again."""
+        self.live, self._paused = True, False
+        self.begin()
+
     @property
     def stand(self) -> Stand:
         """What `resume` needs."""

@@ -8,6 +8,7 @@ from hectorscope.run.settings import Setting
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.intake import Aside, Intake
+from hectorscope.session.runs import NamedRun
 from hectorscope.session.snapshot import UndoOffer
 from hectorscope.session.transport import Stand
 
@@ -39,7 +40,15 @@ class KeptValues:
     scans: int = 0
 
 
-Kept = KeptRun | KeptValues
+@dataclass(frozen=True, slots=True)
+class KeptName:
+    """A run that was taken out of the list."""
+
+    run: NamedRun
+    scans: int = 0
+
+
+Kept = KeptRun | KeptValues | KeptName
 
 
 class UndoStack:
@@ -89,6 +98,10 @@ class UndoStack:
         for kept in over:
             self._drop(kept)
         return bool(over)
+
+    def forget_values(self) -> None:
+        """Another run is shown: values of the one before are no longer to be brought back."""
+        self._kept = [each for each in self._kept if not isinstance(each[1], KeptValues)]
 
     def clear(self) -> None:
         """Give up all."""

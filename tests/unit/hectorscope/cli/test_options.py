@@ -9,6 +9,7 @@ from hectorscope.cli.main import MISTAKE, main
 from hectorscope.cli.options import TOKEN, ExportArg, PageFlags, TokenError
 from hectorscope.exporters import chosen
 from hectorscope.run.checkpoints import BUDGET_MB
+from hectorscope.session.engine import LOOK_BACK_S
 from slam_core.errors import SlamError
 
 
@@ -64,6 +65,14 @@ def test_a_budget_below_nothing_is_refused() -> None:
     assert PageFlags(checkpoints=0).budget() == 0
     with pytest.raises(SlamError, match=r"--checkpoints -1 .*give 0"):
         PageFlags(checkpoints=-1).budget()
+
+
+@pytest.mark.parametrize("minutes", [-1.0, 241.0, float("nan")])
+def test_a_length_of_a_stream_that_cannot_be_kept_is_refused(minutes: float) -> None:
+    """The message has the flag, the value and the range; 0 keeps nothing."""
+    assert (PageFlags().kept_seconds(), PageFlags(look_back=0.0).kept_seconds()) == (LOOK_BACK_S, 0.0)
+    with pytest.raises(SlamError, match=r"--look-back .* give 0 to 240"):
+        PageFlags(look_back=minutes).kept_seconds()
 
 
 def test_help_and_defaults_are_those_of_the_packages_behind() -> None:

@@ -57,7 +57,7 @@ def test_late_callbacks_send_the_newest_time(scene: Scene) -> None:
     assert sent[-1] == Seek(40 * S)
 
 
-def test_a_stream_has_no_timeline(scene: Scene) -> None:
+def test_a_stream_of_which_nothing_is_kept_has_no_timeline(scene: Scene) -> None:
     """There is nowhere to go to."""
     panel, sent = panel_of(scene, PlaybackStatus("playing", True, 12 * S, 10 * S, None))
     by_hand(panel, 1.0)
@@ -65,14 +65,26 @@ def test_a_stream_has_no_timeline(scene: Scene) -> None:
     assert not panel._folder.visible
 
 
+def test_a_stream_has_a_timeline_over_what_is_kept(scene: Scene) -> None:
+    """A time that a browser sends is one of those."""
+    panel, sent = panel_of(scene, PlaybackStatus("playing", True, 30 * S, 10 * S, kept_ns=(20 * S, 30 * S)))
+    assert panel._folder.visible
+    by_hand(panel, 1.0)
+    by_hand(panel, 99.0)
+    assert sent == [Seek(20 * S), Seek(30 * S)]
+
+
 def test_the_page_is_told_where_the_run_is_and_how_far_it_is_known() -> None:
     """In seconds since the start."""
     rows = np.zeros(7, SERIES_DTYPE)
     ahead = Ahead(time_ns=30 * S, whole=True, series=rows)
     now = Snapshot(playback=RECORDING, ahead=ahead, series=rows[:3])
-    expected = {"at": 2.0, "end": 50.0, "known": 20.0, "whole": True, "rows": 3, "state": "paused"}
+    expected = {"at": 2.0, "begin": 0.0, "end": 50.0, "known": 20.0, "whole": True, "rows": 3, "state": "paused"}
     assert told(play_script(now)) == expected
     assert told(play_script(replace(now, ahead=Ahead())))["known"] == 2.0
+    stream = PlaybackStatus("playing", True, 12 * S, 10 * S, kept_ns=(11 * S, 12 * S))
+    there = told(play_script(replace(now, playback=stream)))
+    assert (there["begin"], there["end"]) == (1.0, 2.0)
 
 
 def test_a_mark_is_sent_with_a_time_that_reaches_its_scan() -> None:

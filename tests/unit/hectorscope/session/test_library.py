@@ -1,11 +1,12 @@
 """The recordings that a page can open, and those that it cannot."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 from hectorscope.common.recent import Recent
-from hectorscope.inputs import Source, SourceError
+from hectorscope.inputs import OptionValue, Source, SourceError
 from hectorscope.session.library import DEMOS, RECENT, UPLOADED, Library, LibraryError, check_folders
 from tests.sources import MemoryRecording
 
@@ -16,7 +17,7 @@ class Opener:
     def __init__(self) -> None:
         self.paths: list[Path] = []
 
-    def __call__(self, path: Path) -> Source:
+    def __call__(self, path: Path, _: Mapping[str, OptionValue]) -> Source:
         """A recording with the name of its file."""
         self.paths.append(path)
         source = MemoryRecording([])
@@ -109,7 +110,7 @@ def test_recent_demos_and_uploads_are_listed(folder: Path, tmp_path: Path) -> No
 def test_an_error_has_the_name_and_not_the_path(folder: Path) -> None:
     """A page is told which recording it was, and nothing of the server's disk."""
 
-    def broken(path: Path) -> Source:
+    def broken(path: Path, _: Mapping[str, OptionValue]) -> Source:
         raise SourceError(f"{path} is cut off: record it again")
 
     library = Library(broken, [folder])

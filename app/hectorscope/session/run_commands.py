@@ -1,0 +1,85 @@
+"""Carries out what a page asks of the runs: fork, show, rename, remove, keep, compare."""
+
+from dataclasses import replace
+
+from hectorscope.run.metrics import truth_errors
+from hectorscope.run.permalink import Permalink
+from hectorscope.run.run_file import RunFile, hash_of
+from hectorscope.session.commands import CompareRun, Fork, KeepRun, RemoveRun, RenameRun, RunCommand, ShowRun
+from hectorscope.session.following import Following
+from hectorscope.session.library import Library
+from hectorscope.session.runs import RunsError
+from hectorscope.session.session import Session
+
+
+class RunCommands:
+    """Belongs to the engine's thread."""
+
+    def __init__(self, session: Session, library: Library, following: Following) -> None:
+        self._session, self._library, self._following = session, library, following
+
+    def obey(self, command: RunCommand) -> None:
+        """SlamError if it cannot be."""
+        session = self._session
+        if session.source.live or session.transport.empty:
+            raise RunsError("There are runs of a recording only: a stream cannot be run again")
+        session.note_run()
+        match command:
+            case Fork(name):
+                self._fork(name)
+            case ShowRun(number):
+                self._show(number)
+            case RenameRun(number, name):
+                session.runs.rename(number, name)
+            case RemoveRun(number):
+                self._remove(number)
+            case KeepRun():
+                self._keep()
+            case CompareRun(number):
+                session.compare(number)
+
+    def _fork(self, name: str) -> None:
+        session = self._session
+        before = session.runs[session.run.slot]
+        number = session.runs.new(name)
+        session.runs.put(replace(before, number=number, name=session.runs[number].name))
+        session.run.slot = number
+        session.log(f"Forked: {before.name} stays as it is here, {session.runs[number].name} goes on")
+
+    def _show(self, number: int) -> None:
+        session = self._session
+        run = session.runs[number]
+        if number == session.run.slot:
+            return
+        if run.path is None:
+            raise RunsError(f"{run.name} has no recording that could be run again: open one")
+        identity = self._library.identities.find_out(run.path)
+        if identity is None:
+            raise RunsError(f"The recording of {run.name} can no longer be read: put it back, or remove the run")
+        self._following.follow(Permalink(identity, run.offset_ns, run.settings, run.name), slot=number)
+
+    def _remove(self, number: int) -> None:
+        session = self._session
+        if number == session.run.slot:
+            raise RunsError("The run that is shown cannot be removed: show another one first")
+        if session.compared_with == number:
+            session.compare(0)
+        session.keep_removed(session.runs.remove(number))
+
+    def _keep(self) -> None:
+        """The shown run, in the folder for it."""
+        session, pipeline = self._session, self._session.run.pipeline
+        run = session.runs[session.run.slot]
+        identity = self._library.identities.find_out(run.path) if run.path else None
+        if identity is None or not pipeline.scans:
+            raise RunsError("There is nothing to keep yet: wait for the first scan")
+        errors = truth_errors(pipeline.trajectory, pipeline.truth) or {}
+        kept = RunFile(
+            link=Permalink(identity, pipeline.time_ns - (pipeline.start_ns or 0), run.settings, run.name),
+            recording=run.source,
+            scans=pipeline.scans,
+            trajectory_sha256=hash_of(pipeline.trajectory),
+            sensors=session.source.report.sensors,
+            figures={"map_updates": pipeline.slam.map.updates, **errors},
+        )
+        session.log(f"Kept {run.name} as {self._library.keep(kept)}", answer=True)
