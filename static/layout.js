@@ -22,7 +22,7 @@
     l: () => window.hectorscope.closer.ahead(),
     "?": keys,
   };
-  const DO = { screen, keys, picture: () => window.hectorscope.picture?.(), measure: () => window.hectorscope.measure.toggle() };
+  const DO = { screen, keys, picture: () => window.hectorscope.picture?.(), export: () => window.hectorscope.exporting.ask(), note: () => window.hectorscope.exporting.pin(), video: () => window.hectorscope.exporting.video(), measure: () => window.hectorscope.measure.toggle() };
 
   // ----------------------------------------------------------------------------------------------- keys
 

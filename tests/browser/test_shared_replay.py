@@ -8,8 +8,9 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from hectorscope.exporters import chosen, run
+from hectorscope.run.notes import Note
 from hectorscope.simulation import SceneOptions, Simulation
-from hectorscope.web.shared_replay import Note, exporter
+from hectorscope.web.shared_replay import exporter
 from tests.engines import START
 from tests.sources import MemoryRecording
 

@@ -107,9 +107,10 @@ def run(
     from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
     from hectorscope.exporters import chosen as chosen_formats  # noqa: PLC0415
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
+    from hectorscope.run.notes import note as as_note  # noqa: PLC0415
     from hectorscope.web import shared_replay  # noqa: PLC0415
 
-    formats = chosen_formats(export, [shared_replay.exporter([*map(shared_replay.note, note)], bag.name)])
+    formats = chosen_formats(export, [shared_replay.exporter([*map(as_note, note)], bag.name)])
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
     recording = _checked(str(bag), source, settings)

@@ -122,9 +122,7 @@ def own_html(resolutions: tuple[float, ...]) -> str:
         + _own.choice("layout", "Map", LAYOUTS, "How the levels of the pyramid are laid out.")
         + _own.slider("gap", "Gap", GAP, "Between stacked levels: times the depth of the map.")
         + _own.choice("level", "Level", levels, "The one level shown.")
-        + '<button type="button" class="hs-wide" data-hs-do="picture"'
-        ' title="The scene as this browser shows it, as a PNG file.">Save a picture</button>'
-        '<button type="button" class="hs-wide" data-hs-do="measure"'
+        + '<button type="button" class="hs-wide" data-hs-do="measure"'
         ' title="Between two places that are clicked. Key D.">Measure a distance</button></div>'
     )
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from hectorscope.exporters import Exporter
 from hectorscope.run.inspection import CellTarget
 
 
@@ -110,6 +111,14 @@ class Examine:
 
 
 @dataclass(frozen=True, slots=True)
+class Export:
+    """Make an archive of the results so far for a browser, in these formats."""
+
+    client: int
+    formats: tuple[Exporter, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Pick:
     """Where somebody points.
 
@@ -163,6 +172,7 @@ Command = (
     | Repair
     | Inspect
     | Examine
+    | Export
     | Answer
     | Quit
 )

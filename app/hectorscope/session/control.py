@@ -8,6 +8,7 @@ from hectorscope.session.commands import (
     ConfigureAll,
     Decline,
     Examine,
+    Export,
     Inspect,
     Pause,
     Play,
@@ -21,6 +22,7 @@ from hectorscope.session.commands import (
     StepScan,
     Undo,
 )
+from hectorscope.session.downloads import Downloads
 from hectorscope.session.examiner import Examiner
 from hectorscope.session.losses import loss
 from hectorscope.session.playback import changed_speed
@@ -35,11 +37,13 @@ from slam_core.errors import SlamError
 class Control:
     """Belongs to the engine's thread. live: whether the source is a stream, which brings nothing back."""
 
-    def __init__(self, session: Session, saver: Saver, examiner: Examiner, *, live: bool) -> None:
+    def __init__(
+        self, session: Session, saver: Saver, examiner: Examiner, downloads: Downloads, *, live: bool
+    ) -> None:
         self.questions = Questions()
         self.probes = Probes()
         self._session, self._live = session, live
-        self._saver, self._examiner = saver, examiner
+        self._saver, self._examiner, self._downloads = saver, examiner, downloads
         self._transport = session.transport
 
     def lapse(self) -> bool:
@@ -87,7 +91,7 @@ class Control:
                 self._set_speed(changed_speed(self._transport.speed, notches))
             case Configure() | ConfigureAll():
                 self._configure(command)
-            case Save() | Examine():
+            case Save() | Examine() | Export():
                 self._beside(command)
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
@@ -139,13 +143,16 @@ class Control:
         if change is not None:
             self._session.configure(change)
 
-    def _beside(self, command: Save | Examine) -> None:
+    def _beside(self, command: Save | Examine | Export) -> None:
         """Work that goes on beside the run."""
         try:
-            if isinstance(command, Examine):
-                self._examiner.start()
-            else:
-                self._saver.start(self._session.run, self._session.report)
+            match command:
+                case Save():
+                    self._saver.start(self._session.run, self._session.report)
+                case Examine():
+                    self._examiner.start()
+                case Export():
+                    self._downloads.start(command, self._session.run, self._session.report)
         except SlamError as error:
             self._refuse(str(error))
 

@@ -14,6 +14,7 @@ from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Quit, Repair
 from hectorscope.session.control import Control
+from hectorscope.session.downloads import Downloads
 from hectorscope.session.examiner import Examiner
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
@@ -69,7 +70,9 @@ class Engine:
         self._session = Session(source, start, prior_map, self._transport, self._publisher, budget)
         self._saver = Saver(out, self._commands.put)
         self._examiner = Examiner(source, self._commands.put)
-        self._control = Control(self._session, self._saver, self._examiner, live=source.live)
+        self._downloads = Downloads(source, prior_map, self._commands.put)
+        beside = self._saver, self._examiner, self._downloads
+        self._control = Control(self._session, *beside, live=source.live)
         self._is_ready = False
 
     @property
@@ -246,6 +249,7 @@ class Engine:
             undo=session.undone.offer,
             behind=session.intake.behind,
             examined=self._examiner.found,
+            downloads=self._downloads.ready,
             views=self._control.probes.views(session.run),
         )
         self._publisher.publish(run, complete=resting)

@@ -11,6 +11,7 @@ from hectorscope.run.map_images import MapImage, map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
+from hectorscope.session.downloads import Download
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import LogEntry, PlaybackStatus, Question, Snapshot, UndoOffer
@@ -45,6 +46,7 @@ class Run:
     behind: int
     views: Mapping[int, View | None]
     examined: tuple[Finding, ...] | None
+    downloads: Mapping[int, Download]
 
 
 class Publisher:
@@ -114,6 +116,7 @@ class Publisher:
             undo=run.undo,
             views=run.views,
             examined=run.examined,
+            downloads=run.downloads,
         )
         self.mailbox.put(snapshot)
 

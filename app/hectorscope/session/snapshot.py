@@ -15,6 +15,7 @@ from hectorscope.run.inspection import View
 from hectorscope.run.map_images import MapImage
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode
+from hectorscope.session.downloads import Download
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
@@ -89,7 +90,8 @@ class Snapshot:
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
     question: what waits for an answer. undo: what can be taken back. views: what each browser that looks closer
     sees of its beam or cell, by the number of the browser; None if that is not there now. examined: what is wrong
-    with the recording as a whole; None until somebody had it examined.
+    with the recording as a whole; None until somebody had it examined. downloads: the latest archive of
+    each browser.
     """
 
     sequence: int = 0
@@ -118,3 +120,4 @@ class Snapshot:
     undo: UndoOffer | None = None
     views: Mapping[int, View | None] = field(default_factory=dict)
     examined: tuple[Finding, ...] | None = None
+    downloads: Mapping[int, Download] = field(default_factory=dict)
