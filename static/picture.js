@@ -41,9 +41,13 @@
   // What is to be called once the scene has been drawn, while the drawing is there.
   const drawn = new Set();
   let after = null; // the scene that calls back
-  hectorscope.drawing.push((_page, scene) => {
+  let waiting = null; // what needs the renderer, once
+  hectorscope.drawing.push((_page, scene, _camera, renderer) => {
     if (after !== scene) scene.onAfterRender = () => [...drawn].forEach((call) => call());
     after = scene;
+    const act = waiting;
+    waiting = null;
+    if (act) requestAnimationFrame(() => act(renderer));
   });
 
   const wanted = () => /^(\d+)x(\d+)$/.exec(document.querySelector("[data-hs-size]")?.value ?? "")?.slice(1).map(Number);
@@ -51,30 +55,22 @@
   // Draws the scene once in another size, with the renderer that draws it always, which has its own size again then.
   function resized(page, [width, height], taken) {
     const { scene, camera } = page;
-    const before = scene.onBeforeRender;
-    scene.onBeforeRender = (renderer, ...more) => {
-      scene.onBeforeRender = before;
-      before.call(scene, renderer, ...more);
-      requestAnimationFrame(() => {
-        const [aspect, ratio] = [camera.aspect, renderer.getPixelRatio()];
-        const size = camera.position.clone();
-        renderer.getSize(size);
-        const most = Math.min(LARGEST, renderer.capabilities.maxTextureSize);
-        const share = Math.min(1, most / Math.max(width, height));
-        renderer.setPixelRatio(1);
-        renderer.setSize(Math.round(width * share), Math.round(height * share), false);
-        Object.assign(camera, { aspect: width / height });
+    waiting = (renderer) => {
+      const [aspect, ratio, size] = [camera.aspect, renderer.getPixelRatio(), renderer.getSize(camera.position.clone())];
+      const share = Math.min(1, Math.min(LARGEST, renderer.capabilities.maxTextureSize) / Math.max(width, height));
+      const shape = (pixelRatio, wide, high, proportion) => {
+        renderer.setPixelRatio(pixelRatio);
+        renderer.setSize(wide, high, false);
+        camera.aspect = proportion;
         camera.updateProjectionMatrix();
-        hectorscope.enlarged = (height * share) / renderer.domElement.clientHeight;
-        renderer.render(scene, camera);
-        hectorscope.enlarged = 1;
-        taken(renderer.domElement);
-        renderer.setPixelRatio(ratio);
-        renderer.setSize(size.x, size.y, false);
-        Object.assign(camera, { aspect });
-        camera.updateProjectionMatrix();
-        page.requestRender?.();
-      });
+      };
+      shape(1, Math.round(width * share), Math.round(height * share), width / height);
+      hectorscope.enlarged = (height * share) / renderer.domElement.clientHeight;
+      renderer.render(scene, camera);
+      hectorscope.enlarged = 1;
+      taken(renderer.domElement);
+      shape(ratio, size.x, size.y, aspect);
+      page.requestRender?.();
     };
     page.requestRender?.();
   }
