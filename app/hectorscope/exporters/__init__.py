@@ -12,6 +12,7 @@ from typing import Any
 
 from hectorscope.common.registry import members
 from hectorscope.exporters._exporter import Exporter, Stream
+from hectorscope.exporters._files import GrowingFile
 from hectorscope.exporters._folder import OutputError, locked, make
 from hectorscope.exporters._streams import Streams, reason
 from hectorscope.inputs import Source, SourceError, SourceReport
@@ -28,6 +29,7 @@ from slam_core.mapping.pyramid import Pyramid
 
 __all__ = [
     "Exporter",
+    "GrowingFile",
     "OutputError",
     "Stream",
     "chosen",

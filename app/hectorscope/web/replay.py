@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from hectorscope.common.resources import resource_folder
-from hectorscope.exporters._files import GrowingFile
+from hectorscope.exporters import GrowingFile
 from hectorscope.page import viser_private
+from hectorscope.page.ellipse_scale import fitted
+from hectorscope.page.marks import layers_mark, levels_mark
 from hectorscope.page.scene import Scene
-from hectorscope.panels._ellipse_scale import fitted
-from hectorscope.panels._own import layers_mark, levels_mark
 from hectorscope.panels.plots import charts_json, series_rows
 from hectorscope.run.map_images import MapImage, map_images
 from hectorscope.run.notes import Note
