@@ -38,7 +38,7 @@ SIZES: dict[str, ViewportSize] = {
     "phone": {"width": 390, "height": 844},
 }
 SIZE = SIZES["desk"]
-TABS = ("Live", "Filter", "Settings", "Display", "Log")
+TABS = ("Live", "Filter", "Settings", "Display", "Export", "Log")
 FLAGS = [
     "--no-sandbox",  # also runs as root, as in a container; it only opens our own page
     "--use-angle=swiftshader",

@@ -122,8 +122,8 @@
     const scene = pages()?.scene;
     if (scene && scene.onBeforeRender !== before) scene.onBeforeRender = before;
   }
-  function before(_renderer, scene, camera) {
-    for (const draw of drawing) draw(pages(), scene, camera);
+  function before(renderer, scene, camera) {
+    for (const draw of drawing) draw(pages(), scene, camera, renderer);
   }
   setInterval(hook, 200);
 

@@ -10,7 +10,7 @@
   const NEAREST = 1003; // THREE.NearestFilter
   const POINT_SIZE = "gl_PointSize = (scale / -world_pos.z)"; // as viser writes it
   const POINT_COLOUR = "vColor = color;";
-  const POINT_PIXELS = "3.0";
+  const POINT_PIXELS = 3;
   const LINES = { "/trajectory/": "trajectory", "/truth/": "truth", "/compared/": "compared", "/floor/footprint": "robot" };
   const CELLS = /^\/floor\/map\/level(\d+)\/cells$/;
   const WALLS = "/floor/compared_map/cells"; // white: they are painted here
@@ -83,11 +83,13 @@
 
   // Points keep a few pixels; transparent is what is drawn after the map instead of cut by it.
   function points(material, worn) {
+    if (material.uniforms?.hsPixels) material.uniforms.hsPixels.value = POINT_PIXELS * (window.hectorscope.enlarged ?? 1);
     if (material.userData.dressed === worn.theme || !material.vertexShader?.includes(POINT_SIZE) && !material.userData.plain) return;
     material.userData.dressed = worn.theme;
     const plain = (material.userData.plain ??= material.vertexShader);
-    const wide = plain.replace(POINT_SIZE, `gl_PointSize = max(${POINT_PIXELS}, scale / -world_pos.z)`);
-    material.vertexShader = wide.replace("void main() {", recolouring(worn)).replace(POINT_COLOUR, "vColor = dressed(color);");
+    const wide = plain.replace(POINT_SIZE, "gl_PointSize = max(hsPixels, scale / -world_pos.z)");
+    material.uniforms.hsPixels ??= { value: POINT_PIXELS };
+    material.vertexShader = wide.replace("void main() {", `uniform float hsPixels;\n${recolouring(worn)}`).replace(POINT_COLOUR, "vColor = dressed(color);");
     Object.assign(material, { transparent: true, needsUpdate: true });
   }
 

@@ -27,7 +27,7 @@
     n: ({ shiftKey }) => window.hectorscope.timeline?.step(shiftKey ? -1 : 1),
     "?": keys,
   };
-  const DO = { screen, keys, recordings, link, picture: () => window.hectorscope.picture?.(), measure: () => window.hectorscope.measure.toggle() };
+  const DO = { screen, keys, recordings, link, picture: () => window.hectorscope.picture?.(), export: () => window.hectorscope.exporting.ask(), note: () => window.hectorscope.exporting.pin(), video: () => window.hectorscope.exporting.video(), measure: () => window.hectorscope.measure.toggle() };
 
   // ----------------------------------------------------------------------------------------------- keys
 

@@ -61,6 +61,10 @@ class MemoryRecording:
             self._read[type(item).__name__] += 1
             yield item
 
+    def reopened(self) -> "MemoryRecording":
+        """The same list once more."""
+        return MemoryRecording(self._items)
+
     def close(self) -> None:
         """Nothing to let go of."""
         self.closed = True

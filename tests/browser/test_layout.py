@@ -269,3 +269,11 @@ def test_a_layer_on_demand_is_sent_once_a_browser_shows_it(show: Show, open_page
         page.evaluate("0")
         asked = show.server.scene.display.asked
     assert asked == {"surfels"}
+
+
+def test_the_tabs_stand_in_one_row(show: Show, open_page: Open) -> None:
+    """On a desk, all of them."""
+    page = open_page(show.url, size={"width": 1280, "height": 800})
+    tops = page.locator("[role=tab]").evaluate_all("(tabs) => tabs.map((tab) => tab.getBoundingClientRect().top)")
+    assert len(tops) >= 6
+    assert len(set(tops)) == 1

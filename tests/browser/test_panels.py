@@ -176,7 +176,7 @@ def test_a_click_in_the_log_goes_there(run: Run, open_page: Open) -> None:
 def test_a_picture_of_the_scene_is_saved(run: Run, open_page: Open, tmp_path: Path) -> None:
     """As this browser shows it, with the map and what is around it, as a PNG file."""
     page = open_page(run.url)
-    open_tab(page, "Display")
+    open_tab(page, "Export")
     with page.expect_download() as download:
         button(page, "Save a picture").click()
     assert download.value.suggested_filename == "hectorscope.png"

@@ -113,11 +113,12 @@ def run(
     from hectorscope.exporters import chosen as chosen_formats  # noqa: PLC0415
     from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
     from hectorscope.run.metrics import is_lost  # noqa: PLC0415
+    from hectorscope.run.notes import note as as_note  # noqa: PLC0415
     from hectorscope.run.relations import read_relations  # noqa: PLC0415
     from hectorscope.web import shared_replay  # noqa: PLC0415
 
     motions = read_relations(relations) if relations else None
-    formats = chosen_formats(export, [shared_replay.exporter([*map(shared_replay.note, note)], bag.name)])
+    formats = chosen_formats(export, [shared_replay.exporter([*map(as_note, note)], bag.name)])
     chosen = settings.settings()
     prior_map = saved.prior_map(chosen)
     recording = checked(str(bag), source, settings)

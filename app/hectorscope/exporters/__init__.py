@@ -12,6 +12,7 @@ from typing import Any
 
 from hectorscope.common.registry import members
 from hectorscope.exporters._exporter import Exporter, Stream
+from hectorscope.exporters._files import GrowingFile
 from hectorscope.exporters._folder import OutputError, locked, make
 from hectorscope.exporters._streams import Streams, reason
 from hectorscope.inputs import Source, SourceError, SourceReport
@@ -30,15 +31,19 @@ from slam_core.mapping.pyramid import Pyramid
 
 __all__ = [
     "Exporter",
+    "GrowingFile",
     "OutputError",
     "Stream",
     "chosen",
+    "collected",
     "export",
     "exporters",
     "prepare",
     "reserved",
     "run",
     "saving",
+    "stream_again",
+    "with_map",
     "write",
 ]
 
@@ -164,6 +169,21 @@ def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Cal
         return f"Saved {', '.join(file.name for file in files)} in {folder}"
 
     return save
+
+
+def stream_again(
+    source: Source,
+    settings: Settings,
+    folder: Path,
+    formats: Iterable[Exporter],
+    prior_map: PriorMap | None = None,
+) -> None:
+    """Process a recording once more for formats that are written meanwhile; OutputError names what is missing."""
+    with Streams(formats, folder) as streams:
+        pipeline, _ = run_headless(source, settings, prior_map=prior_map, observe=streams.add)
+        streams.finish(pipeline)
+    if streams.missing:
+        raise OutputError("; ".join(f"{why}: {', '.join(files)}" for why, files in streams.missing.items()))
 
 
 def run(

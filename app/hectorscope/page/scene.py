@@ -1,15 +1,17 @@
 """What views and panels are made with: scene and GUI of the page, display settings, commands to the engine."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 import viser
 
+from hectorscope.exporters import Exporter
 from hectorscope.page import viser_private
 from hectorscope.page.theme import SENT
+from hectorscope.run.notes import Note
 from hectorscope.session.commands import Command
 
 Points = Literal["residual", "height", "plain"]
@@ -63,6 +65,7 @@ class Scene:
 
     server: add nodes by `server.scene` and controls by `server.gui`. send: enqueues a command for the engine.
     floor: the node of the finest level's plane; it sinks when the robot goes below the height it started at.
+    replay: makes the format of a shared replay, of notes and the name of the source, where there is one.
     failures: title of a view or panel that raised and was switched off -> reason.
     """
 
@@ -71,6 +74,7 @@ class Scene:
     display: Display = field(default_factory=Display)
     layers: list[Layer] = field(default_factory=list)
     failures: dict[str, str] = field(default_factory=dict)
+    replay: Callable[[Sequence[Note], str], Exporter] | None = None
     floor: viser.FrameHandle = field(init=False)
     _lock: threading.RLock = field(default_factory=threading.RLock)
 

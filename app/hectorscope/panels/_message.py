@@ -28,7 +28,7 @@ def message(snapshot: Snapshot) -> Message | None:
 
 def _messages(snapshot: Snapshot) -> Iterator[Message]:
     playback = snapshot.playback
-    if playback.state == "failed":
+    if playback.state == "failed" and not snapshot.report.findings:  # else their card says it all
         yield Message("error", "The run has stopped", playback.detail)
     if playback.state == "loading" and playback.detail and playback.detail != snapshot.report.waiting:
         yield Message("busy", "Getting ready", playback.detail)

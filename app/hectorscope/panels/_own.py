@@ -1,10 +1,7 @@
 """Controls of what each browser keeps for itself: HTML that static/browser.js fills and reads, not the server."""
 
 import html
-import json
-from collections.abc import Mapping, Sequence
-
-from hectorscope.page.scene import Layer
+from collections.abc import Mapping
 
 ICONS = {
     "theme": '<circle cx="12" cy="12" r="8"/><path d="M12 4a8 8 0 0 1 0 16z" fill="currentColor"/>',
@@ -48,15 +45,6 @@ def layer_box(key: str, title: str, colour: str = "") -> str:
     )
 
 
-def layers_mark(layers: Sequence[tuple[Layer, str]]) -> str:
-    """An invisible element that tells static/dress.js the layers, each with the button that asks for it."""
-    described = {
-        layer.key: {"nodes": [layer.root.name, *layer.more], "shown": layer.shown, "ask": ask}
-        for layer, ask in layers
-    }
-    return f'<i class="hs-mark" data-hs-layers="{html.escape(json.dumps(described))}"></i>'
-
-
 def button(label: str, icon: str, attributes: str) -> str:
     """A round button with an icon; its name comes up under the pointer."""
     return (
@@ -80,11 +68,6 @@ def tools() -> str:
             "</div>",
         )
     )
-
-
-def levels_mark(resolutions: Sequence[float]) -> str:
-    """An invisible element that tells static/levels.js how large the cells of each level are."""
-    return f'<i class="hs-mark" data-hs-levels="{json.dumps(list(resolutions))}"></i>'
 
 
 SHARED = '<p class="hs-scope" title="What is set here every open page shows.">Shared by every browser</p>'

@@ -6,11 +6,11 @@ from typing import Any, cast
 
 from viser import GuiEvent, Icon
 
-from hectorscope.page import viser_private
+from hectorscope.page import marks, viser_private
+from hectorscope.page.ellipse_scale import fitted
 from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, Camera, Layer, Scene
 from hectorscope.panels import _own, _workspace
 from hectorscope.panels._controls import Choice, Control, LogSlider, Switch
-from hectorscope.panels._ellipse_scale import fitted
 from hectorscope.panels._handles import put
 from hectorscope.panels._slider import Scale
 from hectorscope.session.snapshot import Snapshot
@@ -36,8 +36,8 @@ class DisplayPanel:
         self._drawn = scene.display
         self._resolutions: tuple[float, ...] = ()
         gui = scene.server.gui
-        self._levels = gui.add_html(_own.levels_mark(()))
-        gui.add_html(_own.layers_mark([(layer, self._ask(layer)) for layer in scene.layers]))
+        self._levels = gui.add_html(marks.levels_mark(()))
+        gui.add_html(marks.layers_mark([(layer, self._ask(layer)) for layer in scene.layers]))
         with _workspace.tab(scene, self.title, Icon.EYE):
             _workspace.mark(scene, "display")
             self._own = gui.add_html(own_html(()))
@@ -92,7 +92,7 @@ class DisplayPanel:
         resolutions = tuple(image.resolution for image in snapshot.maps)
         if resolutions and resolutions != self._resolutions:
             self._resolutions = resolutions
-            put(self._levels, _own.levels_mark(resolutions))
+            put(self._levels, marks.levels_mark(resolutions))
             put(self._own, own_html(resolutions))
         self._fit_ellipses(snapshot)
         display, before = self._scene.display, self._drawn
@@ -122,9 +122,7 @@ def own_html(resolutions: tuple[float, ...]) -> str:
         + _own.choice("layout", "Map", LAYOUTS, "How the levels of the pyramid are laid out.")
         + _own.slider("gap", "Gap", GAP, "Between stacked levels: times the depth of the map.")
         + _own.choice("level", "Level", levels, "The one level shown.")
-        + '<button type="button" class="hs-wide" data-hs-do="picture"'
-        ' title="The scene as this browser shows it, as a PNG file.">Save a picture</button>'
-        '<button type="button" class="hs-wide" data-hs-do="measure"'
+        + '<button type="button" class="hs-wide" data-hs-do="measure"'
         ' title="Between two places that are clicked. Key D.">Measure a distance</button></div>'
     )
 

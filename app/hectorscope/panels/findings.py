@@ -77,7 +77,7 @@ def examined_html(found: Sequence[Finding] | None, playback: PlaybackStatus) -> 
     if found is None:
         return ""
     if not found:
-        return '<p class="hs-empty">Nothing is wrong with the recording as a whole.</p>'
+        return '<p class="hs-empty">Topics, clocks, frames and beams are in order.</p>'
     rows = "".join(f"<li>{_when(each, playback)}{_sentence(each.fact)}{_remedy(each)}</li>" for each in found)
     return f'<div class="hs-findings hs-repaired hs-examined"><b>Wrong with the recording</b><ul>{rows}</ul></div>'
 

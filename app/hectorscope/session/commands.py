@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from hectorscope.exporters import Exporter
 from hectorscope.run.inspection import CellTarget
 from hectorscope.run.permalink import Permalink
 
@@ -195,6 +196,14 @@ class Examine:
 
 
 @dataclass(frozen=True, slots=True)
+class Export:
+    """Make an archive of the results so far for a browser, in these formats."""
+
+    client: int
+    formats: tuple[Exporter, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Pick:
     """Where somebody points.
 
@@ -255,6 +264,7 @@ Command = (
     | Identified
     | Inspect
     | Examine
+    | Export
     | Answer
     | Quit
 )

@@ -10,6 +10,7 @@ from hectorscope.session.commands import (
     ConfigureAll,
     Decline,
     Examine,
+    Export,
     Follow,
     Inspect,
     ListRecordings,
@@ -28,6 +29,7 @@ from hectorscope.session.commands import (
     StepScan,
     Undo,
 )
+from hectorscope.session.downloads import Downloads
 from hectorscope.session.examiner import Examiner
 from hectorscope.session.following import Following
 from hectorscope.session.library import Library
@@ -55,12 +57,13 @@ class Control:
         saver: Saver,
         library: Library,
         examiner: Examiner,
+        downloads: Downloads,
         opening: Callable[[str], None],
     ) -> None:
         self.questions = Questions()
         self.probes = Probes()
         self._session, self._saver, self._library, self._opening = session, saver, library, opening
-        self._examiner = examiner
+        self._examiner, self._downloads = examiner, downloads
         self._following = Following(session, library, opening)
         self._runs = RunCommands(session, library, self._following)
         self._transport = session.transport
@@ -110,7 +113,7 @@ class Control:
                 self._pace(command)
             case Configure() | ConfigureAll():
                 self._configure(command)
-            case Save() | Examine():
+            case Save() | Examine() | Export():
                 self._beside(command)
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
@@ -203,13 +206,17 @@ class Control:
         if change is not None:
             self._session.configure(change)
 
-    def _beside(self, command: Save | Examine) -> None:
+    def _beside(self, command: Save | Examine | Export) -> None:
         """Work that goes on beside the run."""
         try:
-            if isinstance(command, Examine):
-                self._examiner.start(self._session.source)
-            else:
-                self._saver.start(self._session.newest, self._session.report)
+            session = self._session
+            match command:
+                case Save():
+                    self._saver.start(session.newest, session.report)
+                case Examine():
+                    self._examiner.start(session.source)
+                case Export():
+                    self._downloads.start(command, session.source, session.run, session.report)
         except SlamError as error:
             self._refuse(str(error))
 

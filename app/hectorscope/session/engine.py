@@ -15,6 +15,7 @@ from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
 from hectorscope.session.control import Control
+from hectorscope.session.downloads import Downloads
 from hectorscope.session.examiner import Examiner
 from hectorscope.session.exchange import Exchange
 from hectorscope.session.intake import Intake
@@ -96,7 +97,9 @@ class Engine:
         self._library = library or Library()
         self._library.identities.told = partial(self._commands.put, Identified())
         self._examiner = Examiner(self._commands.put)
-        self._control = Control(self._session, self._saver, self._library, self._examiner, self._show_opening)
+        self._downloads = Downloads(prior_map, self._commands.put)
+        beside = self._library, self._examiner, self._downloads
+        self._control = Control(self._session, self._saver, *beside, self._show_opening)
         self._is_ready = False
 
     @property
@@ -314,6 +317,7 @@ class Engine:
             library=self._library.listed,
             recording=self._recording(),
             examined=self._examiner.found(session.source),
+            downloads=self._downloads.ready,
             views=self._control.probes.views(session.run),
             runs=self._runs(),
             shown_run=session.run.slot,

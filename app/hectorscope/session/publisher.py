@@ -13,6 +13,7 @@ from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
+from hectorscope.session.downloads import Download
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import (
@@ -67,6 +68,7 @@ class Run:
     shown_run: int
     keeps: bool
     compared: Compared | None
+    downloads: Mapping[int, Download]
 
 
 class Publisher:
@@ -146,6 +148,7 @@ class Publisher:
             ahead=run.ahead,
             views=run.views,
             examined=run.examined,
+            downloads=run.downloads,
         )
         self._mailbox.put(snapshot)
 

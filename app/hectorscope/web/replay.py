@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 
 from hectorscope.common.resources import resource_folder
-from hectorscope.exporters._files import GrowingFile
+from hectorscope.exporters import GrowingFile
 from hectorscope.page import viser_private
+from hectorscope.page.ellipse_scale import fitted
+from hectorscope.page.marks import layers_mark, levels_mark
 from hectorscope.page.scene import Scene
-from hectorscope.panels._ellipse_scale import fitted
-from hectorscope.panels._own import layers_mark, levels_mark
 from hectorscope.panels.plots import charts_json, series_rows
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.map_images import map_images
+from hectorscope.run.notes import Note
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.session.publisher import change_of_tracking
@@ -27,7 +28,7 @@ from hectorscope.views import view_classes
 from hectorscope.web.access_control import AccessControl
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.server import listen, made
-from hectorscope.web.shared_replay import NAME, Note
+from hectorscope.web.shared_replay import NAME
 from slam_core.results import StepResult
 
 FRAME_S, MAP_S = 0.1, 0.5  # between pictures of the scan, and of the map

@@ -22,6 +22,7 @@ from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.heartbeat import Heartbeat
 from hectorscope.web.renderer import Renderer
+from hectorscope.web.shared_replay import exporter
 from hectorscope.web.uploads import Uploads
 from slam_core.errors import SlamError
 
@@ -80,7 +81,7 @@ class PageServer:
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
         self._server = open_server(listener, self._access(), self._uploads)
-        self.scene = Scene(self._server, self._engine.send)
+        self.scene = Scene(self._server, self._engine.send, replay=exporter)
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.scene)

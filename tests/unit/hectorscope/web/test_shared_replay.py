@@ -2,8 +2,9 @@
 
 import pytest
 
+from hectorscope.run.notes import LONGEST, Note, NoteError, note
 from hectorscope.web.replay import around
-from hectorscope.web.shared_replay import LONGEST_NOTE, Note, NoteError, exporter, note
+from hectorscope.web.shared_replay import exporter
 
 
 def test_a_note_is_a_time_and_a_text():
@@ -14,7 +15,7 @@ def test_a_note_is_a_time_and_a_text():
 @pytest.mark.parametrize("wrong", ["", "12", "12=", "=text", "soon=text", "-1=text", "nan=text", f"1={'x' * 501}"])
 def test_what_is_no_note_is_refused_with_the_remedy(wrong: str):
     """One message with the words and the form."""
-    assert LONGEST_NOTE == 500
+    assert LONGEST == 500
     with pytest.raises(NoteError, match="give "):
         note(wrong)
 

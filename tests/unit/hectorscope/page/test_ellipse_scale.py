@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hectorscope.page.ellipse_scale import LARGEST, SHARE, SMALLEST, fitted, map_side
 from hectorscope.page.scene import ELLIPSE_SCALE_RANGE, Scene
-from hectorscope.panels._ellipse_scale import LARGEST, SHARE, SMALLEST, fitted, map_side
 from hectorscope.panels.display import DisplayPanel
 from hectorscope.session.snapshot import Snapshot
 from tests.page import room_snapshot
