@@ -21,7 +21,7 @@ from tests.conftest import chromium_path
 
 PORT = 8719
 TICKS = os.sysconf("SC_CLK_TCK")
-SETTLE_S = 8.0
+SETTLE_S = 20.0  # by then the pass ahead of what is shown is done, also on a busy machine
 
 
 def cpu_seconds(pid: int) -> float:
