@@ -33,14 +33,13 @@ def show(
             source,
             chosen,
             prior,
-            library=library,
-            recording=shown,
             out=page.out,
             checkpoints=budget,
             runs_ahead=page.ahead,
             look_back=page.kept_seconds(),
             prepare=get_ready,
         )
+        engine.offer(library)
         server = PageServer(
             engine, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads()
         )
@@ -62,5 +61,6 @@ def _library(page: PageFlags, opened: Opened, shown: Path | None) -> Library:
     recent = Recent(recent_file() if is_loopback(page.host) else None)
     library = Library(opened, page.folder, demos(), recent, KeptRuns(page.runs))
     if shown is not None:
+        library.shown = shown
         library.note(shown)
     return library
