@@ -47,7 +47,7 @@
 
   function described() {
     const mark = document.querySelector("[data-hs-charts]");
-    if (mark && mark !== heard) {
+    if (mark && mark !== heard && window.hectorscope.linked?.() !== false) { // before, the server knows no browser to send to
       heard = mark;
       pages = JSON.parse(mark.dataset.hsCharts);
       // Now the page can take rows. With each connection the mark is a new one, and what was sent may be lost.

@@ -128,7 +128,8 @@ class Opened:
 
     def __init__(self, bags: Path) -> None:
         self.library = Library(self._open, [bags])
-        self.engine = Engine(None, START, library=self.library, speed=float("inf"))
+        self.engine = Engine(None, START, speed=float("inf"))
+        self.engine.offer(self.library)
         self.server = PageServer(self.engine, port=0, upload_limit=UPLOADS)
         self.server.start()
         self.engine.start()

@@ -44,7 +44,9 @@ def session(bags: Path, name: str = "") -> Iterator[Engine]:
     """An engine with the folder, and one of its recordings if there is a name."""
     library = Library(opened, [bags])
     path = bags / name if name else None
-    engine = Engine(opened(path) if path else None, START, library=library, recording=path, speed=float("inf"))
+    engine = Engine(opened(path) if path else None, START, speed=float("inf"))
+    library.shown = path
+    engine.offer(library)
     engine.start()
     try:
         yield engine

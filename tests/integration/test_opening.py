@@ -64,7 +64,8 @@ def shelf(tmp_path: Path, drive: list[Item]) -> Shelf:
 @contextmanager
 def session(shelf: Shelf, source: Source | None = None) -> Iterator[Engine]:
     """An engine that goes as fast as it can."""
-    engine = Engine(source, START, library=shelf.library, speed=FAST)
+    engine = Engine(source, START, speed=FAST)
+    engine.offer(shelf.library)
     engine.start()
     try:
         yield engine

@@ -60,7 +60,9 @@ class Shelf:
         library = Library(self.open, [self.bags], kept=KeptRuns(self.runs))
         path = self.bags / name if name else None
         source = self.open(path, {}) if path else None
-        engine = Engine(source, START, library=library, recording=path, autoplay=False)
+        engine = Engine(source, START, autoplay=False)
+        library.shown = path
+        engine.offer(library)
         engine.start()
         try:
             yield engine

@@ -34,7 +34,7 @@ def show(
     The engine needs numba and the core, which take long to import: they come while a browser opens the page.
     """
     chosen, library, exchange = settings.settings(), _library(page, opened, shown), Exchange()
-    budget = page.budget()  # a bad one is named before the page is served
+    budget, look_back = page.budget(), page.kept_seconds()  # bad ones are named before the page is served
     server = PageServer(exchange, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads())
     with _reserved(page.out):
         prior = saved.prior_map(chosen)
@@ -42,19 +42,18 @@ def show(
         def engine() -> "Engine":
             from hectorscope.session.engine import Engine  # noqa: PLC0415
 
-            return Engine(
+            made = Engine(
                 source,
                 chosen,
                 prior,
                 exchange=exchange,
-                library=library,
-                recording=shown,
                 out=page.out,
                 checkpoints=budget,
                 runs_ahead=page.ahead,
-                look_back=page.kept_seconds(),
-                prepare=get_ready,
+                look_back=look_back,
             )
+            made.offer(library)
+            return made
 
         message = _serve(server, engine)
     if message:
@@ -67,7 +66,7 @@ def _serve(server: PageServer, made: Callable[[], "Engine"]) -> str:
 
     def begin() -> None:
         engines.append(made())
-        engines[0].start()
+        engines[0].start(get_ready)
 
     message = ""
     try:
@@ -97,5 +96,6 @@ def _library(page: PageFlags, opened: Opened, shown: Path | None) -> Library:
     recent = Recent(recent_file() if is_loopback(page.host) else None)
     library = Library(opened, page.folder, demos(), recent, KeptRuns(page.runs))
     if shown is not None:
+        library.shown = shown
         library.note(shown)
     return library

@@ -1,6 +1,7 @@
 """Carries out commands, and holds back those that would take something away from everybody, until one agrees."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from hectorscope.session.commands import (
     Agree,
@@ -45,25 +46,27 @@ from slam_core.errors import SlamError
 
 NEEDS_RECORDING = (Restart, Seek, StepScan, StepBack, Repair, Save)
 # What is done at the time that is shown; all else is done to the run, which may be further.
-SHOWN = (Play, Pause, StepScan, StepBack, SetSpeed, ChangeSpeed, Seek, Save, ListRecordings)
+SHOWN = (
+    Play, Pause, StepScan, StepBack, SetSpeed, ChangeSpeed, Seek, Save, Export, Examine, Inspect, ListRecordings,
+)  # fmt: skip
+
+
+class Beside(NamedTuple):
+    """What works on threads of its own, beside the run."""
+
+    saver: Saver
+    examiner: Examiner
+    downloads: Downloads
 
 
 class Control:
     """Belongs to the engine's thread. opening: hears what is opened at this moment, and "" once it is."""
 
-    def __init__(
-        self,
-        session: Session,
-        saver: Saver,
-        library: Library,
-        examiner: Examiner,
-        downloads: Downloads,
-        opening: Callable[[str], None],
-    ) -> None:
+    def __init__(self, session: Session, library: Library, beside: Beside, opening: Callable[[str], None]) -> None:
         self.questions = Questions()
         self.probes = Probes()
-        self._session, self._saver, self._library, self._opening = session, saver, library, opening
-        self._examiner, self._downloads = examiner, downloads
+        self.beside = beside
+        self._session, self._library, self._opening = session, library, opening
         self._following = Following(session, library, opening)
         self._runs = RunCommands(session, library, self._following)
         self._transport = session.transport
@@ -212,11 +215,11 @@ class Control:
             session = self._session
             match command:
                 case Save():
-                    self._saver.start(session.newest, session.report)
+                    self.beside.saver.start(session.newest, session.report)
                 case Examine():
-                    self._examiner.start(session.source)
+                    self.beside.examiner.start(session.source)
                 case Export():
-                    self._downloads.start(command, session.source, session.run, session.report)
+                    self.beside.downloads.start(command, session.source, session.run, session.report)
         except SlamError as error:
             self._refuse(str(error))
 

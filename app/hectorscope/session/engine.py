@@ -9,12 +9,12 @@ from queue import Empty
 
 from hectorscope.inputs import Repairable, Source
 from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
-from hectorscope.run.fingerprint import Identity
 from hectorscope.run.pipeline import nothing_used
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
-from hectorscope.session.control import Control
+from hectorscope.session.composed import composed
+from hectorscope.session.control import Beside, Control
 from hectorscope.session.downloads import Downloads
 from hectorscope.session.examiner import Examiner
 from hectorscope.session.exchange import Exchange
@@ -22,10 +22,10 @@ from hectorscope.session.intake import Intake
 from hectorscope.session.library import Library
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.no_recording import NoRecording
-from hectorscope.session.publisher import SNAPSHOT_S, Publisher, Run, change_of_tracking
+from hectorscope.session.publisher import SNAPSHOT_S, Publisher, change_of_tracking
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
-from hectorscope.session.snapshot import ListedRun, Snapshot
+from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.spare_time import use_time
 from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
@@ -42,13 +42,10 @@ _logger = logging.getLogger("hectorscope")
 class Engine:
     """Runs a source through a pipeline, on a thread of its own, until another one is opened; closes it at the end.
 
-    source: None shows nothing yet. recording: where it lies, if it is one. exchange: with the page, if that is
-    there already. library: what can be opened instead.
+    source: None shows nothing yet. exchange: with the page, if that is there already.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
     look_back: seconds of a stream that are kept, to be shown again while the run goes on.
-    prepare: called on the engine's thread before anything is read, with what shows on the page what the run waits
-    for, then or later, from any thread.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
     What would take the map of a stream away is not done before a person agrees, and what was taken away can be
@@ -64,18 +61,15 @@ class Engine:
         prior_map: PriorMap | None = None,
         *,
         exchange: Exchange | None = None,
-        library: Library | None = None,
         autoplay: bool = True,
         speed: float = 1.0,
-        recording: Path | None = None,
         out: Path | None = None,
         checkpoints: int = BUDGET_MB,
         runs_ahead: bool = True,
         look_back: float = LOOK_BACK_S,
-        prepare: Callable[[Report], None] = lambda _: None,
     ) -> None:
         source = source or NoRecording()
-        self._prepare = prepare
+        self._prepare: Callable[[Report], None] = lambda _: None
         self._exchange = exchange or Exchange()
         self._commands = self._exchange.commands
         self._obeyed = 0
@@ -84,7 +78,7 @@ class Engine:
         self._transport = Transport(source.live, autoplay, speed)
         start, budget = settings or Settings(), checkpoints * MEBIBYTE
         self._session = Session(
-            Intake(source, recording),
+            Intake(source),
             start,
             prior_map,
             self._transport,
@@ -93,13 +87,9 @@ class Engine:
             runs_ahead=runs_ahead,
             look_back=look_back,
         )
-        self._saver = Saver(out, self._commands.put)
-        self._library = library or Library()
-        self._library.identities.told = partial(self._commands.put, Identified())
-        self._examiner = Examiner(self._commands.put)
-        self._downloads = Downloads(prior_map, self._commands.put)
-        beside = self._library, self._examiner, self._downloads
-        self._control = Control(self._session, self._saver, *beside, self._show_opening)
+        tell = self._commands.put
+        self._beside = Beside(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
+        self.offer(Library())
         self._is_ready = False
 
     @property
@@ -107,8 +97,19 @@ class Engine:
         """The newest snapshot."""
         return self._exchange.mailbox
 
-    def start(self) -> None:
-        """Begin to read and to step."""
+    def offer(self, library: Library) -> None:
+        """Let pages open what is in it; before the start. Its `shown` is where the source lies."""
+        self._library, self._session.intake.path = library, library.shown
+        library.identities.told = partial(self._commands.put, Identified())
+        self._control = Control(self._session, library, self._beside, self._show_opening)
+
+    def start(self, prepare: Callable[[Report], None] | None = None) -> None:
+        """Begin to read and to step.
+
+        prepare: called on the engine's thread before anything is read, with what shows on the page what the run
+        waits for, then or later, from any thread.
+        """
+        self._prepare = prepare or self._prepare
         self._thread.start()
 
     @property
@@ -134,11 +135,11 @@ class Engine:
     @property
     def saves(self) -> bool:
         """Whether there is something to save, and a folder for it."""
-        return self.started and self._saver.out is not None and not self._transport.empty
+        return self.started and self._beside.saver.out is not None and not self._transport.empty
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return self._saver.finish(self._session.newest, self._session.source.report)
+        return self._beside.saver.finish(self._session.newest, self._session.source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -241,7 +242,7 @@ class Engine:
     def _scan(self, stamp_ns: int) -> None:
         self._publisher.touch()
         if self._transport.arrives(stamp_ns):
-            self._session.arrived()
+            self._session.named.arrived()
             self._seek_on()
             return
         if self._transport.unwanted:
@@ -276,7 +277,7 @@ class Engine:
             return
         if not (pipeline := session.run.pipeline).scans:
             raise nothing_used(session.source.name, session.report.skipped, pipeline.slam)
-        session.arrived()
+        session.named.arrived()
         self._transport.end()
         self._publisher.touch()
         self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
@@ -295,44 +296,5 @@ class Engine:
     def _publish(self, resting: bool) -> None:
         if self._transport.hurries or not self._publisher.due(resting, live=self._session.source.live):
             return
-        self._publisher.publish(self._composed(), complete=resting)
-
-    def _composed(self) -> Run:
-        session = self._session
-        return Run(
-            source=session.source,
-            pipeline=session.run.pipeline,
-            transport=self._transport,
-            config=session.run.settings.at(session.now_ns),
-            report=session.report,
-            epoch=session.epoch,
-            saves=self._saver.out is not None,
-            obeyed=self._obeyed,
-            question=self._control.questions.open,
-            undo=session.undone.offer,
-            ahead=session.newest.ahead,
-            behind=session.intake.behind,
-            lag=session.lag,
-            kept_ns=session.kept_ns,
-            library=self._library.listed,
-            recording=self._recording(),
-            examined=self._examiner.found(session.source),
-            downloads=self._downloads.ready,
-            views=self._control.probes.views(session.run),
-            runs=self._runs(),
-            shown_run=session.run.slot,
-            keeps=self._library.kept.folder is not None,
-            compared=session.comparison.state(session.run.pipeline) if session.comparison else None,
-        )
-
-    def _runs(self) -> tuple[ListedRun, ...]:
-        """Those of the session; without the shown one as long as nothing is open, or a stream is."""
-        session = self._session
-        if session.run.pipeline.scans and not session.source.live:
-            session.note_run()
-        return session.runs.listed()
-
-    def _recording(self) -> Identity | None:
-        """What is shown, by its content: it is read for that once the run goes, and not before."""
-        path, begun = self._session.intake.path, self._session.run.pipeline.scans
-        return self._library.identities.known(path) if path and begun else None
+        run = composed(self._session, self._library, self._control, self._obeyed)
+        self._publisher.publish(run, complete=resting)

@@ -53,7 +53,7 @@ class Following:
         elif slot is not None:
             session.switch(link.settings, slot)
         elif session.run.settings != link.settings:
-            session.begin(link.settings, "following a link", session.new_slot(link.name))
+            session.begin(link.settings, "following a link", session.named.new_slot(link.name))
         session.given = link.settings
         session.transport.pause()
         session.seek((session.run.pipeline.start_ns or 0) + link.offset_ns)
@@ -61,7 +61,7 @@ class Following:
     def follow_kept(self, run: RunFile) -> None:
         """Show a kept run; once it is there, it is compared with what was kept of it."""
         self.follow(run.link, run.sensors)
-        self._session.expected = run
+        self._session.named.expected = run
 
     def _open(self, link: Permalink, sensors: Mapping[str, OptionValue] | None, slot: int | None) -> None:
         self._opening("Looking for the recording of the link")
@@ -74,7 +74,7 @@ class Following:
             )
         self._opening(f"Opening {self._library.name(key)}")
         session, (source, path) = self._session, self._library.open(key, sensors or {})
-        session.open(source, path, link.settings, session.new_slot(link.name) if slot is None else slot)
+        session.open(source, path, link.settings, session.named.new_slot(link.name) if slot is None else slot)
 
     def _is_open(self, link: Permalink) -> bool:
         path = self._session.intake.path

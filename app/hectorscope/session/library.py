@@ -48,7 +48,7 @@ class Library:
     """A page asks by a key from the list that was made here; no path of a page reaches the disk.
 
     opened: opens what is at a path, with `SENSOR_OPTIONS`; SlamError if that cannot be. demos: by name.
-    kept: runs, which are listed too.
+    kept: runs, which are listed too. shown: what the program begins with.
     """
 
     def __init__(
@@ -60,6 +60,7 @@ class Library:
         kept: KeptRuns | None = None,
     ) -> None:
         self.listed: tuple[Listed, ...] = ()
+        self.shown: Path | None = None
         self.identities = Identities()
         self._opened, self._folders, self._demos = opened, folders, demos or {}
         self._recent, self.kept = recent or Recent(None), kept or KeptRuns(None)

@@ -23,32 +23,32 @@ class RunCommands:
         session = self._session
         if session.source.live or session.transport.empty:
             raise RunsError("There are runs of a recording only: a stream cannot be run again")
-        session.note_run()
+        session.named.note()
         match command:
             case Fork(name):
                 self._fork(name)
             case ShowRun(number):
                 self._show(number)
             case RenameRun(number, name):
-                session.runs.rename(number, name)
+                session.named.runs.rename(number, name)
             case RemoveRun(number):
                 self._remove(number)
             case KeepRun():
                 self._keep()
             case CompareRun(number):
-                session.compare(number)
+                session.named.compare(number)
 
     def _fork(self, name: str) -> None:
         session = self._session
-        before = session.runs[session.run.slot]
-        number = session.runs.new(name)
-        session.runs.put(replace(before, number=number, name=session.runs[number].name))
+        before = session.named.runs[session.run.slot]
+        number = session.named.runs.new(name)
+        session.named.runs.put(replace(before, number=number, name=session.named.runs[number].name))
         session.run.slot = number
-        session.log(f"Forked: {before.name} stays as it is here, {session.runs[number].name} goes on")
+        session.log(f"Forked: {before.name} stays as it is here, {session.named.runs[number].name} goes on")
 
     def _show(self, number: int) -> None:
         session = self._session
-        run = session.runs[number]
+        run = session.named.runs[number]
         if number == session.run.slot:
             return
         if run.path is None:
@@ -62,14 +62,14 @@ class RunCommands:
         session = self._session
         if number == session.run.slot:
             raise RunsError("The run that is shown cannot be removed: show another one first")
-        if session.compared_with == number:
-            session.compare(0)
-        session.keep_removed(session.runs.remove(number))
+        if session.named.compared_with == number:
+            session.named.compare(0)
+        session.named.keep_removed(session.named.runs.remove(number))
 
     def _keep(self) -> None:
         """The shown run, in the folder for it."""
         session, pipeline = self._session, self._session.run.pipeline
-        run = session.runs[session.run.slot]
+        run = session.named.runs[session.run.slot]
         identity = self._library.identities.find_out(run.path) if run.path else None
         if identity is None or not pipeline.scans:
             raise RunsError("There is nothing to keep yet: wait for the first scan")

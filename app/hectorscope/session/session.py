@@ -5,19 +5,18 @@ from pathlib import Path
 
 from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
-from hectorscope.run.run_file import RunFile, hash_of
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.changes import SettingsChange, settings_change
 from hectorscope.session.commands import Configure, ConfigureAll
-from hectorscope.session.comparison import Comparison
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
 from hectorscope.session.look_back import LookBack
 from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import LogLevel, Publisher, change_of_tracking
-from hectorscope.session.runs import NamedRun, Runs, RunsError, first_difference
+from hectorscope.session.runs import first_difference
+from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
 from hectorscope.session.undo import Kept, KeptName, KeptRun, KeptValues, UndoStack
@@ -31,8 +30,8 @@ PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 class Session:
     """Belongs to the engine's thread. epoch: grows whenever what was drawn is no longer true.
 
-    given: the settings that the recording was opened with; others were set by hand since. expected: a kept run on
-    its way to where it was kept.
+    given: the settings that the recording was opened with; others were set by hand since.
+    named: the runs of the list, of which this is one.
     """
 
     def __init__(
@@ -59,10 +58,8 @@ class Session:
         self.prior_map, self._publisher = prior_map, publisher
         self._budget, self._runs_ahead = budget, runs_ahead
         self.given = settings
-        self.runs = Runs()
-        self.comparison: Comparison | None = None
-        self.expected: RunFile | None = None
-        self.run = self._new_run(intake.source, settings, None, self.runs.new())
+        self.named = SessionRuns(self, budget // COMPARED_SHARE)
+        self.run = self._new_run(intake.source, settings, None, self.named.runs.new())
 
     def _new_run(self, source: Source, settings: Settings, now_ns: int | None, slot: int) -> ActiveRun:
         start_ns = source.span_ns[0] if source.span_ns else now_ns
@@ -130,8 +127,8 @@ class Session:
         self._put_aside("")
         self.undone.forget_values()
         self._begin(run)
-        if self.compared_with == slot:
-            self.compare(0)
+        if self.named.compared_with == slot:
+            self.named.compare(0)
 
     def _begin(self, run: ActiveRun) -> None:
         self.run = run
@@ -144,11 +141,11 @@ class Session:
 
         slot: its number in the list of runs; None for one more.
         """
-        slot = self.new_slot() if slot is None else slot
+        slot = self.named.new_slot() if slot is None else slot
         given = settings or Settings(self.run.settings.at(self.now_ns))
         run = self._new_run(source, given, None, slot)
         self.given = given
-        self.compare(0)
+        self.named.compare(0)
         self._put_aside(f"opening {source.name}")
         before, self.run, self._publisher.event_log = self.intake, run, EventLog()
         before.begin()
@@ -179,7 +176,7 @@ class Session:
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
         self.go_live()
-        self.compare(0)
+        self.named.compare(0)
         self.run.put_aside()
         self.undone.clear()
         self.intake.end()
@@ -192,18 +189,18 @@ class Session:
             return
         what, before = kept
         if isinstance(before, KeptName):
-            self.runs.put(before.run)
+            self.named.runs.put(before.run)
         elif isinstance(before, KeptRun):
-            self.note_run()
+            self.named.note()
             self.run.put_aside()
             self.run, self._publisher.event_log = before.run, before.event_log
             left = self.intake
             if left is not before.intake:
                 self._read(before.intake)
-            if left is not before.intake or self.compared_with == self.run.slot:
-                self.compare(0)
+            if left is not before.intake or self.named.compared_with == self.run.slot:
+                self.named.compare(0)
             self._let_go(left)
-            self.note_run()
+            self.named.note()
             self.intake.resume(before.aside)
             self.transport.resume(before.stand)
             self._show_anew()
@@ -230,7 +227,7 @@ class Session:
         if span is None:
             self.log("Nothing of the stream is kept yet: nothing was sought", "warning", answer=True)
             return
-        self.expected = None
+        self.named.expected = None
         time_ns = min(max(time_ns, span[0]), span[1])
         if self.transport.hurries:
             self.transport.wanted_ns = time_ns
@@ -306,7 +303,7 @@ class Session:
 
     def run_ahead(self, seconds: float) -> bool:
         """Run on with the compared run, or ahead of what is shown, for about so long; whether there is more."""
-        if self.comparison and self.comparison.advance(seconds, self.run.pipeline.time_ns):
+        if self.named.advance(seconds):
             self._publisher.touch()
             return True
         head = self.run.head or self._begun_head()
@@ -324,69 +321,6 @@ class Session:
         source = self.source.again() if isinstance(self.source, Rereadable) else None
         self._is_rereadable = source is not None
         return self.run.run_ahead(source) if source else None
-
-    # --------------------------------------------------------------------------------------------------- runs
-
-    def note_run(self) -> None:
-        """Put the shown run into the list as it is now."""
-        run, pipeline = self.run, self.run.pipeline
-        offset_ns = max(
-            0,
-            (self.transport.wanted_ns or self.transport.target_ns or pipeline.time_ns) - (pipeline.start_ns or 0),
-        )
-        name = self.runs.name(run.slot)
-        noted = NamedRun(run.slot, name, self.source.name, self.intake.path, run.settings, offset_ns)
-        self.runs.put(noted)
-
-    def arrived(self) -> None:
-        """A seek has ended: a kept run that was opened is compared with what was kept of it."""
-        kept, self.expected, pipeline = self.expected, None, self.run.pipeline
-        if kept is None or self.run.settings != kept.link.settings:
-            return
-        if (pipeline.scans, hash_of(pipeline.trajectory)) == (kept.scans, kept.trajectory_sha256):
-            self.log(f"{kept.link.name}: the same trajectory to the byte as when it was kept ({kept.scans} scans)")
-        else:
-            self.log(
-                f"{kept.link.name} differs from when it was kept: {pipeline.scans} scans, {kept.scans} then."
-                " Another version of the program or another --map was used",
-                "warning",
-                answer=True,
-            )
-
-    def new_slot(self, name: str = "") -> int:
-        """The number of one more run; the shown one is noted. The first recording has that of the beginning."""
-        if not self.transport.empty:
-            self.note_run()
-            return self.runs.new(name)
-        if name:
-            self.runs.rename(self.run.slot, name)
-        return self.run.slot
-
-    def keep_removed(self, run: NamedRun) -> None:
-        """For a minute."""
-        self.undone.push(f"removing {run.name}", KeptName(run))
-
-    @property
-    def compared_with(self) -> int:
-        """The number of the run that is compared; 0 for none."""
-        return self.comparison.run.number if self.comparison else 0
-
-    def compare(self, number: int) -> None:
-        """Compare with the run of this number, of the shown recording; 0 for none. RunsError if that cannot be."""
-        if number == 0:
-            if self.comparison:
-                self.comparison.close()
-            self.comparison = None
-            return
-        run, pipeline = self.runs[number], self.run.pipeline
-        if number == self.run.slot or run.path != self.intake.path or not pipeline.scans:
-            raise RunsError(f"{run.name} cannot be compared: choose another run of the recording that is shown")
-        known = self.run.checkpoints.until(
-            first_difference(self.run.settings, run.settings), self._budget // COMPARED_SHARE
-        )
-        made = Comparison(run, self.source, pipeline.start_ns, self.prior_map, known)
-        self.compare(0)
-        self.comparison = made
 
     # ----------------------------------------------------------------------------------------------- settings
 
