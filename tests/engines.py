@@ -9,6 +9,7 @@ from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Command
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
+from hectorscope.web.server import Driver
 from slam_core.config import SlamConfig, with_value
 from slam_core.measurements import LaserScan
 
@@ -27,7 +28,7 @@ def running(source: Source, settings: Settings = START, **options: float) -> Ite
         engine.stop()
 
 
-def until(engine: Engine, holds: Callable[[Snapshot], object], patience_s: float = PATIENCE_S) -> Snapshot:
+def until(engine: Driver, holds: Callable[[Snapshot], object], patience_s: float = PATIENCE_S) -> Snapshot:
     """The first snapshot for which something holds."""
     deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:

@@ -81,4 +81,6 @@ def test_what_is_wrong_with_the_recording_is_listed_and_leads_to_its_time(show: 
     found.first.get_by_role("button").click()
     while len(show.engine.sent) < 2 and time.monotonic() < deadline:
         page.evaluate("new Promise(requestAnimationFrame)")
-    assert show.engine.sent[1:] == [Seek(400_000_000)]
+    (sought,) = show.engine.sent[1:]
+    assert isinstance(sought, Seek)
+    assert abs(sought.time_ns - 400_000_000) < 1_000  # of the same time twice, the second is sent a little later

@@ -41,7 +41,7 @@ def test_a_recording_at_rest_is_run_to_its_end(drive: list[Item]):
 
 def test_what_is_shown_meanwhile_is_the_same_to_the_last_bit(drive: list[Item], reference: np.ndarray):
     """The run is paced, the time between its scans goes to the other one."""
-    with running(MemoryRecording(drive), speed=4.0) as engine:
+    with running(MemoryRecording(drive), speed=1.0) as engine:
         ahead = until(engine, is_whole)
         assert ahead.playback.state == "playing"
         assert ahead.scans < len(reference)

@@ -30,12 +30,9 @@ def test_the_page_runs_what_the_headless_run_runs(drive: list[Item], reference: 
 
 def test_the_page_is_told_how_far_the_preparation_is(drive: list[Item]):
     """A loading run shows the words of who prepares it, and no more once it plays."""
-    engine = Engine(
-        MemoryRecording(drive),
-        START,
-    )
+    engine = Engine(MemoryRecording(drive), START)
     ready = threading.Event()
-    engine.start()
+    engine.start(prepare=lambda tell: (tell("3 of 5"), ready.wait(20.0)))
     try:
         waiting = until(engine, lambda now: now.playback.preparing == "3 of 5")
         ready.set()

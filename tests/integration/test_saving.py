@@ -26,7 +26,7 @@ from hectorscope.session.commands import Play, Save, Seek
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SimulateOptions, simulate
-from hectorscope.web import server
+from hectorscope.web.server import PageServer
 from slam_core.localization.prior_map import saved_levels
 from tests.engines import START, after, running, state, until
 from tests.sources import MemoryRecording
@@ -134,20 +134,18 @@ def test_the_end_of_the_program_saves(
     simulate(SimulateOptions(out=bag, scenario="rooms", duration=3.0, beams=91))
     stop = Engine.stop
 
-    def serve(engine: Engine, up: Callable[[], None], **_: object) -> None:
+    def serve(served: PageServer, up: Callable[[], None]) -> None:
         up()
-        until(engine, state("ended"))
+        until(served.driver, state("ended"))
         signal.raise_signal(ending)
 
     def stop_and_be_asked_again(engine: Engine) -> None:
         signal.raise_signal(ending)
         stop(engine)
 
-    monkeypatch.setattr(server, "serve", serve)
+    monkeypatch.setattr("hectorscope.cli.page.serve", serve)
     monkeypatch.setattr(Engine, "stop", stop_and_be_asked_again)
-    with pytest.raises(SystemExit) as ended:
-        main(["view", str(bag), "--out", str(out), "--map.size", "512"])
-    assert ended.value.code == 130
+    assert main(["view", str(bag), "--out", str(out), "--map.size", "512"]) == 130
     assert {path.name for path in out.iterdir()} == FILES
     assert str(out) in capsys.readouterr().out
 

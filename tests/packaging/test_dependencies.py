@@ -19,10 +19,11 @@ IMPORTED_AS = {
     "import-linter": "importlinter",
     "ruamel.yaml": "ruamel",
     "kiss-icp": "kiss_icp",
+    "eclipse-zenoh": "zenoh",
 }
 OURS = {"hectorscope", "slam_core", "tests", "benchmarks"}
 FOLDERS = {
-    "app": ("cluster", "parquet"),
+    "app": ("cluster", "parquet", "zenoh"),
     "slam_core": (),
     "tests": ("test", "check"),
     "benchmarks": ("test", "bench"),

@@ -3,16 +3,18 @@
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import viser
 
-from hectorscope.exporters import Exporter
 from hectorscope.page import viser_private
 from hectorscope.page.theme import SENT
 from hectorscope.run.notes import Note
 from hectorscope.session.commands import Command
+
+if TYPE_CHECKING:
+    from hectorscope.exporters import Exporter
 
 Points = Literal["residual", "height", "plain"]
 Camera = Literal["free", "follow", "top", "fit"]
@@ -74,7 +76,7 @@ class Scene:
     display: Display = field(default_factory=Display)
     layers: list[Layer] = field(default_factory=list)
     failures: dict[str, str] = field(default_factory=dict)
-    replay: Callable[[Sequence[Note], str], Exporter] | None = None
+    replay: "Callable[[Sequence[Note], str], Exporter] | None" = None
     floor: viser.FrameHandle = field(init=False)
     _lock: threading.RLock = field(default_factory=threading.RLock)
 

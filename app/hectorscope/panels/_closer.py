@@ -4,8 +4,7 @@ import math
 from collections.abc import Iterator
 
 from hectorscope.panels._format import clock, fixed, text
-from hectorscope.run.cell_history import Span
-from hectorscope.run.inspection import BeamView, CellView, View
+from hectorscope.run.readings import BeamView, CellView, Span, View
 
 Row = tuple[str, str]
 GONE = "<h2>Nothing to see here</h2><p>The shown scan has no such beam.</p>"

@@ -6,7 +6,7 @@ from typing import Any
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _request
 from hectorscope.panels._closer import card_html, marks
-from hectorscope.run.inspection import CellTarget, View
+from hectorscope.run.readings import CellTarget, View
 from hectorscope.session.commands import AHEAD, Inspect, Pick
 from hectorscope.session.snapshot import Snapshot
 

@@ -1,16 +1,18 @@
 """What a browser can take with it: files in formats to choose, a replay with notes, a picture, a video."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from viser import Icon
 
-from hectorscope.exporters import Exporter, exporters
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _request, _workspace
 from hectorscope.panels._format import text
 from hectorscope.run.notes import LAST_S, LONGEST, Note
 from hectorscope.session.commands import Export
 from hectorscope.session.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from hectorscope.exporters import Exporter
 
 MOST = 100  # notes, and formats
 REPLAY = "html"
@@ -44,11 +46,13 @@ class ExportPanel:
         self._scene, self._source = scene, ""
         self._sent: dict[int, int] = {}
         with _workspace.tab(scene, self.title, Icon.DOWNLOAD):
-            scene.server.gui.add_html(form_html(scene.replay is not None))
+            self._form = scene.server.gui.add_html("")
         _request.listen(scene, "export", lambda client, asked: scene.send(self._command(client, asked)))
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Send the archives that are new."""
+        """Send the archives that are new. The formats need numba: they are listed once the run has brought it."""
+        if not self._form.content:
+            self._form.content = form_html(self._scene.replay is not None)
         self._source = snapshot.source
         clients = self._scene.server.get_clients()
         for client, download in snapshot.downloads.items():
@@ -65,7 +69,9 @@ class ExportPanel:
             raise _request.BadRequest
         return Export(client, tuple(known[name] for name in dict.fromkeys(names)))
 
-    def _known(self, notes: list[Note]) -> list[Exporter]:
+    def _known(self, notes: list[Note]) -> "list[Exporter]":
+        from hectorscope.exporters import exporters  # noqa: PLC0415
+
         replay = self._scene.replay
         return [*exporters(), *([replay(notes, self._source)] if replay else ())]
 
@@ -78,6 +84,8 @@ def _note(seconds: Any = None, words: Any = None) -> Note:
 
 def form_html(replay: bool) -> str:
     """Boxes for the formats, notes, and the buttons."""
+    from hectorscope.exporters import exporters  # noqa: PLC0415
+
     names = [exporter.name for exporter in exporters()] + [REPLAY] * replay
     defaults = {exporter.name for exporter in exporters() if exporter.default}
     boxes = "".join(

@@ -32,7 +32,7 @@ class RunsPanel:
     """HTML whose buttons static/runs.js turns into words for a hidden control."""
 
     title = "Runs"
-    order = 65
+    order = 63
     rate = 4.0
 
     def __init__(self, scene: Scene) -> None:

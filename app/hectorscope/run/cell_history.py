@@ -5,41 +5,16 @@ some fifty scans apart. A cell becomes known only by a scan that is written, whi
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from hectorscope.run.checkpoints import Checkpoint
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.readings import Cell, History, Span
 from hectorscope.run.series import SERIES_FIELDS
 from slam_core.mapping.tiles import TILE
 
 UPDATES = SERIES_FIELDS.index("map_updates")
-
-Cell = tuple[int, int]
-"""Column and row in the lattice of a level."""
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """Scans, counted from 1, and their seconds since the start: something happened at one of them."""
-
-    first: int
-    last: int
-    from_s: float
-    to_s: float
-
-
-@dataclass(frozen=True, slots=True)
-class History:
-    """When a cell was written first and last; None for a cell that is unknown.
-
-    saved: it may have been known from the start, by the map that the run began with.
-    """
-
-    first: Span | None = None
-    last: Span | None = None
-    saved: bool = False
 
 
 def cell_history(pipeline: Pipeline, checkpoints: Iterable[Checkpoint], level: int, cell: Cell) -> History:

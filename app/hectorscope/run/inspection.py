@@ -2,85 +2,19 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from hectorscope.run.cell_history import Cell, History, cell_history
+from hectorscope.run.cell_history import cell_history
 from hectorscope.run.checkpoints import Checkpoint
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.readings import BeamTarget, BeamView, CellTarget, CellView, LevelReading, Target, View
 from slam_core.geometry import transform_points
 from slam_core.kernels.bilinear import WHOLE
 from slam_core.mapping.tiled_map import TiledMap
 from slam_core.results import StepResult, Sweep
 from slam_core.scan.beams import beam_of, endpoint_of
-
-
-@dataclass(frozen=True, slots=True)
-class BeamTarget:
-    """A beam by its number in the scan, from 0."""
-
-    number: int
-
-
-@dataclass(frozen=True, slots=True)
-class CellTarget:
-    """A place on a level of the map, metres."""
-
-    level: int
-    x: float
-    y: float
-
-
-Target = BeamTarget | CellTarget
-
-
-@dataclass(frozen=True, slots=True)
-class LevelReading:
-    """A level at a place. cell: in the lattice of the level. resolution: metres a cell. probability: of the cell;
-    None where it is unknown. residual: 1 - M of eq. (4), interpolated at the place.
-    """
-
-    cell: Cell
-    resolution: float
-    probability: float | None
-    residual: float
-
-
-@dataclass(frozen=True, slots=True)
-class CellView:
-    """The map at a place (metres), on every level, finest first; the history of the cell of one `level`."""
-
-    level: int
-    x: float
-    y: float
-    levels: tuple[LevelReading, ...]
-    history: History
-
-
-@dataclass(frozen=True, slots=True)
-class BeamView:
-    """A beam of the shown scan.
-
-    beams: of the scan. range_m: as measured, may be inf or nan. angle: radians, by the laser. after_s: since the
-    first beam; nan without beam timing. laser: (x, y) where the beam starts, metres in the map.
-    Of a beam with an endpoint alone: height over the laser, metres. residual: 1 - M in the match, at the finest
-    level; nan for a scan that was matched to nothing. unexpected: it ended in free space. end: the map there.
-    """
-
-    number: int
-    beams: int
-    range_m: float
-    angle: float
-    after_s: float
-    laser: tuple[float, float]
-    height: float = math.nan
-    residual: float = math.nan
-    unexpected: bool = False
-    end: CellView | None = None
-
-
-View = BeamView | CellView
 
 
 def view_of(target: Target, pipeline: Pipeline, checkpoints: Iterable[Checkpoint]) -> View | None:

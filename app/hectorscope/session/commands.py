@@ -3,10 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from hectorscope.exporters import Exporter
-from hectorscope.run.inspection import CellTarget
 from hectorscope.run.permalink import Permalink
+from hectorscope.run.readings import CellTarget
+
+if TYPE_CHECKING:
+    from hectorscope.exporters import Exporter
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +203,7 @@ class Export:
     """Make an archive of the results so far for a browser, in these formats."""
 
     client: int
-    formats: tuple[Exporter, ...]
+    formats: "tuple[Exporter, ...]"
 
 
 @dataclass(frozen=True, slots=True)

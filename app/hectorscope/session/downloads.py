@@ -14,6 +14,7 @@ from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.commands import Answer, Export
+from hectorscope.session.snapshot import Download
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.pyramid import Pyramid
@@ -21,15 +22,6 @@ from slam_core.measurements import LaserScan
 
 LARGEST = 1 << 28  # bytes of an archive: it is sent from memory
 AFTER_NS = 1_000_000_000  # of what comes behind the shown scan: the sequencer may wait for it
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Download:
-    """An archive for one browser. number: of all that were made."""
-
-    number: int
-    name: str
-    content: bytes
 
 
 @dataclass(frozen=True, slots=True, eq=False)

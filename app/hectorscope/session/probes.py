@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 
-from hectorscope.run.inspection import BeamTarget, Target, View, target_at, view_of
+from hectorscope.run.inspection import target_at, view_of
+from hectorscope.run.readings import BeamTarget, Target, View
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.commands import AHEAD, Inspect, Pick
 

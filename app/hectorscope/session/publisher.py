@@ -7,18 +7,18 @@ from typing import Literal
 
 from hectorscope.inputs import Finding, Source, SourceReport
 from hectorscope.run.fingerprint import Identity
-from hectorscope.run.inspection import View
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.readings import View
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
-from hectorscope.session.downloads import Download
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import (
     Ahead,
     Compared,
+    Download,
     Listed,
     ListedRun,
     LogEntry,

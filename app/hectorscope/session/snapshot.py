@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from hectorscope.inputs import Finding, SourceReport
 from hectorscope.run.fingerprint import Identity
-from hectorscope.run.inspection import View
 from hectorscope.run.map_image import MapImage
+from hectorscope.run.readings import View
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
-from hectorscope.session.downloads import Download
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
@@ -135,6 +134,15 @@ class Ahead:
     series: NDArray[np.void] = field(default_factory=lambda: np.empty(0, SERIES_DTYPE))
     settings: Settings = field(default_factory=Settings)
     warned: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Download:
+    """An archive for one browser. number: of all that were made."""
+
+    number: int
+    name: str
+    content: bytes
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -48,7 +48,7 @@ class Driver(Protocol):
 
 
 class PageServer:
-    """Serves one engine's page from `start` to `stop`; ServerError when the address cannot be had.
+    """Serves the page of a driver from `start` to `stop`; ServerError when the address cannot be had.
 
     port 0 takes any free one. upload_limit: bytes of recordings that browsers may send; 0 takes none. An address
     that others on the network can reach needs a token (8 to 128 letters, digits, _ or -), which then is part of
@@ -57,19 +57,19 @@ class PageServer:
 
     def __init__(
         self,
-        engine: Driver,
+        driver: Driver,
         *,
         host: str = "127.0.0.1",
         port: int = 8080,
         token: str | None = None,
         upload_limit: int = 0,
     ) -> None:
-        self._engine, self._host, self._port, self._token = engine, host, port, token
+        self.driver, self._host, self._port, self._token = driver, host, port, token
         self._uploads = Uploads(upload_limit, self._arrived) if upload_limit else None
         check_address(host, port, token)
 
     def _arrived(self, path: Path, name: str) -> None:
-        self._engine.send(OpenUploaded(path, name))
+        self.driver.send(OpenUploaded(path, name))
 
     @property
     def url(self) -> str:
@@ -81,11 +81,11 @@ class PageServer:
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
         self._server = open_server(listener, self._access(), self._uploads)
-        self.scene = Scene(self._server, self._engine.send, replay=exporter)
+        self.scene = Scene(self._server, self.driver.send, replay=exporter)
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.scene)
-        self._renderer = Renderer(self.scene, self._engine.mailbox, [*views, *panels, Heartbeat(self.scene)])
+        self._renderer = Renderer(self.scene, self.driver.mailbox, [*views, *panels, Heartbeat(self.scene)])
         self._renderer.start()
 
     def stop(self) -> None:

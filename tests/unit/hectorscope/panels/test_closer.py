@@ -8,8 +8,7 @@ import pytest
 from hectorscope.panels._closer import card_html, marks
 from hectorscope.panels._request import BadRequest
 from hectorscope.panels.closer import FARTHEST, MOST_LEVELS, REACH, command
-from hectorscope.run.cell_history import History, Span
-from hectorscope.run.inspection import BeamView, CellTarget, CellView, LevelReading
+from hectorscope.run.readings import BeamView, CellTarget, CellView, History, LevelReading, Span
 from hectorscope.session.commands import AHEAD, Inspect, Pick
 
 LEVELS = (LevelReading((4, -3), 0.05, 0.93, 0.08), LevelReading((2, -2), 0.1, None, 0.5))

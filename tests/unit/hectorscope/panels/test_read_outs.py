@@ -14,7 +14,7 @@ from hectorscope.panels.status import REASONS_SHOWN, losses_html, run_html
 from hectorscope.panels.transport import clock_html, name_of_speed, undo_words
 from hectorscope.session.snapshot import LogEntry, PlaybackState, PlaybackStatus, Snapshot, UndoOffer
 from hectorscope.session.transport import PAUSED
-from slam_core.navigation.monitor import NO_ATTITUDE
+from slam_core.diagnostics import NO_ATTITUDE
 from slam_core.results import Verdict
 from tests.page import room_snapshot, without_filter
 

@@ -7,8 +7,9 @@ import pytest
 
 from hectorscope.run.cell_history import cell_history
 from hectorscope.run.checkpoints import Checkpoints, Place
-from hectorscope.run.inspection import BeamTarget, BeamView, CellTarget, CellView, nearest_beam, target_at, view_of
+from hectorscope.run.inspection import nearest_beam, target_at, view_of
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.readings import BeamTarget, BeamView, CellTarget, CellView
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.geometry import transform_points
 from slam_core.measurements import LaserScan
