@@ -17,6 +17,11 @@ PATIENCE_S = 120.0
 # Where the link ends up instead of in the clipboard of the machine.
 CLIPBOARD = """Object.defineProperty(navigator, 'clipboard', {
   value: { writeText: async (text) => (window.copied = text) } })"""
+# A message goes away after some seconds, in which a page that has just been opened may be busy.
+SEEN = """window.seen = '';
+new MutationObserver((records) => records.forEach(({ addedNodes }) =>
+  addedNodes.forEach((node) => (window.seen += node.textContent))))
+  .observe(document, { childList: true, subtree: true, characterData: true })"""
 CAMERA = "window.hectorscope.cameraNow()"
 VIEW = "window.__viserMutable.cameraControl.setLookAt(3, 9, 4, 1, 0, 2, false)"
 TOUCH = "document.querySelector('canvas[data-engine]').dispatchEvent(new WheelEvent('wheel'))"
@@ -74,7 +79,7 @@ def test_a_link_that_cannot_be_followed_is_one_message(
     opened: Opened, open_page: Open, link: str, words: str
 ) -> None:
     """The page stays as it is."""
-    page = open_page(f"{opened.server.url}#{link}", LISTED)
-    expect(page.get_by_text(words).first).to_be_visible()
+    page = open_page(f"{opened.server.url}#{link}", LISTED, before=SEEN)
+    page.wait_for_function("(words) => window.seen.includes(words)", arg=words)
     assert opened.engine.mailbox.latest is not None
     assert opened.engine.mailbox.latest.playback.state == "empty"
