@@ -31,7 +31,7 @@ class LogPanel:
         """Send the newest entries, if there are new ones."""
         if snapshot.log is self._drawn:
             return
-        if snapshot.source == self._source:  # else it is the log of another recording
+        if self._source in {"", snapshot.source}:  # else it is the log of another recording
             for answer in answers(snapshot.log, self._drawn):
                 self._scene.notify(answer.text)
         self._drawn, self._source = snapshot.log, snapshot.source

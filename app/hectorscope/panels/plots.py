@@ -65,7 +65,7 @@ class PlotsPanel:
         known = snapshot.ahead.lineage
         truth = (known, *snapshot.truth_in_map)
         scripts = [
-            self._added(client, "series", known, lambda first: series_rows(snapshot, first)),
+            self._added(client, "series", known, lambda first: series_rows(snapshot.ahead.series, first)),
             self._added(client, "truth", truth, lambda first: error_rows(snapshot, first)),
         ]
         both = (known, snapshot.compared.number if snapshot.compared else 0)
@@ -87,9 +87,9 @@ class PlotsPanel:
         )
 
 
-def series_rows(snapshot: Snapshot, first: int) -> Table:
-    """(n, columns) of the known rows from `first` on, in the order of COLUMNS."""
-    rows = snapshot.ahead.series[first:]
+def series_rows(series: NDArray[np.void], first: int) -> Table:
+    """(n, columns) of the rows from `first` on, in the order of COLUMNS."""
+    rows = series[first:]
     return np.stack([rows[name] for name in COLUMNS], axis=1).astype(np.float32)
 
 

@@ -109,7 +109,7 @@ class ReplayStream:
         changes = (LogEntry(c.time_ns, f"{c.name} is {c.value} from here on") for c in pipeline.settings.changes)
         warned = (LogEntry(time_ns, text, "warning", n) for text, (time_ns, n) in pipeline.warned.items())
         log = sorted([*self._log, *changes, *warned], key=lambda entry: entry.time_ns)
-        rows = series_rows(seen(pipeline, ()), 0)
+        rows = series_rows(seen(pipeline, ()).series, 0)
         return {
             "source": self._source,
             "span": self._time_s,

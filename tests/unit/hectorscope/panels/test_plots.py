@@ -57,8 +57,8 @@ def test_every_row_is_sent_once(scene: Scene) -> None:
     for _ in range(3):
         two.take(panel, whole)
     one.take(panel, whole)
-    np.testing.assert_array_equal(two.tables["series"], series_rows(whole, 0))
-    np.testing.assert_array_equal(one.tables["series"], series_rows(whole, 0)[: 25 + BATCH])
+    np.testing.assert_array_equal(two.tables["series"], series_rows(whole.ahead.series, 0))
+    np.testing.assert_array_equal(one.tables["series"], series_rows(whole.ahead.series, 0)[: 25 + BATCH])
     one.take(panel, run_of(5, lineage=1))
     assert len(one.tables["series"]) == 5
 
@@ -75,7 +75,7 @@ def test_charts_name_their_columns() -> None:
     """What the page reads at the place of a curve is the column of that curve."""
     described = json.loads(charts_json())
     assert list(described["pages"]) == list(PAGES)
-    rows = series_rows(run_of(3), 0)
+    rows = series_rows(run_of(3).ahead.series, 0)
     for page, charts in PAGES.items():
         for chart, sent in zip(charts, described["pages"][page], strict=True):
             assert (sent["title"], sent["factor"]) == (chart.title, chart.factor)
