@@ -12,8 +12,10 @@
   let heard = null; // nothing yet: the page has just been opened
   let since = performance.now(); // when it was opened or came to the front
   let asking = false;
+  let beats = 0;
   function beat() {
     heard = performance.now();
+    beats += 1;
     document.documentElement.classList.remove("hs-silent");
   }
 
@@ -38,5 +40,5 @@
     if (heard !== null) beat();
   });
   setInterval(look, 1000);
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { beat, linked: () => heard !== null });
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { beat, linked: () => heard !== null, settled: () => beats > 2 });
 })();

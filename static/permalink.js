@@ -56,7 +56,8 @@
     if (text.length > LONGEST) return say("This link cannot be followed: it is too long.");
     const waiting = setInterval(() => {
       const uuid = told().follow;
-      if (!uuid || !window.hectorscope.linked?.()) return; // before, nobody could be told what came of it
+      // Before, what came of it might be told to a connection that viser gives up for another one, as it does at first.
+      if (!uuid || !window.hectorscope.settled?.()) return;
       clearInterval(waiting);
       window.__viserMutable.sendMessage({ type: "GuiUpdateMessage", uuid, updates: { value: text } });
     }, LOOK);
