@@ -92,7 +92,7 @@
   }
 
   function figure(chart) {
-    const element = document.createElement("figure");
+    const element = Object.assign(document.createElement("figure"), { hidden: true }); // until it is drawn
     element.innerHTML = `<figcaption><b></b></figcaption><div class="hs-canvas"><canvas role="img"></canvas><i class="hs-cursor" hidden></i></div>`;
     element.querySelector("b").textContent = chart.title;
     const values = chart.curves.map((curve) => {
