@@ -93,7 +93,7 @@ def test_what_is_shown_may_be_ahead_and_is_caught_up_with(drive: list[Item]):
 
 def test_nothing_is_run_ahead_where_nobody_wants_it_or_there_is_nothing(drive: list[Item]):
     """What is known is what was shown: switched off, and of a stream."""
-    with running(MemoryRecording(drive), runs_ahead=False, speed=math.inf) as engine:
+    with running(MemoryRecording(drive), ahead_after=None, speed=math.inf) as engine:
         ended = until(engine, state("ended"))
         assert (ended.ahead.whole, len(ended.ahead.series)) == (False, ended.scans)
         back = after(engine, Seek(drive[0].stamp_ns + 2 * SECOND))
@@ -103,6 +103,14 @@ def test_nothing_is_run_ahead_where_nobody_wants_it_or_there_is_nothing(drive: l
         stream.send(drive)
         now = until(engine, lambda now: now.scans > 5)
         assert (now.ahead.whole, len(now.ahead.series)) == (False, now.scans)
+
+
+def test_a_recording_may_be_run_ahead_later(drive: list[Item]):
+    """At rest, too."""
+    with running(MemoryRecording(drive), autoplay=False, ahead_after=2.0) as engine:
+        first = until(engine, lambda now: now.playback.state == "paused")
+        assert (first.ahead.whole, len(first.ahead.series)) == (False, 0)
+        check_rows(until(engine, is_whole), drive)
 
 
 def test_a_recording_that_cannot_be_read_ends_the_pass_and_not_the_run(drive: list[Item]):

@@ -20,6 +20,8 @@ from hectorscope.web.server import PageServer, serve
 if TYPE_CHECKING:
     from hectorscope.session.engine import Engine
 
+AHEAD_AFTER_S = 4.0  # until then the first picture has the processor to itself
+
 
 def show(
     source: Source | None,
@@ -49,7 +51,7 @@ def show(
                 exchange=exchange,
                 out=page.out,
                 checkpoints=budget,
-                runs_ahead=page.ahead,
+                ahead_after=AHEAD_AFTER_S if page.ahead else None,
                 look_back=look_back,
             )
             made.offer(library)

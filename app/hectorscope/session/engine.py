@@ -44,7 +44,8 @@ class Engine:
 
     source: None shows nothing yet. exchange: with the page, if that is there already.
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
-    runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
+    ahead_after: seconds from the first item of a recording until it is run to its end, in the time to spare,
+    ahead of what is shown; None: never.
     look_back: seconds of a stream that are kept, to be shown again while the run goes on.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
@@ -65,7 +66,7 @@ class Engine:
         speed: float = 1.0,
         out: Path | None = None,
         checkpoints: int = BUDGET_MB,
-        runs_ahead: bool = True,
+        ahead_after: float | None = 0.0,
         look_back: float = LOOK_BACK_S,
     ) -> None:
         source = source or NoRecording()
@@ -84,7 +85,7 @@ class Engine:
             self._transport,
             self._publisher,
             budget,
-            runs_ahead=runs_ahead,
+            ahead_after=ahead_after,
             look_back=look_back,
         )
         tell = self._commands.put

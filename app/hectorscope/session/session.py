@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from time import monotonic
 
 from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
@@ -43,10 +44,11 @@ class Session:
         publisher: Publisher,
         budget: int,
         *,
-        runs_ahead: bool = True,
+        ahead_after: float | None = 0.0,
         look_back: float = 0.0,
     ) -> None:
-        """budget: bytes of checkpoints. runs_ahead: whether a recording is run ahead of what is shown.
+        """budget: bytes of checkpoints. ahead_after: seconds from the first item of a recording until it is run
+        ahead of what is shown; None: never.
 
         look_back: seconds of a stream that are kept.
         """
@@ -56,7 +58,7 @@ class Session:
         self.undone = UndoStack(self._drop)
         self.epoch = 0
         self.prior_map, self._publisher = prior_map, publisher
-        self._budget, self._runs_ahead = budget, runs_ahead
+        self._budget, self._ahead_after = budget, ahead_after
         self.given = settings
         self.named = SessionRuns(self, budget // COMPARED_SHARE)
         self.run = self._new_run(intake.source, settings, None, self.named.runs.new())
@@ -160,6 +162,7 @@ class Session:
         self.past = LookBack(self._look_back if intake.source.live else 0.0)
         intake.keeps = self.past.items
         self._is_rereadable = isinstance(intake.source, Rereadable) and not intake.source.live
+        self._settled = 0.0  # of the monotonic clock, once an item came
 
     def _put_aside(self, what: str) -> None:
         """Another run is shown from now on; keep the present one for a minute if `what` says why."""
@@ -301,22 +304,36 @@ class Session:
         if self.past.front is None:
             self.past.keep(self.run, self.intake)
 
-    def run_ahead(self, seconds: float) -> bool:
-        """Run on with the compared run, or ahead of what is shown, for about so long; whether there is more."""
+    def run_ahead(self, seconds: float) -> float | None:
+        """Run on with the compared run, or ahead of what is shown, for about so long.
+
+        In how many seconds there is more to do; None if never.
+        """
         if self.named.advance(seconds):
             self._publisher.touch()
-            return True
+            return 0.0
+        if self.run.head is None and (left := self._settles()):
+            return left
         head = self.run.head or self._begun_head()
         if head is None or head.done:
-            return False
+            return None
         head.advance(seconds)
         if head.done or self._publisher.age >= PROGRESS_S:
             self._publisher.touch()
-        return True
+        return 0.0
+
+    def _settles(self) -> float | None:
+        """Seconds until the recording may be run ahead; None if never.
+
+        Before the source gives items its sensors are checked, and may be repaired.
+        """
+        if self._ahead_after is None or not (self._is_rereadable and self.intake.begun):
+            return None
+        self._settled = self._settled or monotonic() + self._ahead_after
+        return max(0.0, self._settled - monotonic())
 
     def _begun_head(self) -> Head | None:
-        """Once the source gives items: before, its sensors are checked, and may be repaired."""
-        if not (self._runs_ahead and self._is_rereadable and self.intake.begun):
+        if self._settles() is None:
             return None
         source = self.source.again() if isinstance(self.source, Rereadable) else None
         self._is_rereadable = source is not None

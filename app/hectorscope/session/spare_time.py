@@ -20,4 +20,5 @@ def use_time(session: Session, patience: float | None, guard: Guard) -> float | 
         guard(session.step_front)
         return FRONT_S
     slice_s = AHEAD_S if patience is None else min(AHEAD_S, patience)
-    return BREAK_S if slice_s >= BREAK_S and session.run_ahead(slice_s) else None
+    turn = session.run_ahead(slice_s) if slice_s >= BREAK_S else None
+    return None if turn is None else max(turn, BREAK_S)
