@@ -2,16 +2,15 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from time import monotonic
 
-from hectorscope.inputs import Repairable, Rereadable, Source, SourceReport, merged
+from hectorscope.inputs import Repairable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
+from hectorscope.session.ahead import RunsAhead
 from hectorscope.session.changes import SettingsChange, settings_change
 from hectorscope.session.commands import Configure, ConfigureAll
 from hectorscope.session.event_log import EventLog
-from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
 from hectorscope.session.look_back import LookBack
 from hectorscope.session.no_recording import NoRecording
@@ -53,12 +52,12 @@ class Session:
         look_back: seconds of a stream that are kept.
         """
         self.transport = transport
-        self._look_back = look_back
+        self._look_back, self._ahead_after = look_back, ahead_after
         self._read(intake)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
         self.prior_map, self._publisher = prior_map, publisher
-        self._budget, self._ahead_after = budget, ahead_after
+        self._budget = budget
         self.given = settings
         self.named = SessionRuns(self, budget // COMPARED_SHARE)
         self.run = self._new_run(intake.source, settings, None, self.named.runs.new())
@@ -161,8 +160,7 @@ class Session:
         self.transport.live, self.transport.empty = intake.source.live, isinstance(intake.source, NoRecording)
         self.past = LookBack(self._look_back if intake.source.live else 0.0)
         intake.keeps = self.past.items
-        self._is_rereadable = isinstance(intake.source, Rereadable) and not intake.source.live
-        self._settled = 0.0  # of the monotonic clock, once an item came
+        self._ahead = RunsAhead(intake, self._ahead_after)
 
     def _put_aside(self, what: str) -> None:
         """Another run is shown from now on; keep the present one for a minute if `what` says why."""
@@ -312,32 +310,10 @@ class Session:
         if self.named.advance(seconds):
             self._publisher.touch()
             return 0.0
-        if self.run.head is None and (left := self._settles()):
-            return left
-        head = self.run.head or self._begun_head()
-        if head is None or head.done:
-            return None
-        head.advance(seconds)
-        if head.done or self._publisher.age >= PROGRESS_S:
+        turn = self._ahead.advance(self.run, seconds)
+        if turn == 0.0 and (self._publisher.age >= PROGRESS_S or (self.run.head and self.run.head.done)):
             self._publisher.touch()
-        return 0.0
-
-    def _settles(self) -> float | None:
-        """Seconds until the recording may be run ahead; None if never.
-
-        Before the source gives items its sensors are checked, and may be repaired.
-        """
-        if self._ahead_after is None or not (self._is_rereadable and self.intake.begun):
-            return None
-        self._settled = self._settled or monotonic() + self._ahead_after
-        return max(0.0, self._settled - monotonic())
-
-    def _begun_head(self) -> Head | None:
-        if self._settles() is None:
-            return None
-        source = self.source.again() if isinstance(self.source, Rereadable) else None
-        self._is_rereadable = source is not None
-        return self.run.run_ahead(source) if source else None
+        return turn
 
     # ----------------------------------------------------------------------------------------------- settings
 
