@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from slam_core.errors import SlamError
-from slam_core.measurements import Float32s, Measurement, TruthPose
+from slam_core.measurements import Float32s, Measurement, Transform, TruthPose
 
 Item = Measurement | TruthPose
 
@@ -42,6 +42,7 @@ class SourceOptions:
     imu_delay: float | None = None  # s by which its stamps are late
     scan_mirrored: bool | None = None
     scan_delay: float | None = None
+    own_frame: str | None = None  # whose transforms come from here: what tf says of frames in it is left out
 
 
 OptionValue = str | bool | float | tuple[float, ...]
@@ -204,6 +205,14 @@ class Reopenable(Source, Protocol):
 
     def reopened(self) -> Source:
         """The same, from its beginning; whoever asks for it closes it. SourceError."""
+
+
+@runtime_checkable
+class Framed(Source, Protocol):
+    """A stream of a robot with coordinate frames of its own."""
+
+    def root(self, time_ns: int) -> tuple[str, Transform]:
+        """The frame that the robot's own tree begins with, and T_root_base at a time; from any thread."""
 
 
 @runtime_checkable

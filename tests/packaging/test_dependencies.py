@@ -23,7 +23,7 @@ IMPORTED_AS = {
 }
 OURS = {"hectorscope", "slam_core", "tests", "benchmarks"}
 FOLDERS = {
-    "app": ("cluster", "parquet", "zenoh"),
+    "app": ("cluster", "parquet", "publish", "zenoh"),
     "slam_core": (),
     "tests": ("test", "check"),
     "benchmarks": ("test", "bench"),

@@ -9,6 +9,7 @@ from hectorscope.checks.sensor_statistics import LONGEST_S, SensorStatistics
 from hectorscope.inputs import (
     SENSOR_OPTIONS,
     Finding,
+    Framed,
     Item,
     Rereadable,
     Seekable,
@@ -17,6 +18,7 @@ from hectorscope.inputs import (
     SourceOptions,
     SourceReport,
 )
+from slam_core.measurements import Transform
 
 REST_S = 1.5  # of a stream: then gravity is looked at, which needs no turn
 STEP_S = 4.0  # after each of these it is asked whether enough was seen
@@ -145,6 +147,11 @@ class CheckedSource:
     def again(self) -> Seekable | None:
         """Of the source, which must be checked already."""
         return self._source.again() if isinstance(self._source, Rereadable) else None
+
+    def root(self, time_ns: int) -> tuple[str, Transform]:
+        """Of the source, which must be a stream."""
+        assert isinstance(self._source, Framed)
+        return self._source.root(time_ns)
 
     def check(self) -> None:
         """Look at the beginning of a recording, once; DeviceError if it does not bear out its messages."""

@@ -1,4 +1,4 @@
-"""The command line: hectorscope demo, view, live, run, sweep, inspect, simulate."""
+"""The command line: hectorscope demo, view, live, serve, run, sweep, inspect, simulate."""
 
 import gc
 import os
@@ -12,13 +12,14 @@ from typing import Annotated, Any
 import tyro
 
 from hectorscope.cli.interruption import delivered_later, ended_by_interruption
-from hectorscope.cli.opening import Scene, checked, demo_bag, get_ready, opened
+from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, get_ready, opened
 from hectorscope.cli.options import (
     AddressArgs,
     ExportArg,
     MapArgs,
     NoteArg,
     PageArgs,
+    PublishArg,
     RelationsArg,
     SettingArgs,
     SourceArgs,
@@ -88,10 +89,26 @@ def live(
     saved: MapArgs,
     source: SourceArgs,
     page: PageArgs,
+    publish: PublishArg = (),
 ) -> int:
     """Show the stream of a running robot in the browser."""
-    shown = checked(address, source, settings)
-    return _show(shown, settings, saved, page, partial(opened, source, settings))
+    shown = checked(address, source, settings, OURS if publish else {})
+    return _show(shown, settings, saved, page, partial(opened, source, settings), None, publish)
+
+
+def serve(
+    address: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ADDRESS", help=ADDRESS)],
+    *,
+    publish: PublishArg,
+    out: Annotated[Path | None, optional("Folder for the results of `run`, saved at the end.")] = None,
+    settings: SettingArgs,
+    saved: MapArgs,
+    source: SourceArgs,
+) -> int:
+    """Follow a running robot without a page, as a node: its results are published, and saved at the end."""
+    from hectorscope.cli.node import follow  # noqa: PLC0415
+
+    return follow(checked(address, source, settings, OURS), settings, saved, publish, out)
 
 
 def run(
@@ -216,6 +233,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "demo": demo,
         "view": view,
         "live": live,
+        "serve": serve,
         "run": run,
         "sweep": sweep,
         "inspect": inspect,

@@ -2,6 +2,7 @@
 
 import gc
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
     from hectorscope.checks.sensor_check import CheckedSource
 
 Scene = Literal["arena", "littoral", "handheld"]
+
+
+# Whoever publishes the transforms of the map does not take them for the robot's own when they come back.
+OURS: Mapping[str, OptionValue] = MappingProxyType({"own_frame": "map"})
 
 
 class DemoError(SlamError):
@@ -71,3 +76,12 @@ def get_ready(*report: Report) -> None:
 
     warm_up(*report)
     gc.enable()
+
+
+def reserved_folder(out: Path | None) -> AbstractContextManager[None]:
+    """The folder for results, for this program alone."""
+    if out is None:
+        return nullcontext()
+    from hectorscope.exporters import reserved  # noqa: PLC0415
+
+    return reserved(out)

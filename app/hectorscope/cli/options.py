@@ -147,6 +147,8 @@ def setting_flags() -> type[SettingFlags]:
 def _source_flags() -> type[Any]:
     flags: list[Any] = []
     for option in fields(SourceOptions):
+        if option.name not in _SOURCE:
+            continue
         kind: Any = Literal["true", "false"] | None if option.type == bool | None else option.type
         words = _SOURCE[option.name]
         hint = tyro.conf.arg(
@@ -322,6 +324,14 @@ ExportArg = Annotated[
 RelationsArg = Annotated[
     Path | None,
     optional("File of relations (time1 time2 x y z roll pitch yaw, a line each): true motions, which score it."),
+]
+PublishArg = Annotated[
+    tyro.conf.UseAppendAction[tuple[str, ...]],
+    tyro.conf.arg(
+        metavar="ADDRESS",
+        help="Publish map, pose, path, diagnostics and tf: ws://127.0.0.1:PORT for Foxglove,"
+        " zenoh://HOST:PORT/DOMAIN for ROS 2. Give it again for more.",
+    ),
 ]
 AddressArgs = Annotated[AddressFlags, tyro.conf.arg(name="")]
 NoteArg = Annotated[

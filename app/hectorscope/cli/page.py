@@ -1,13 +1,13 @@
 """Serves the page, with the engine behind it, until the program is interrupted."""
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hectorscope.cli.interruption import undisturbed
-from hectorscope.cli.opening import demos, get_ready
+from hectorscope.cli.opening import demos, get_ready, reserved_folder
 from hectorscope.cli.options import MapFlags, PageFlags, SettingFlags
+from hectorscope.cli.publishing import published
 from hectorscope.common.recent import Recent, recent_file
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source
@@ -30,15 +30,18 @@ def show(
     page: PageFlags,
     opened: Opened,
     shown: Path | None = None,
+    publish: Sequence[str] = (),
 ) -> None:
     """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording.
+
+    publish: addresses at which the results are published.
 
     The engine needs numba and the core, which take long to import: they come while a browser opens the page.
     """
     chosen, library, exchange = settings.settings(), _library(page, opened, shown), Exchange()
     budget, look_back = page.budget(), page.kept_seconds()  # bad ones are named before the page is served
     server = PageServer(exchange, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads())
-    with _reserved(page.out):
+    with reserved_folder(page.out), published(publish, source) as observer:
         prior = saved.prior_map(chosen)
 
         def engine() -> "Engine":
@@ -55,6 +58,7 @@ def show(
                 look_back=look_back,
             )
             made.offer(library)
+            made.observe(observer)
             return made
 
         message = _serve(server, engine)
@@ -81,15 +85,6 @@ def _serve(server: PageServer, made: Callable[[], "Engine"]) -> str:
                 engine.stop()
                 message = engine.save() if engine.saves else ""
     return message
-
-
-def _reserved(out: Path | None) -> AbstractContextManager[None]:
-    """The folder for results, for this program alone."""
-    if out is None:
-        return nullcontext()
-    from hectorscope.exporters import reserved  # noqa: PLC0415
-
-    return reserved(out)
 
 
 def _library(page: PageFlags, opened: Opened, shown: Path | None) -> Library:

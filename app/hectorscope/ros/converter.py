@@ -55,7 +55,7 @@ class Converter:
     def __init__(self, roles: Roles, options: SourceOptions) -> None:
         self.tree = TfTree()
         self.mounts = Mounts(self.tree, options.base_frame)
-        self._repairs = Repairs(options)
+        self._repairs, self._own_frame = Repairs(options), options.own_frame
         self._tf_poses = TfPoses(self.tree, self.mounts)
         self._read: Counter[str] = Counter()
         self._skipped: Counter[str] = Counter()
@@ -225,6 +225,8 @@ class Converter:
                 continue
             child, stamp_ns = stamped.child_frame_id.strip("/"), messages.stamp_ns(stamped, receive_ns)
             parent = messages.frame_id(stamped)
+            if parent == self._own_frame:
+                continue
             fault = self.tree.add(parent, child, stamp_ns, T, static=static, receive_ns=receive_ns)
             if not fault:
                 updated[child] = stamp_ns

@@ -9,6 +9,7 @@ from queue import Empty
 
 from hectorscope.inputs import Repairable, Source
 from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
+from hectorscope.run.headless import Observer
 from hectorscope.run.pipeline import nothing_used
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
@@ -103,6 +104,10 @@ class Engine:
         self._library, self._session.intake.path = library, library.shown
         library.identities.told = partial(self._commands.put, Identified())
         self._control = Control(self._session, library, self._beside, self._show_opening)
+
+    def observe(self, observer: Observer) -> None:
+        """Call it with every result of the run as it is now, on the engine's thread; before the start."""
+        self._session.observe = observer
 
     def start(self, prepare: Callable[[Report], None] | None = None) -> None:
         """Begin to read and to step.
@@ -267,7 +272,11 @@ class Engine:
         if result is None and run.pipeline.searching and not run.sought:
             run.sought = True
             self._session.log(f"The robot is not found in the map yet: {run.pipeline.searching}", "warning")
-        if not self._session.past.front and (change := change_of_tracking(before, result)):
+        if self._session.past.front:
+            return
+        if result is not None:
+            self._session.observe(run.pipeline, result)
+        if change := change_of_tracking(before, result):
             self._session.log(*change)
 
     def _end(self) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from hectorscope.inputs import Repairable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
+from hectorscope.run.headless import Observer
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.ahead import RunsAhead
@@ -30,6 +31,7 @@ PROGRESS_S = 0.2  # how often it is told how far the run ahead is
 class Session:
     """Belongs to the engine's thread. epoch: grows whenever what was drawn is no longer true.
 
+    observe: called with every result of the run as it is now.
     given: the settings that the recording was opened with; others were set by hand since.
     named: the runs of the list, of which this is one.
     """
@@ -52,6 +54,7 @@ class Session:
         look_back: seconds of a stream that are kept.
         """
         self.transport = transport
+        self.observe: Observer = lambda _pipeline, _result: None
         self._look_back, self._ahead_after = look_back, ahead_after
         self._read(intake)
         self.undone = UndoStack(self._drop)
@@ -268,7 +271,10 @@ class Session:
 
     def step_front(self) -> None:
         """Let the run of a stream go on by a scan, if there is one, while an earlier time is shown."""
-        if change := change_of_tracking(*self.past.advance()):
+        before, result = self.past.advance()
+        if result is not None:
+            self.observe(self.newest.pipeline, result)
+        if change := change_of_tracking(before, result):
             self.log(*change)
 
     def go_live(self) -> None:

@@ -8,8 +8,10 @@ from typing import Protocol
 from hectorscope.inputs import Item, SourceOptions, SourceReport
 from hectorscope.ros.converter import Converter
 from hectorscope.ros.messages import BadMessage
+from hectorscope.ros.mounts import BASE_NAMES
 from hectorscope.sources._channels import ChannelError, Channels
 from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
+from slam_core.measurements import Transform
 
 
 class Wire(Protocol):
@@ -65,6 +67,13 @@ class LiveSource:
                 with self._lock:
                     items = self._take(events)
                 yield from items
+
+    def root(self, time_ns: int) -> tuple[str, Transform]:
+        """The frame above the base to which tf leads, and T_root_base; the base itself if tf knows none."""
+        with self._lock:
+            base, tree = self._converter.mounts.guess_base() or BASE_NAMES[0], self._converter.tree
+            root = tree.climb(base)[-1]
+            return root, tree.lookup(root, base, time_ns) or Transform()
 
     def close(self) -> None:
         """Hang up."""

@@ -9,6 +9,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.wording import verdict_text
+from slam_core.measurements import Transform
 from slam_core.results import StepResult, Tracking
 
 MAP, BASE = "map", "base_link"
@@ -47,19 +48,17 @@ def values_of(result: StepResult) -> list[float]:
     return [*T.translation.tolist(), *T.rotation.tolist()]
 
 
-def transforms(result: StepResult) -> Any:
-    """tf2_msgs/TFMessage with the base in the map."""
-    x, y, z, qw, qx, qy, qz = values_of(result)
+def transforms(stamp_ns: int, child: str, T: Transform) -> Any:
+    """tf2_msgs/TFMessage with a frame in the map. T: T_map_child."""
+    x, y, z = T.translation.tolist()
+    qw, qx, qy, qz = T.rotation.tolist()
     transform = made(
         "geometry_msgs/Transform",
         translation=made("geometry_msgs/Vector3", x=x, y=y, z=z),
         rotation=made("geometry_msgs/Quaternion", x=qx, y=qy, z=qz, w=qw),
     )
     stamped = made(
-        "geometry_msgs/TransformStamped",
-        header=header(result.stamp_ns),
-        child_frame_id=BASE,
-        transform=transform,
+        "geometry_msgs/TransformStamped", header=header(stamp_ns), child_frame_id=child, transform=transform
     )
     return made("tf2_msgs/TFMessage", transforms=[stamped])
 

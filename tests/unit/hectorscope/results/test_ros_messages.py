@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hectorscope.exporters._ros_results import ERROR, OK, WARN, covariance, diagnostics
+from hectorscope.results.ros_messages import ERROR, OK, WARN, covariance, diagnostics
 from slam_core.results import Rejection, Tracking, Verdict
 from tests.page import step_result
 
