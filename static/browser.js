@@ -125,7 +125,7 @@
   function before(renderer, scene, camera) {
     for (const draw of drawing) draw(pages(), scene, camera, renderer);
   }
-  setInterval(hook, 200);
+  document.addEventListener("DOMContentLoaded", () => setInterval(hook, 200)); // every script of ours is there then
 
   const own = { get, set, toggle: (key) => set(key, !chosen[key]), listen: (call) => heard.push(call), layers, layerShown };
   window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing });

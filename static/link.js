@@ -12,10 +12,8 @@
   let heard = null; // nothing yet: the page has just been opened
   let since = performance.now(); // when it was opened or came to the front
   let asking = false;
-  let beats = 0;
   function beat() {
     heard = performance.now();
-    beats += 1;
     document.documentElement.classList.remove("hs-silent");
   }
 
@@ -40,5 +38,5 @@
     if (heard !== null) beat();
   });
   setInterval(look, 1000);
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { beat, linked: () => heard !== null, settled: () => beats > 2 });
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { beat, linked: () => heard !== null });
 })();

@@ -7,6 +7,7 @@
   const { own } = window.hectorscope;
   const LOOK = 100; // milliseconds
   const LONGEST = 1000; // characters that the server takes
+  const AGAIN = 1500; // until the server has heard it: viser gives up its first connections, and what was said over them
   const SHOWN = 4000; // milliseconds that a word stays
 
   const told = () => JSON.parse(document.querySelector("[data-hs-link]")?.dataset.hsLink ?? "{}");
@@ -47,6 +48,7 @@
     own.set("camera", { auto, follow, top, pose: numbers.slice(3) });
   }
 
+  let [asking, due] = [0, 0];
   function follow() {
     const text = location.hash.slice(1).split("&").filter((part) => !part.startsWith("v=")).join("&");
     const wanted = new URLSearchParams(location.hash.slice(1));
@@ -54,11 +56,11 @@
     history.replaceState(null, "", location.pathname + location.search);
     cameraOf(wanted.get("v"));
     if (text.length > LONGEST) return say("This link cannot be followed: it is too long.");
-    const waiting = setInterval(() => {
+    clearInterval(asking);
+    asking = setInterval(() => {
       const uuid = told().follow;
-      // Before, what came of it might be told to a connection that viser gives up for another one, as it does at first.
-      if (!uuid || !window.hectorscope.settled?.()) return;
-      clearInterval(waiting);
+      if (!uuid || performance.now() < due) return;
+      due = performance.now() + AGAIN;
       window.__viserMutable.sendMessage({ type: "GuiUpdateMessage", uuid, updates: { value: text } });
     }, LOOK);
   }
@@ -68,5 +70,5 @@
     follow();
     window.hectorscope.restoreCamera?.();
   });
-  window.hectorscope.link = copy;
+  Object.assign(window.hectorscope, { link: copy, followed: () => clearInterval(asking) });
 })();

@@ -39,6 +39,7 @@ class PermalinkPanel:
         put_value(event.target, "")  # so that the same can be followed again
         if not text:
             return
+        self._scene.run("window.hectorscope?.followed?.()", event.client)
         try:
             self._scene.send(Follow(from_text(text)))
         except PermalinkError as error:
