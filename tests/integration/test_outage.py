@@ -37,7 +37,7 @@ def test_satellites_and_compass_carry_a_boat_that_has_no_imu() -> None:
 
 def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
     """Ten seconds on, next to nothing is known: it errs by what it drifted, and hardly more from there."""
-    options = SceneOptions(seed=1)
+    options = replace(FEW_BEAMS, seed=1)
     found = laser_fails(options, ALONE)
     assert found.after < found.at_return + 0.5
     assert (
