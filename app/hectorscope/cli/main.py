@@ -27,6 +27,7 @@ from hectorscope.cli.options import (
     source_flags,
     source_options,
 )
+from hectorscope.cli.station_flags import StationArgs
 from hectorscope.cli.sweep_flags import SweepArgs
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
 from hectorscope.common.terminal import printable
@@ -88,10 +89,12 @@ def live(
     saved: MapArgs,
     source: SourceArgs,
     page: PageArgs,
+    station: StationArgs,
 ) -> int:
     """Show the stream of a running robot in the browser."""
     shown = checked(address, source, settings)
-    return _show(shown, settings, saved, page, partial(opened, source, settings))
+    made = station.station(address, source_options(source, settings))
+    return _show(shown, settings, saved, page, partial(opened, source, settings), None, made)
 
 
 def run(

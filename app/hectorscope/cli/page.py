@@ -19,6 +19,7 @@ from hectorscope.web.server import PageServer, serve
 
 if TYPE_CHECKING:
     from hectorscope.session.engine import Engine
+    from hectorscope.session.station import Station
 
 
 def show(
@@ -28,8 +29,10 @@ def show(
     page: PageFlags,
     opened: Opened,
     shown: Path | None = None,
+    station: "Callable[[], Station] | None" = None,
 ) -> None:
     """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording.
+    station: makes what a stream leaves on the disk.
 
     The engine needs numba and the core, which take long to import: they come while a browser opens the page.
     """
@@ -51,6 +54,7 @@ def show(
                 checkpoints=budget,
                 runs_ahead=page.ahead,
                 look_back=look_back,
+                station=station() if station else None,
             )
             made.offer(library)
             return made
