@@ -93,8 +93,8 @@ def live(
 ) -> int:
     """Show the stream of a running robot in the browser."""
     shown = checked(address, source, settings)
-    made = station.station(address, source_options(source, settings))
-    return _show(shown, settings, saved, page, partial(opened, source, settings), None, made)
+    aboard = station.aboard(address, source_options(source, settings))
+    return _show(shown, settings, saved, page, partial(opened, source, settings), None, aboard)
 
 
 def run(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from hectorscope.cli.interruption import undisturbed
 from hectorscope.cli.opening import demos, get_ready
 from hectorscope.cli.options import MapFlags, PageFlags, SettingFlags
+from hectorscope.cli.station_flags import NOTHING_ABOARD, Aboard
 from hectorscope.common.recent import Recent, recent_file
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source
@@ -19,7 +20,6 @@ from hectorscope.web.server import PageServer, serve
 
 if TYPE_CHECKING:
     from hectorscope.session.engine import Engine
-    from hectorscope.session.station import Station
 
 
 def show(
@@ -29,16 +29,23 @@ def show(
     page: PageFlags,
     opened: Opened,
     shown: Path | None = None,
-    station: "Callable[[], Station] | None" = None,
+    aboard: Aboard = NOTHING_ABOARD,
 ) -> None:
     """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording.
-    station: makes what a stream leaves on the disk.
+    aboard: what there is beside the run of a stream.
 
     The engine needs numba and the core, which take long to import: they come while a browser opens the page.
     """
     chosen, library, exchange = settings.settings(), _library(page, opened, shown), Exchange()
     budget, look_back = page.budget(), page.kept_seconds()  # bad ones are named before the page is served
-    server = PageServer(exchange, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads())
+    server = PageServer(
+        exchange,
+        host=page.host,
+        port=page.port,
+        token=page.secret(),
+        upload_limit=page.uploads(),
+        viewer_token=aboard.viewer_token,
+    )
     with _reserved(page.out):
         prior = saved.prior_map(chosen)
 
@@ -54,7 +61,7 @@ def show(
                 checkpoints=budget,
                 runs_ahead=page.ahead,
                 look_back=look_back,
-                station=station() if station else None,
+                station=aboard.made() if aboard.made else None,
             )
             made.offer(library)
             return made

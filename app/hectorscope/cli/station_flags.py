@@ -1,10 +1,11 @@
-"""The flags of `hectorscope live` about what is recorded, and about going on after a crash."""
+"""The flags of `hectorscope live` about what is recorded, going on after a crash, and viewers."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import tyro
 
@@ -18,10 +19,21 @@ if TYPE_CHECKING:
     from hectorscope.session.station import Station
 
 OFF = "off"
+VIEWER_TOKEN = "HECTORSCOPE_VIEWER_TOKEN"
 
 
 class StationError(SlamError):
     """The flags of the station contradict each other."""
+
+
+class Aboard(NamedTuple):
+    """made: makes the station of a stream, on which much is imported. viewer_token: of who may only look."""
+
+    made: "Callable[[], Station] | None" = None
+    viewer_token: str | None = None
+
+
+NOTHING_ABOARD = Aboard()
 
 
 @dataclass
@@ -47,11 +59,18 @@ class StationFlags:
         tyro.conf.arg(help="Go on with the run of this address that ended without being closed."),
     ] = False
 
-    def station(self, address: str, options: SourceOptions) -> "Callable[[], Station]":
-        """What makes the station; SlamError for flags that contradict each other."""
+    viewer_token: Annotated[
+        str | None,
+        optional(
+            f"Secret of browsers that may only look, beside --token; also from {VIEWER_TOKEN} in the environment."
+        ),
+    ] = None
+
+    def aboard(self, address: str, options: SourceOptions) -> "Aboard":
+        """What the page needs of them; SlamError for flags that contradict each other."""
         if self.resume and self.journal == OFF:
             raise StationError("--resume needs a journal: leave --journal off out")
-        return partial(_made, self, address, options)
+        return Aboard(partial(_made, self, address, options), self.viewer_token or os.environ.get(VIEWER_TOKEN))
 
 
 def _made(flags: StationFlags, address: str, options: SourceOptions) -> "Station":

@@ -12,7 +12,7 @@ from hectorscope.session.commands import Command, Inspect
 from hectorscope.session.control import Control
 from hectorscope.session.journal import Journal
 from hectorscope.session.session import Session
-from hectorscope.session.station_commands import Record, Resume, StationCommand
+from hectorscope.session.station_commands import HandOver, Record, Resume, StationCommand
 from hectorscope.session.station_state import StationState
 from slam_core.config import SlamConfig, leaves
 from slam_core.errors import SlamError
@@ -118,6 +118,8 @@ class Station:
             match command:
                 case Record(on):
                     self._record(on)
+                case HandOver(address):
+                    self._session.log(f"The operator at {address} is in control")
                 case Resume():
                     self._resume()
         except SlamError as error:

@@ -18,3 +18,10 @@ class Record(StationCommand):
 @dataclass(frozen=True, slots=True)
 class Resume(StationCommand):
     """Go on with the run of this address that ended without being closed."""
+
+
+@dataclass(frozen=True, slots=True)
+class HandOver(StationCommand):
+    """A browser of an operator has got control. Sent by the server only. address: of its machine."""
+
+    address: str
