@@ -228,6 +228,44 @@ class Repairable(Source, Protocol):
         """Repair what was found; that, or nothing. The input is opened again: `items` begins anew. SourceError."""
 
 
+class Message(NamedTuple):
+    """A serialised message of a live stream, as it came.
+
+    encoding: "cdr" or "ros1". definition: of its type, in the format `form`; "" for the standard one.
+    received_ns: when the other side got it, by its clock.
+    """
+
+    topic: str
+    encoding: str
+    msgtype: str
+    definition: str
+    form: str
+    received_ns: int
+    data: bytes
+
+
+class Tap(Protocol):
+    """Hears every message that a live source uses, on the thread that reads it: it must not wait for anything."""
+
+    @property
+    def warning(self) -> str:
+        """Why messages are not kept at this moment, with the remedy; empty while all is well."""
+
+    def take(self, message: Message) -> None:
+        """One more."""
+
+
+@runtime_checkable
+class Tappable(Source, Protocol):
+    """A live input whose messages can be heard as they came."""
+
+    def tap(self, tap: Tap) -> None:
+        """Let it hear the static transforms so far, and from now on every message."""
+
+    def untap(self, tap: Tap) -> None:
+        """It hears nothing any more."""
+
+
 def merged(report: SourceReport, skipped: Counter[str], dropped: int) -> SourceReport:
     """The source's counters with those of the queue and the core."""
     counted = dict(Counter(report.skipped) + skipped)

@@ -17,6 +17,8 @@ from hectorscope.inputs import (
     SourceError,
     SourceOptions,
     SourceReport,
+    Tap,
+    Tappable,
 )
 from slam_core.measurements import Transform
 
@@ -102,6 +104,7 @@ class CheckedSource:
         self._checking = self._is_sound = False
         self._repaired: tuple[Finding, ...] = ()
         self._rounds = 0
+        self._taps: list[Tap] = []
 
     @property
     def span_ns(self) -> tuple[int, int] | None:
@@ -198,9 +201,26 @@ class CheckedSource:
             self._options = replace(self._options, **changed)
             self._source.close()
             self._source = self._opened(self._options)
+            for tap in self._taps:
+                self._tap(tap)
             self._check, self._is_sound = None, False
             self._repaired += found
         return found
+
+    def tap(self, tap: Tap) -> None:
+        """Let it hear the messages of a live source, also once it was opened again."""
+        self._taps.append(tap)
+        self._tap(tap)
+
+    def _tap(self, tap: Tap) -> None:
+        if isinstance(self._source, Tappable):
+            self._source.tap(tap)
+
+    def untap(self, tap: Tap) -> None:
+        """It hears nothing any more."""
+        self._taps.remove(tap)
+        if isinstance(self._source, Tappable):
+            self._source.untap(tap)
 
     def close(self) -> None:
         """Let go of the source."""

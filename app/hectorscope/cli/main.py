@@ -28,6 +28,7 @@ from hectorscope.cli.options import (
     source_flags,
     source_options,
 )
+from hectorscope.cli.station_flags import StationArgs
 from hectorscope.cli.sweep_flags import SweepArgs
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
 from hectorscope.common.terminal import printable
@@ -89,17 +90,18 @@ def live(
     saved: MapArgs,
     source: SourceArgs,
     page: PageArgs,
-    publish: PublishArg = (),
+    station: StationArgs,
 ) -> int:
     """Show the stream of a running robot in the browser."""
-    shown = checked(address, source, settings, OURS if publish else {})
-    return _show(shown, settings, saved, page, partial(opened, source, settings), None, publish)
+    shown = checked(address, source, settings, OURS if station.publish else {})
+    aboard = station.aboard(address, source_options(source, settings))
+    return _show(shown, settings, saved, page, partial(opened, source, settings), None, aboard)
 
 
 def serve(
     address: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ADDRESS", help=ADDRESS)],
     *,
-    publish: PublishArg,
+    publish: PublishArg = (),
     out: Annotated[Path | None, optional("Folder for the results of `run`, saved at the end.")] = None,
     settings: SettingArgs,
     saved: MapArgs,

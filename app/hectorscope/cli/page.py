@@ -1,6 +1,6 @@
 """Serves the page, with the engine behind it, until the program is interrupted."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,6 +8,7 @@ from hectorscope.cli.interruption import undisturbed
 from hectorscope.cli.opening import demos, get_ready, reserved_folder
 from hectorscope.cli.options import MapFlags, PageFlags, SettingFlags
 from hectorscope.cli.publishing import published
+from hectorscope.cli.station_flags import NOTHING_ABOARD, Aboard
 from hectorscope.common.recent import Recent, recent_file
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source
@@ -30,18 +31,24 @@ def show(
     page: PageFlags,
     opened: Opened,
     shown: Path | None = None,
-    publish: Sequence[str] = (),
+    aboard: Aboard = NOTHING_ABOARD,
 ) -> None:
     """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording.
-
-    publish: addresses at which the results are published.
+    aboard: what there is beside the run of a stream.
 
     The engine needs numba and the core, which take long to import: they come while a browser opens the page.
     """
     chosen, library, exchange = settings.settings(), _library(page, opened, shown), Exchange()
     budget, look_back = page.budget(), page.kept_seconds()  # bad ones are named before the page is served
-    server = PageServer(exchange, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads())
-    with reserved_folder(page.out), published(publish, source) as observer:
+    server = PageServer(
+        exchange,
+        host=page.host,
+        port=page.port,
+        token=page.secret(),
+        upload_limit=page.uploads(),
+        viewer_token=aboard.viewer_token,
+    )
+    with reserved_folder(page.out), published(aboard.publish, source) as observer:
         prior = saved.prior_map(chosen)
 
         def engine() -> "Engine":
@@ -56,6 +63,7 @@ def show(
                 checkpoints=budget,
                 ahead_after=AHEAD_AFTER_S if page.ahead else None,
                 look_back=look_back,
+                station=aboard.made() if aboard.made else None,
             )
             made.offer(library)
             made.observe(observer)

@@ -29,6 +29,14 @@ class GrowingRows:
         other._store, other._count = self._store, self._count
         return other
 
+    def __getstate__(self) -> Rows:
+        """For a file: the rows alone, without the room for more."""
+        return self.view.copy()
+
+    def __setstate__(self, rows: Rows) -> None:
+        """Rows from a file."""
+        self._store, self._count = _Store(rows, len(rows)), len(rows)
+
     def append(self, row: tuple[float, ...]) -> None:
         """One more row; views taken before keep their length and their values."""
         rows = self._make_room(self._count + 1)

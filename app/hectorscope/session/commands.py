@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from hectorscope.run.permalink import Permalink
 from hectorscope.run.readings import CellTarget
+from hectorscope.session.station_commands import StationCommand
 
 if TYPE_CHECKING:
     from hectorscope.exporters import Exporter
@@ -264,6 +265,7 @@ Command = (
     | OpenUploaded
     | Follow
     | RunCommand
+    | StationCommand
     | Identified
     | Inspect
     | Examine

@@ -6,9 +6,10 @@ from hectorscope.session.library import Library
 from hectorscope.session.publisher import Run
 from hectorscope.session.session import Session
 from hectorscope.session.snapshot import ListedRun
+from hectorscope.session.station_state import StationState
 
 
-def composed(session: Session, library: Library, control: Control, obeyed: int) -> Run:
+def composed(session: Session, library: Library, control: Control, obeyed: int, station: StationState) -> Run:
     """By the engine's thread."""
     comparison = session.named.comparison
     return Run(
@@ -20,6 +21,7 @@ def composed(session: Session, library: Library, control: Control, obeyed: int) 
         epoch=session.epoch,
         saves=control.beside.saver.out is not None,
         obeyed=obeyed,
+        station=station,
         question=control.questions.open,
         undo=session.undone.offer,
         ahead=session.newest.ahead,

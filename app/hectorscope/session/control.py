@@ -1,7 +1,7 @@
 """Carries out commands, and holds back those that would take something away from everybody, until one agrees."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from hectorscope.session.commands import (
     Agree,
@@ -41,8 +41,17 @@ from hectorscope.session.questions import Questions
 from hectorscope.session.run_commands import RunCommands
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
+from hectorscope.session.station_commands import StationCommand
 from hectorscope.session.transport import valid_speed
 from slam_core.errors import SlamError
+
+
+class Obeys(Protocol):
+    """Carries out the commands of the operator's station."""
+
+    def obey(self, command: StationCommand) -> None:
+        """One of them."""
+
 
 NEEDS_RECORDING = (Restart, Seek, StepScan, StepBack, Repair, Save)
 # What is done at the time that is shown; all else is done to the run, which may be further.
@@ -66,6 +75,7 @@ class Control:
         self.questions = Questions()
         self.probes = Probes()
         self.beside = beside
+        self.station: Obeys | None = None
         self._session, self._library, self._opening = session, library, opening
         self._following = Following(session, library, opening)
         self._runs = RunCommands(session, library, self._following)
@@ -122,6 +132,9 @@ class Control:
                 self._begin_again(command)
             case Undo() | Agree() | Decline() | Inspect():
                 self._answer(command)
+            case StationCommand():
+                if self.station is not None:
+                    self.station.obey(command)
             case ListRecordings() | Open() | OpenUploaded() | Follow() | RunCommand():
                 self._show_other(command)
 

@@ -28,6 +28,7 @@ from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.spare_time import use_time
+from hectorscope.session.station import Station
 from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
@@ -48,6 +49,7 @@ class Engine:
     ahead_after: seconds from the first item of a recording until it is run to its end, in the time to spare,
     ahead of what is shown; None: never.
     look_back: seconds of a stream that are kept, to be shown again while the run goes on.
+    station: what is recorded of a stream, and its journal.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
     What would take the map of a stream away is not done before a person agrees, and what was taken away can be
@@ -69,6 +71,7 @@ class Engine:
         checkpoints: int = BUDGET_MB,
         ahead_after: float | None = 0.0,
         look_back: float = LOOK_BACK_S,
+        station: Station | None = None,
     ) -> None:
         source = source or NoRecording()
         self._prepare: Callable[[Report], None] = lambda _: None
@@ -93,6 +96,7 @@ class Engine:
         self._beside = Beside(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
         self.offer(Library())
         self._is_ready = False
+        self._station = station or Station()
 
     @property
     def mailbox(self) -> Mailbox[Snapshot]:
@@ -152,6 +156,7 @@ class Engine:
     def _run(self) -> None:
         self._guard(partial(self._publish, resting=True))
         self._guard(self._get_ready)
+        self._guard(partial(self._station.begin, self._session, self._control))
         while not isinstance(command := self._next_command(), Quit):
             if command is None:
                 self._guard(self._advance)
@@ -160,12 +165,13 @@ class Engine:
             elif isinstance(command, Identified):
                 self._publisher.touch()
             else:
-                self._guard(partial(self._control.obey, command))
+                self._guard(partial(self._station.logged, self._control.obey, command))
                 self._obeyed += 1
                 self._publisher.touch()
                 if self._commands.empty():
                     self._guard(self._session.process_again)
         self._session.close()
+        self._station.close()
 
     def _show_opening(self, text: str) -> None:
         """What a command opens at this moment, which may take a while; empty once it has."""
@@ -236,10 +242,12 @@ class Engine:
 
     def _fetch(self) -> None:
         self._session.keep()
+        self._station.keep()
         run, intake = self._session.run, self._session.intake
         item = intake.get(FETCH_S)
         if item is not None:
             run.admit(item)
+            self._station.admitted(item)
         elif intake.done:
             run.flush()
             if run.waiting is None:
@@ -306,5 +314,5 @@ class Engine:
     def _publish(self, resting: bool) -> None:
         if self._transport.hurries or not self._publisher.due(resting, live=self._session.source.live):
             return
-        run = composed(self._session, self._library, self._control, self._obeyed)
+        run = composed(self._session, self._library, self._control, self._obeyed, self._station.state)
         self._publisher.publish(run, complete=resting)

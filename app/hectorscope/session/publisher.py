@@ -27,6 +27,7 @@ from hectorscope.session.snapshot import (
     Snapshot,
     UndoOffer,
 )
+from hectorscope.session.station_state import StationState
 from hectorscope.session.transport import Transport
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
@@ -69,6 +70,7 @@ class Run:
     keeps: bool
     compared: Compared | None
     downloads: Mapping[int, Download]
+    station: StationState
 
 
 class Publisher:
@@ -149,6 +151,7 @@ class Publisher:
             views=run.views,
             examined=run.examined,
             downloads=run.downloads,
+            station=run.station,
         )
         self._mailbox.put(snapshot)
 
@@ -158,7 +161,7 @@ class Publisher:
         now_ns, now_scans = pipeline.time_ns, pipeline.scans
         for note in (*run.report.notes, *pipeline.notes):
             self.log_once(LogEntry(now_ns, note, "info", now_scans))
-        for warning in run.report.warnings:
+        for warning in (*run.report.warnings, *run.station.warnings):
             self.log_once(LogEntry(now_ns, warning, "warning", now_scans))
         for warning, (time_ns, scans) in pipeline.warned.items():
             self.log_once(LogEntry(time_ns, warning, "warning", scans))

@@ -27,12 +27,12 @@ class Questions:
         """Seconds until the question is withdrawn; None if there is none."""
         return None if self.open is None else max(0.0, self._expires - self._clock())
 
-    def ask(self, command: Command, text: str, agree: str, decline: str) -> None:
-        """Hold a command back."""
+    def ask(self, command: Command, text: str, agree: str, decline: str, patience_s: float = PATIENCE_S) -> None:
+        """Hold a command back, for so many seconds."""
         self._asked += 1
         self.open = Question(self._asked, text, agree, decline)
         self._held = command
-        self._expires = self._clock() + PATIENCE_S
+        self._expires = self._clock() + patience_s
 
     def agreed(self, number: int) -> Command | None:
         """The command that this question held back; None if the question is no longer open."""

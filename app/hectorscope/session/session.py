@@ -6,6 +6,7 @@ from pathlib import Path
 from hectorscope.inputs import Repairable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.headless import Observer
+from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Setting, Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.ahead import RunsAhead
@@ -121,6 +122,13 @@ class Session:
         now_ns = self.run.pipeline.time_ns or None
         slot = self.run.slot if slot is None else slot
         run = self._new_run(self.source, settings, now_ns, slot)  # may want more memory than there is
+        self._put_aside(what)
+        self._begin(run)
+
+    def adopt(self, pipeline: Pipeline, what: str) -> None:
+        """A pipeline that comes from elsewhere takes the place of the present run of a stream."""
+        run = self._new_run(self.source, pipeline.settings, pipeline.start_ns, self.run.slot)
+        run.pipeline = pipeline
         self._put_aside(what)
         self._begin(run)
 

@@ -4,10 +4,10 @@ import re
 from dataclasses import fields, replace
 from typing import Any
 
-from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.inputs import Message, SourceError, SourceOptions
 from hectorscope.ros.decode import LONGEST_DEFINITION, BadDefinition, Decode, Generation, decoder
 from hectorscope.ros.roles import ROLE_TYPES, TF_TYPES, Roles, Topic, check_overrides, choose_roles
-from hectorscope.sources._offers import Offer
+from hectorscope.sources._offers import Offer, Payload
 
 # Names and definitions end up in generated code, so nothing but names may pass.
 _TYPE_NAME = re.compile(r"([A-Za-z]\w*)/(?:msg/)?([A-Za-z]\w*)", re.ASCII)
@@ -30,6 +30,7 @@ class Channels:
         """A new connection: its channels are numbered anew."""
         self._offers: dict[int, Offer] = {}
         self._decoders: dict[int, tuple[str, str, Decode]] = {}
+        self._prepared: dict[int, Offer] = {}
         self._seen: set[int] = set()
 
     def add(self, offer: Offer) -> None:
@@ -56,6 +57,19 @@ class Channels:
         """Topic and type of a channel and the function for its messages; None if it was not asked for."""
         return self._decoders.get(channel)
 
+    def message(self, payload: Payload) -> Message:
+        """What came over a channel that was asked for, with all that it takes to read it later."""
+        offer = self._prepared[payload.subscription]
+        return Message(
+            offer.topic,
+            offer.encoding,
+            message_type(offer),
+            offer.schema,
+            offer.form,
+            payload.received_ns,
+            payload.data,
+        )
+
     def choose(self) -> list[Offer]:
         """Give out the parts that are still vacant; the wanted channels that were not seen before."""
         self.roles = _filled(self.roles, choose_roles(self._topics(), self._options))
@@ -79,6 +93,7 @@ class Channels:
         if decode is None:
             raise ChannelError(f"its {offer.schema_name} is not known")
         self._decoders[offer.id] = offer.topic, message_type(offer), decode
+        self._prepared[offer.id] = offer
 
     def missing(self) -> str:
         """What has to be offered yet before there is anything to see, with the remedy; empty if all is there."""

@@ -13,6 +13,7 @@ from rosbags.interfaces import Connection, MessageDefinitionFormat
 
 from hectorscope.common.paths import absence, exists
 from hectorscope.inputs import SourceError
+from hectorscope.ros.stream_recorder import PART
 from hectorscope.sources._limited_readers import LimitedReader
 from hectorscope.sources._mcap_scan import scan_mcap
 from hectorscope.sources._recording import NOTHING, Channel, Passed, Raw, Recording, by_scanning, joined
@@ -58,6 +59,8 @@ def _open_folder(path: Path) -> Recording:
     files = _files(path, ".mcap", ".db3")
     if not files:
         raise SourceError(f"{path} is no rosbag2 folder ({damage}, no .mcap or .db3 file): give a recording")
+    if not exists(path / "metadata.yaml") and all(PART.fullmatch(file.name) for file in files):
+        damage = ""  # our own recordings of a stream have none
     return joined(path, [_open_file(file) for file in files], damage)
 
 

@@ -5,12 +5,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
-from hectorscope.inputs import Item, SourceOptions, SourceReport
+from hectorscope.inputs import Item, SourceOptions, SourceReport, Tap
 from hectorscope.ros.converter import Converter
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.mounts import BASE_NAMES
 from hectorscope.sources._channels import ChannelError, Channels
 from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
+from hectorscope.sources._taps import Taps
 from slam_core.measurements import Transform
 
 
@@ -44,6 +45,7 @@ class LiveSource:
         self._wire = wire
         self._channels = Channels(options)
         self._converter = Converter(self._channels.roles, options)
+        self._taps = Taps()
         self._lock = threading.Lock()  # `report` is asked for by another thread than the one in `items`
 
     @property
@@ -51,8 +53,10 @@ class LiveSource:
         """Counters so far; `waiting` while the connection or the laser is missing."""
         with self._lock:
             status = self._wire.status
+            report = self._converter.report
             return replace(
-                self._converter.report,
+                report,
+                warnings=(*report.warnings, *self._taps.warnings),
                 waiting=status or self._channels.missing(),
                 connected=not status,
                 scan_topic=self._channels.roles.scan or "",
@@ -79,6 +83,16 @@ class LiveSource:
         """Hang up."""
         self._wire.close()
 
+    def tap(self, tap: Tap) -> None:
+        """Let it hear the static transforms so far, and from now on every message that is used."""
+        with self._lock:
+            self._taps.add(tap)
+
+    def untap(self, tap: Tap) -> None:
+        """It hears nothing any more."""
+        with self._lock:
+            self._taps.remove(tap)
+
     def _take(self, events: Iterable[Event]) -> list[Item]:
         items: list[Item] = []
         is_new = False
@@ -104,6 +118,7 @@ class LiveSource:
             self._converter.skip(self.name, "message of a channel that was not asked for")
             return []
         topic, msgtype, decode = known
+        self._taps.hear(self._channels.message(payload))
         try:
             return self._converter.convert(topic, msgtype, decode(payload.data), payload.received_ns)
         except BadMessage as reason:

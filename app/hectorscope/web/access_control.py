@@ -8,10 +8,11 @@ decides. It refuses whatever it does not know. `messages.py` then passes on what
 import hmac
 import ipaddress
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
+from typing import Literal
 from urllib.parse import parse_qs, unquote, urlsplit
 
 from hectorscope.page.static_files import File
@@ -30,6 +31,9 @@ FOREIGN_SERVER = "This page shows its own server only.\n"
 NO_TOKEN = "This page needs the whole address, with its token: it was printed when the program started.\n"
 
 
+Role = Literal["operator", "viewer"]
+
+
 @dataclass(frozen=True, slots=True)
 class Reply:
     """An HTTP answer."""
@@ -43,8 +47,9 @@ class Reply:
 class AccessControl:
     """Decides over HTTP requests. `files` is everything that is served, by path; "/" is the page.
 
-    token: None lets everybody in who can reach a loopback address. any_host: the server is reachable by names that
-    it cannot know, so the Host header is not checked (the token then is what protects it). uploads: whether
+    token: None lets everybody in who can reach a loopback address. viewer_token: lets in who may only look; None
+    lets nobody in so. answers: makes what changes, by path, for a role. any_host: the server is reachable by names
+    that it cannot know, so the Host header is not checked (the token then is what protects it). uploads: whether
     recordings are taken.
     """
 
@@ -53,6 +58,8 @@ class AccessControl:
     cookie: str = "hectorscope"
     any_host: bool = False
     uploads: bool = False
+    viewer_token: str | None = None
+    answers: Mapping[str, Callable[[Role], File]] = field(default_factory=dict)
 
     def answer(self, target: str, headers: Mapping[str, str]) -> Reply | None:
         """The reply to a request for `target`; None: a WebSocket is opened. Header names in lower case."""
@@ -69,8 +76,13 @@ class AccessControl:
             return None if self.admits_socket(path, headers) else plain(HTTPStatus.FORBIDDEN, NO_SOCKET)
         if path in PAGE and self.token is not None and "token" in fields:
             return self._exchange(fields["token"][0])
-        if path != HEALTH and not self.has_token(headers.get("cookie", "")):
+        role = self.role(headers.get("cookie", ""))
+        if path in self.answers and role is None:  # monitors bring no cookies
+            role = self._role_of(headers.get("authorization", "").removeprefix("Bearer "))
+        if path != HEALTH and role is None:
             return plain(HTTPStatus.UNAUTHORIZED, NO_TOKEN)
+        if path in self.answers and role is not None:
+            return self._made(self.answers[path](role))
         return self._serve(unquote(path), headers)
 
     def admits_socket(self, path: str, headers: Mapping[str, str]) -> bool:
@@ -81,7 +93,8 @@ class AccessControl:
             and headers.get("upgrade", "").strip().lower() == "websocket"
             and self.is_our_host(host)
             and is_same_origin(headers.get("origin"), host)
-            and self.has_token(headers.get("cookie", ""))
+            and self.role(headers.get("cookie", ""))
+            in (("operator",) if path == UPLOAD else ("operator", "viewer"))
         )
 
     def is_our_host(self, host: str) -> bool:
@@ -89,22 +102,34 @@ class AccessControl:
         name = host_name(host)
         return name is not None and (self.any_host or is_loopback(name))
 
-    def has_token(self, cookies: str) -> bool:
-        """Whether the cookie carries the token."""
+    def role(self, cookies: str) -> Role | None:
+        """What the token in the cookie allows; None: nothing at all."""
         if self.token is None:
-            return True
+            return "operator"
         try:
             morsel = SimpleCookie(cookies).get(self.cookie)
         except CookieError:
-            return False
-        return morsel is not None and hmac.compare_digest(morsel.value.encode(), self.token.encode())
+            return None
+        return None if morsel is None else self._role_of(morsel.value)
+
+    def _role_of(self, token: str) -> Role | None:
+        """Both are compared in any case, so that the time that it takes tells nothing."""
+        may_act, may_look = (
+            known is not None and hmac.compare_digest(token.encode(), known.encode())
+            for known in (self.token, self.viewer_token)
+        )
+        return "operator" if may_act else "viewer" if may_look else None
 
     def _exchange(self, token: str) -> Reply:
         """Token for cookie: the token leaves the address bar, and scripts cannot read the cookie."""
-        if self.token is None or not hmac.compare_digest(token.encode(), self.token.encode()):
+        if self._role_of(token) is None:
             return plain(HTTPStatus.UNAUTHORIZED, NO_TOKEN)
-        cookie = f"{self.cookie}={self.token}; HttpOnly; SameSite=Lax; Path=/"
+        cookie = f"{self.cookie}={token}; HttpOnly; SameSite=Lax; Path=/"
         return Reply(HTTPStatus.SEE_OTHER, {"Location": "./", "Set-Cookie": cookie, **guards("")})
+
+    def _made(self, file: File) -> Reply:
+        sent = {"Content-Type": file.kind, "Cache-Control": "no-store", **guards("")}
+        return Reply(HTTPStatus.OK, sent, file.content)
 
     def _serve(self, path: str, headers: Mapping[str, str]) -> Reply:
         found = self.files.get("/" if path == "/index.html" else path)

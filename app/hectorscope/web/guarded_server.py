@@ -26,6 +26,7 @@ from hectorscope.common.terminal import silent_logger
 from hectorscope.page.viser_private import input_control
 from hectorscope.web.access_control import UPLOAD, AccessControl
 from hectorscope.web.messages import admit
+from hectorscope.web.roles import Browser, Roles
 from hectorscope.web.uploads import Uploads
 from slam_core.errors import SlamError
 
@@ -41,7 +42,7 @@ class UnguardedError(SlamError):
 
 
 def open_server(
-    listener: socket.socket, access: AccessControl, uploads: Uploads | None = None
+    listener: socket.socket, access: AccessControl, uploads: Uploads | None = None, roles: Roles | None = None
 ) -> viser.ViserServer:
     """A viser server that accepts on `listener` only, behind the access control. Takes over the socket.
 
@@ -58,7 +59,7 @@ def open_server(
         guarded.append(True)
         options |= {
             "process_request": lambda _, request: answer(access, request),
-            "create_connection": listening(find),
+            "create_connection": listening(find, access, roles or Roles()),
             "max_size": MAX_MESSAGE,
             "server_header": None,
             "logger": silent_logger("hectorscope.web.websockets"),
@@ -115,11 +116,25 @@ def routed(handler: Handler, uploads: Uploads | None) -> Handler:
     return handle
 
 
-def listening(find: Callable[[str], Any]) -> type[ServerConnection]:
-    """A connection class that hands on only what `admit` lets pass."""
+def listening(find: Callable[[str], Any], access: AccessControl, roles: Roles) -> type[ServerConnection]:
+    """A connection class that hands on only what the roles and `admit` let pass."""
 
     class Listening(ServerConnection):
         camera_seen = -CAMERA_PERIOD
+        browser: Browser | None = None
+
+        def known(self) -> Browser:
+            """Whose it is, by the cookie of its handshake."""
+            if self.browser is None:
+                cookies = "; ".join(self.request.headers.get_all("Cookie")) if self.request else ""
+                self.browser = Browser(access.role(cookies), str((self.remote_address or ("",))[0]))
+            return self.browser
+
+        def connection_lost(self, exc: Exception | None) -> None:
+            """It is gone."""
+            if self.browser is not None:
+                roles.leave(self.browser)
+            super().connection_lost(exc)
 
         async def piece(self) -> str | bytes:
             """For an upload: as it came."""
@@ -133,7 +148,8 @@ def listening(find: Callable[[str], Any]) -> type[ServerConnection]:
 
         def filtered(self, raw: Any) -> bytes | None:
             try:
-                message = admit(msgspec.msgpack.decode(raw), find) if isinstance(raw, bytes) else None
+                decoded = msgspec.msgpack.decode(raw) if isinstance(raw, bytes) else None
+                message = admit(decoded, find) if roles.passes(self.known(), decoded) else None
             except (msgspec.DecodeError, RecursionError):
                 return None
             if message is None or (message["type"] == "ViewerCameraMessage" and not self.wants_camera()):

@@ -17,11 +17,14 @@ from hectorscope.panels import panel_classes
 from hectorscope.session.commands import Command, OpenUploaded
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.station_commands import HandOver
 from hectorscope.views import view_classes
 from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.guarded_server import open_server, stop_server
-from hectorscope.web.heartbeat import Heartbeat
+from hectorscope.web.heartbeat import Heartbeat, InControl
+from hectorscope.web.metrics import METRICS, metrics
 from hectorscope.web.renderer import Renderer
+from hectorscope.web.roles import Roles
 from hectorscope.web.shared_replay import exporter
 from hectorscope.web.uploads import Uploads
 from slam_core.errors import SlamError
@@ -30,6 +33,7 @@ log = logging.getLogger(__name__)
 
 TOKEN = re.compile(r"[A-Za-z0-9_-]{8,128}")
 LAST_PORT = 65535
+ROLE = "/role"  # what the page of this browser may do
 
 
 class ServerError(SlamError):
@@ -63,10 +67,18 @@ class PageServer:
         port: int = 8080,
         token: str | None = None,
         upload_limit: int = 0,
+        viewer_token: str | None = None,
     ) -> None:
         self.driver, self._host, self._port, self._token = driver, host, port, token
-        self._uploads = Uploads(upload_limit, self._arrived) if upload_limit else None
+        self._viewer_token = viewer_token
         check_address(host, port, token)
+        check_viewers(token, viewer_token)
+        takes = upload_limit and viewer_token is None  # a connection of its own, of which no page is in control
+        self._uploads = Uploads(upload_limit, self._arrived) if takes else None
+        self.roles = Roles(one_operator=viewer_token is not None, handed_over=self._handed_over)
+
+    def _handed_over(self, address: str) -> None:
+        self.driver.send(HandOver(address))
 
     def _arrived(self, path: Path, name: str) -> None:
         self.driver.send(OpenUploaded(path, name))
@@ -76,16 +88,22 @@ class PageServer:
         """What to open in a browser."""
         return url_of(self._host, self._port, self._token)
 
+    @property
+    def viewers_url(self) -> str:
+        """The same for who may only look; empty if nobody may."""
+        return url_of(self._host, self._port, self._viewer_token) if self._viewer_token else ""
+
     def start(self) -> None:
         """Take the port, build the page and begin to draw; returns at once."""
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
-        self._server = open_server(listener, self._access(), self._uploads)
+        self._server = open_server(listener, self._access(), self._uploads, self.roles)
         self.scene = Scene(self._server, self.driver.send, replay=exporter)
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.scene)
-        self._renderer = Renderer(self.scene, self.driver.mailbox, [*views, *panels, Heartbeat(self.scene)])
+        beats = (Heartbeat(self.scene), InControl(self.scene, self.roles))
+        self._renderer = Renderer(self.scene, self.driver.mailbox, [*views, *panels, *beats])
         self._renderer.start()
 
     def stop(self) -> None:
@@ -107,7 +125,18 @@ class PageServer:
         # Cookies are shared by the ports of a host: the name keeps two programs apart.
         cookie = f"hectorscope_{self._port}"
         any_host = not is_loopback(self._host)
-        return AccessControl(files, self._token, cookie, any_host=any_host, uploads=self._uploads is not None)
+        return AccessControl(
+            files,
+            self._token,
+            cookie,
+            any_host=any_host,
+            uploads=self._uploads is not None,
+            viewer_token=self._viewer_token,
+            answers={
+                ROLE: lambda role: File("text/plain", role.encode()),
+                METRICS: lambda _: metrics(self.driver.mailbox.latest, len(self._server.get_clients())),
+            },
+        )
 
 
 def check_address(host: str, port: int, token: str | None) -> None:
@@ -118,6 +147,18 @@ def check_address(host: str, port: int, token: str | None) -> None:
         raise ServerError(f"{host} is open to the network: give a token too, or serve 127.0.0.1")
     if token is not None and not TOKEN.fullmatch(token):
         raise ServerError(f"the token has {len(token)} characters: give 8 to 128 letters, digits, _ or -")
+
+
+def check_viewers(token: str | None, viewer_token: str | None) -> None:
+    """ServerError for a token of viewers that is of no use."""
+    if viewer_token is None:
+        return
+    if token is None or token == viewer_token:
+        raise ServerError("viewers need a token that is not the operator's: give --token as well, another one")
+    if not TOKEN.fullmatch(viewer_token):
+        raise ServerError(
+            f"the viewers' token has {len(viewer_token)} characters: give 8 to 128 letters, digits, _ or -"
+        )
 
 
 def url_of(host: str, port: int, token: str | None) -> str:
@@ -133,6 +174,8 @@ def serve(server: PageServer, up: Callable[[], None]) -> None:
     """
     server.start()
     print(f"Hectorscope is at {server.url}", flush=True)
+    if server.viewers_url:
+        print(f"Viewers, who only look: {server.viewers_url}", flush=True)
     try:
         up()
         threading.Event().wait()

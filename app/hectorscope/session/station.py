@@ -1,0 +1,178 @@
+"""The operator's station beside the run of a stream: what is recorded, the journal, the log of actions."""
+
+import time
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+from hectorscope.inputs import Item, Tappable
+from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
+from hectorscope.session.commands import Command, Inspect
+from hectorscope.session.control import Control
+from hectorscope.session.journal import Journal
+from hectorscope.session.session import Session
+from hectorscope.session.station_commands import HandOver, Record, Resume, StationCommand
+from hectorscope.session.station_state import StationState
+from slam_core.config import SlamConfig, leaves
+from slam_core.errors import SlamError
+
+OFFERED_S = 600.0  # seconds that an earlier run is offered
+UNLOGGED = (Inspect,)  # a look changes nothing
+
+
+class Station:
+    """Belongs to the engine's thread, but for its making.
+
+    record: folder for the messages of the stream, begun at once. journal: None keeps none. resume: go on with the
+    run that ended badly, instead of offering that.
+    """
+
+    def __init__(
+        self, record: Path | None = None, journal: Journal | None = None, *, resume: bool = False
+    ) -> None:
+        """RecordError if the folder is of no use."""
+        self._folder, self._journal, self._resumes = record, journal, resume
+        self._recorder = StreamRecorder(record) if record else None
+        self._last: Item | None = None
+
+    def begin(self, session: Session, control: Control) -> None:
+        """The run is about to begin: listen to its source, and offer the run before it."""
+        self._session, self._control = session, control
+        control.station = self
+        if not session.source.live:
+            return
+        if self._recorder is not None:
+            self._listen(self._recorder)
+        if self._journal is None:
+            return
+        self._journal.listen(session.intake.source)
+        if self._journal.past is None:
+            return
+        if self._resumes:
+            self.obey(Resume())
+        else:
+            text = f"The run before ended without being closed ({self._journal.past.name[:16]}, UTC)."
+            control.questions.ask(
+                Resume(),
+                f"{text} Its map is kept: go on with it?",
+                "Go on with the map",
+                "Keep the new map",
+                patience_s=OFFERED_S,
+            )
+
+    @property
+    def state(self) -> StationState:
+        """For the page."""
+        records = None if self._folder is None else self._recorder is not None and not self._recorder.warning
+        told = (self._journal.warning if self._journal else "",)
+        return StationState(records, self._recorder.written if self._recorder else 0, tuple(filter(None, told)))
+
+    def keep(self) -> None:
+        """Between two items: leave a checkpoint if it is time."""
+        session = self._session
+        if self._journal is None or session.past.front or not session.source.live:
+            self._last = None
+        elif self._last is not None and session.run.waiting is None:
+            self._journal.keep(session.run.pipeline, session.run.settings, self._last)
+
+    def admitted(self, item: Item) -> None:
+        """The run has had this item."""
+        self._last = item
+
+    def logged(self, act: Callable[[Command], None], command: Command) -> None:
+        """Carry a command out, and log it with what it changed."""
+        if self._journal is None or isinstance(command, UNLOGGED):
+            act(command)
+            return
+        before = self._seen()
+        act(command)
+        pairs = zip(before.items(), self._seen().values(), strict=True)
+        changed = {name: [old, new] for (name, old), new in pairs if old != new}
+        self._journal.log(
+            {
+                "time": time.time(),
+                "role": "operator",
+                "action": type(command).__name__,
+                "values": plain(command),
+                "changed": changed,
+            }
+        )
+        if self._last is not None and changed:
+            self._journal.keep(self._session.run.pipeline, self._session.run.settings, self._last, now=True)
+
+    def _seen(self) -> dict[str, Any]:
+        session, transport = self._session, self._session.transport
+        return {
+            **values(session.run.settings.at(session.now_ns)),
+            "run": session.run.number,
+            "running": transport.running,
+            "speed": transport.speed,
+            "records": self.state.records,
+            "question": self._control.questions.open is not None,
+        }
+
+    def obey(self, command: StationCommand) -> None:
+        """Carry a command of the station out; what cannot be done is told in the log of the page."""
+        try:
+            match command:
+                case Record(on):
+                    self._record(on)
+                case HandOver(address):
+                    self._session.log(f"The operator at {address} is in control")
+                case Resume():
+                    self._resume()
+        except SlamError as error:
+            self._session.log(str(error), "warning", answer=True)
+
+    def _record(self, on: bool) -> None:
+        if self._folder is None:
+            raise RecordError("There is no folder for recordings: start the program with --record DIR")
+        if self._recorder is not None:
+            source = self._session.intake.source
+            if isinstance(source, Tappable):
+                source.untap(self._recorder)
+            self._recorder.close()
+            self._recorder = None
+        if on:
+            self._recorder = StreamRecorder(self._folder)
+            self._listen(self._recorder)
+        self._session.log(
+            f"The stream is {'' if on else 'no longer '}recorded in {self._folder.name}", answer=True
+        )
+
+    def _listen(self, recorder: StreamRecorder) -> None:
+        source = self._session.intake.source
+        if not isinstance(source, Tappable):
+            raise RecordError("Only a stream can be recorded: a recording is one already")
+        source.tap(recorder)
+
+    def _resume(self) -> None:
+        if self._journal is None:
+            raise SlamError("There is no journal: start the program without --journal off")
+        session = self._session
+        pipeline, again = self._journal.resumed(session.run.settings, session.prior_map)
+        session.adopt(pipeline, "going on with the run before")
+        self._journal.forget_past()
+        session.log(
+            f"Goes on with the map of {pipeline.scans} scans; {again} of them were processed again", answer=True
+        )
+
+    def close(self) -> None:
+        """The run ended in order."""
+        if self._recorder is not None:
+            self._recorder.close()
+        if self._journal is not None:
+            self._journal.close()
+
+
+def values(config: SlamConfig) -> dict[str, Any]:
+    """Every setting by its dotted name."""
+    return {leaf.name: leaf.value for leaf in leaves(config)}
+
+
+def plain(value: Any) -> Any:
+    """A command as something that JSON holds."""
+    if is_dataclass(value):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    return value if isinstance(value, str | int | float | bool | None) else str(value)

@@ -1,0 +1,174 @@
+"""A stream that is recorded while it is shown, against the real server."""
+
+import resource
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from itertools import count, islice
+from pathlib import Path
+
+import pytest
+
+from hectorscope.inputs import Message, Tappable
+from hectorscope.ros.stream_recorder import RecordError, StreamRecorder, parts
+from hectorscope.run.headless import run_headless
+from hectorscope.run.settings import Settings
+from hectorscope.session.station import Station
+from hectorscope.session.station_commands import Record
+from tests.engines import running, until
+from tests.live.conftest import Replay
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, recorded
+from tests.live.test_replay import poses
+
+FULL = """
+import resource, signal, sys, threading
+from pathlib import Path
+from random import Random
+from hectorscope.inputs import Message
+from hectorscope.ros.stream_recorder import StreamRecorder
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+recorder = StreamRecorder(Path(sys.argv[1]))
+resource.setrlimit(resource.RLIMIT_FSIZE, (50000, 50000))
+for number in range(200):
+    recorder.take(Message("/a", "cdr", "a/msg/A", "", "msg", number, Random(number).randbytes(4000)))
+recorder.close()
+print(recorder.warning)
+"""
+
+
+def message(number: int, received_ns: int | None = None, size: int = 100) -> Message:
+    """One of a type of which nothing is decoded here."""
+    at_ns = number if received_ns is None else received_ns
+    return Message("/chatter", "cdr", "std_msgs/msg/String", "string data", "msg", at_ns, bytes([number]) * size)
+
+
+@pytest.mark.parametrize("drive", ["ros1.bag", "ros2.mcap"], indirect=True)
+def test_a_recording_of_a_stream_gives_its_measurements(
+    drive: Path, replay: Callable[..., Replay], tmp_path: Path
+) -> None:
+    """What was heard is read back bit by bit and in the same order, over several files, without a warning."""
+    expected = recorded(drive)
+    recorder = StreamRecorder(tmp_path, part_bytes=100_000)
+    with opened(replay(drive, *TOPICS, "--speed", "6").uri) as source:
+        assert isinstance(source, Tappable)
+        source.tap(recorder)
+        received = list(islice(source.items(), len(expected)))
+    recorder.close()
+    assert len(parts(tmp_path)) > 1
+    with opened(tmp_path) as source:
+        assert [plain(item) for item in source.items()] == [plain(item) for item in received]
+        assert not any("damaged" in note for note in source.report.notes)
+        assert not source.report.warnings
+
+
+def test_a_recorded_mission_is_replayed_to_the_same_poses(
+    drive: Path, replay: Callable[..., Replay], tmp_path: Path
+) -> None:
+    """The trajectory of the recording of a live run is that of the live run, to the last bit."""
+    with (
+        opened(replay(drive, *TOPICS, "--speed", "2").uri) as source,
+        running(source, Settings(), station=Station(tmp_path)) as engine,  # type: ignore[arg-type]
+    ):
+        live = until(engine, lambda now: now.scans >= 55, GIVE_UP_S)
+        assert live.station.records is True
+    assert live.report.dropped == 0
+    with opened(tmp_path) as source:
+        pipeline, _ = run_headless(source, Settings())
+    again = poses(pipeline.start_ns or 0, pipeline.trajectory[: live.scans])
+    assert again == poses(live.playback.start_ns, live.trajectory)
+
+
+def test_the_page_switches_the_recording_off_and_on(
+    drive: Path, replay: Callable[..., Replay], tmp_path: Path
+) -> None:
+    """Each time it begins another file, in which the static transforms come first."""
+    with (
+        opened(replay(drive, *TOPICS, "--speed", "2").uri) as source,
+        running(source, Settings(), station=Station(tmp_path)) as engine,  # type: ignore[arg-type]
+    ):
+        until(engine, lambda now: now.scans >= 5, GIVE_UP_S)
+        engine.send(Record(on=False))
+        until(engine, lambda now: now.station.records is False)
+        engine.send(Record(on=True))
+        on = until(engine, lambda now: now.station.records is True)
+        until(engine, lambda now: now.scans >= on.scans + 5, GIVE_UP_S)
+    first, second = parts(tmp_path)
+    for part in (first, second):
+        with opened(part) as source:
+            assert sum(1 for _ in source.items()) > 5
+            assert source.report.read["/tf_static"] >= 1
+
+
+def test_without_a_folder_the_switch_is_refused(drive: Path, replay: Callable[..., Replay]) -> None:
+    """The page says how to get one."""
+    with opened(replay(drive, *TOPICS).uri) as source, running(source, Settings()) as engine:
+        engine.send(Record(on=True))
+        now = until(engine, lambda now: now.log and now.log[-1].answer)
+    assert "start the program with --record DIR" in now.log[-1].text
+    assert now.station.records is None
+
+
+@pytest.mark.parametrize("limit", [{"part_bytes": 0}, {"part_s": 0.5}])
+def test_files_are_rotated_by_size_and_by_time(tmp_path: Path, limit: dict[str, float]) -> None:
+    """A file that is long or large enough is closed, and another one begun; empty ones do not stay."""
+    ticks = count()
+    recorder = StreamRecorder(tmp_path, clock=lambda: float(next(ticks)), **limit)  # type: ignore[arg-type]
+    for number in range(3):
+        recorder.take(message(number))
+    recorder.close()
+    assert len(parts(tmp_path)) == 3
+
+
+def test_a_clock_that_goes_back_does_not_change_the_order(tmp_path: Path) -> None:
+    """Messages are recorded in the order of arrival; the time of the other side is kept beside."""
+    from mcap.reader import make_reader  # noqa: PLC0415
+
+    recorder = StreamRecorder(tmp_path)
+    for number, at_ns in enumerate((10, 20, 5, 30)):
+        recorder.take(message(number, at_ns))
+    recorder.close()
+    with parts(tmp_path)[0].open("rb") as file:
+        read = [(m.data[0], m.log_time, m.publish_time) for _, _, m in make_reader(file).iter_messages()]
+    assert read == [(0, 10, 10), (1, 20, 20), (2, 20, 5), (3, 30, 30)]
+
+
+def test_a_killed_recorder_leaves_what_was_written(tmp_path: Path) -> None:
+    """After SIGKILL the file is read as far as it goes, and the next recorder begins another one."""
+    text = (
+        "import sys, time\nfrom pathlib import Path\nfrom tests.live.test_recording import *\n"
+        "r = StreamRecorder(Path(sys.argv[1]))\n"
+        "for n in range(200):\n    r.take(message(n, size=2000))\n"
+        "while r.written < 1000:\n    time.sleep(0.01)\n"
+        "print('written', flush=True)\ntime.sleep(60)\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", text, str(tmp_path)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "written\n"
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    from hectorscope.sources._mcap_scan import scan_mcap  # noqa: PLC0415
+
+    read = [raw.data[0] for raw in scan_mcap(parts(tmp_path)[0])]
+    assert read == list(range(len(read)))
+    assert len(read) > 150
+    StreamRecorder(tmp_path).close()
+    assert len(parts(tmp_path)) == 1  # an empty one is removed
+
+
+@pytest.mark.skipif(not hasattr(resource, "RLIMIT_FSIZE"), reason="needs a limit that stands for a full disk")
+def test_a_full_disk_ends_the_recording_with_a_warning(tmp_path: Path) -> None:
+    """The recorder says so and takes no more; nothing is raised into the stream, and what was written is read."""
+    result = subprocess.run(
+        [sys.executable, "-c", FULL, str(tmp_path)], capture_output=True, text=True, check=True
+    )
+    assert "is not recorded any more" in result.stdout
+    assert "File too large" in result.stdout
+    assert parts(tmp_path)[0].stat().st_size > 0
+
+
+def test_a_folder_that_cannot_be_had_is_refused(tmp_path: Path) -> None:
+    """With the reason and the remedy."""
+    (tmp_path / "file").touch()
+    with pytest.raises(RecordError, match=r"cannot be written .*: choose another folder"):
+        StreamRecorder(tmp_path / "file" / "folder")
