@@ -1,4 +1,4 @@
-"""The command line: hectorscope demo, view, live, run, sweep, inspect, simulate."""
+"""The command line: hectorscope demo, view, live, drive, run, sweep, inspect, simulate."""
 
 import gc
 import os
@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -92,6 +92,25 @@ def live(
     """Show the stream of a running robot in the browser."""
     shown = checked(address, source, settings)
     return _show(shown, settings, saved, page, partial(opened, source, settings))
+
+
+def drive(
+    world: Annotated[
+        Literal["rooms", "arena", "corridor", "offices", "glass"],
+        tyro.conf.Positional,
+        tyro.conf.arg(help="Through which world of the simulator."),
+    ] = "rooms",
+    *,
+    seed: Annotated[int, tyro.conf.arg(help="Seed of the noise.")] = 1,
+    settings: SettingArgs,
+    saved: MapArgs,
+    page: PageArgs,
+) -> int:
+    """Show a simulated robot that is driven from the page, by keys or a joystick."""
+    from hectorscope.simulation.drive_source import DriveSource  # noqa: PLC0415
+
+    shown = DriveSource(world, seed)
+    return _show(shown, settings, saved, page, partial(opened, source_flags(), settings))
 
 
 def run(
@@ -216,6 +235,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "demo": demo,
         "view": view,
         "live": live,
+        "drive": drive,
         "run": run,
         "sweep": sweep,
         "inspect": inspect,

@@ -28,6 +28,7 @@ from hectorscope.session.snapshot import (
     UndoOffer,
 )
 from hectorscope.session.transport import Transport
+from hectorscope.steering import DriveState
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
@@ -69,6 +70,7 @@ class Run:
     keeps: bool
     compared: Compared | None
     downloads: Mapping[int, Download]
+    drive: DriveState | None
 
 
 class Publisher:
@@ -149,6 +151,7 @@ class Publisher:
             views=run.views,
             examined=run.examined,
             downloads=run.downloads,
+            drive=run.drive,
         )
         self._mailbox.put(snapshot)
 
