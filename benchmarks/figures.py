@@ -62,10 +62,10 @@ class Frame:
     top: float
     scale: float
 
-    def path(self, points: Float64s, colour: str) -> str:
+    def path(self, points: Float64s, colour: str, wide: float = 2.0) -> str:
         """A line through (n, 2) metres."""
         at = " ".join(f"{self.scale * (x - self.x):.1f},{self.scale * (self.top - y):.1f}" for x, y in points)
-        return f'<polyline points="{at}" fill="none" stroke="{colour}" stroke-width="2"/>'
+        return f'<polyline points="{at}" fill="none" stroke="{colour}" stroke-width="{wide}"/>'
 
 
 @cache
@@ -218,13 +218,13 @@ def figure6() -> list[Drawing]:
     """Maps with the true walls over them, the way and the true way."""
     drawn = []
     scenes: tuple[tuple[ScenarioName, str], ...] = (
-        ("handheld", "(a) carried by hand, small loops"),
-        ("rooms", "(b) rooms, a large loop"),
+        ("handheld", "(a) carried by hand, a large loop"),
+        ("rooms", "(b) driven through rooms"),
     )
     for scenario, caption in scenes:
         pipeline, drive = simulated(scenario)
         drawing, frame = map_panel(map_images(pipeline.slam.map)[0], caption)
-        walls = [frame.path(edge, TRUE) for edge in footprint(drive.scene.world.triangles)]
+        walls = [frame.path(edge, TRUE, 0.8) for edge in footprint(drive.scene.world.triangles)]
         way = frame.path(pipeline.trajectory[::20, 1:3], TRAVELLED)
         inside = f'<rect width="{drawing.width:.0f}" height="{drawing.height:.0f}"/>'
         clip = f'<clipPath id="{scenario}">{inside}</clipPath>'

@@ -1,5 +1,6 @@
 """Serves the page, with the engine behind it, until the program is interrupted."""
 
+import secrets
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from hectorscope.session.engine import Engine
 
 
+KEY_BYTES = 12  # of the teacher's link
+
+
 def show(
     source: Source | None,
     settings: SettingFlags,
@@ -35,7 +39,14 @@ def show(
     """
     chosen, library, exchange = settings.settings(), _library(page, opened, shown), Exchange()
     budget, look_back = page.budget(), page.kept_seconds()  # bad ones are named before the page is served
-    server = PageServer(exchange, host=page.host, port=page.port, token=page.secret(), upload_limit=page.uploads())
+    server = PageServer(
+        exchange,
+        host=page.host,
+        port=page.port,
+        token=page.secret(),
+        upload_limit=page.uploads(),
+        teacher=secrets.token_urlsafe(KEY_BYTES) if page.classroom else None,
+    )
     with _reserved(page.out):
         prior = saved.prior_map(chosen)
 

@@ -21,6 +21,7 @@ from hectorscope.views import view_classes
 from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.heartbeat import Heartbeat
+from hectorscope.web.lessons import lessons_file
 from hectorscope.web.renderer import Renderer
 from hectorscope.web.shared_replay import exporter
 from hectorscope.web.uploads import Uploads
@@ -52,7 +53,7 @@ class PageServer:
 
     port 0 takes any free one. upload_limit: bytes of recordings that browsers may send; 0 takes none. An address
     that others on the network can reach needs a token (8 to 128 letters, digits, _ or -), which then is part of
-    `url`.
+    `url`. teacher: the key of the teacher's link, for a class.
     """
 
     def __init__(
@@ -63,9 +64,11 @@ class PageServer:
         port: int = 8080,
         token: str | None = None,
         upload_limit: int = 0,
+        teacher: str | None = None,
     ) -> None:
         self.driver, self._host, self._port, self._token = driver, host, port, token
         self._uploads = Uploads(upload_limit, self._arrived) if upload_limit else None
+        self._teacher = teacher
         check_address(host, port, token)
 
     def _arrived(self, path: Path, name: str) -> None:
@@ -76,12 +79,17 @@ class PageServer:
         """What to open in a browser."""
         return url_of(self._host, self._port, self._token)
 
+    @property
+    def teacher_url(self) -> str:
+        """The link by which other browsers follow a view; empty where there is no class."""
+        return f"{self.url}#teach={self._teacher}" if self._teacher else ""
+
     def start(self) -> None:
         """Take the port, build the page and begin to draw; returns at once."""
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
         self._server = open_server(listener, self._access(), self._uploads)
-        self.scene = Scene(self._server, self.driver.send, replay=exporter)
+        self.scene = Scene(self._server, self.driver.send, replay=exporter, teacher=self._teacher)
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.scene)
@@ -103,6 +111,7 @@ class PageServer:
             HEALTH: File("text/plain", b"ok\n"),
             **client.files,
             **static,
+            "/lessons.json": lessons_file(resource_folder("static")),
         }
         # Cookies are shared by the ports of a host: the name keeps two programs apart.
         cookie = f"hectorscope_{self._port}"
@@ -133,6 +142,8 @@ def serve(server: PageServer, up: Callable[[], None]) -> None:
     """
     server.start()
     print(f"Hectorscope is at {server.url}", flush=True)
+    if server.teacher_url:
+        print(f"The teacher opens {server.teacher_url}", flush=True)
     try:
         up()
         threading.Event().wait()
