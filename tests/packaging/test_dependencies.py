@@ -17,6 +17,7 @@ IMPORTED_AS = {
     "pillow": "PIL",
     "pytest-benchmark": "pytest_benchmark",
     "import-linter": "importlinter",
+    "markdown-it-py": "markdown_it",
     "ruamel.yaml": "ruamel",
     "kiss-icp": "kiss_icp",
     "eclipse-zenoh": "zenoh",

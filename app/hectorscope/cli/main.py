@@ -1,4 +1,4 @@
-"""The command line: hectorscope demo, view, live, serve, run, sweep, inspect, simulate."""
+"""The command line: hectorscope demo, view, live, serve, drive, run, sweep, inspect, simulate."""
 
 import gc
 import os
@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -111,6 +111,25 @@ def serve(
     from hectorscope.cli.node import follow  # noqa: PLC0415
 
     return follow(checked(address, source, settings, OURS), settings, saved, publish, out)
+
+
+def drive(
+    world: Annotated[
+        Literal["rooms", "arena", "corridor", "offices", "glass"],
+        tyro.conf.Positional,
+        tyro.conf.arg(help="Through which world of the simulator."),
+    ] = "rooms",
+    *,
+    seed: Annotated[int, tyro.conf.arg(help="Seed of the noise.")] = 1,
+    settings: SettingArgs,
+    saved: MapArgs,
+    page: PageArgs,
+) -> int:
+    """Show a simulated robot that is driven from the page, by keys or a joystick."""
+    from hectorscope.simulation.drive_source import DriveSource  # noqa: PLC0415
+
+    shown = DriveSource(world, seed)
+    return _show(shown, settings, saved, page, partial(opened, source_flags(), settings))
 
 
 def run(
@@ -236,6 +255,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "view": view,
         "live": live,
         "serve": serve,
+        "drive": drive,
         "run": run,
         "sweep": sweep,
         "inspect": inspect,

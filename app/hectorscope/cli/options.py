@@ -220,6 +220,11 @@ class PageFlags(AddressFlags):
         tyro.conf.arg(name="pass", help="Run a recording to its end in spare time, ahead of what is shown."),
     ] = True
 
+    classroom: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool],
+        tyro.conf.arg(name="class", help="Let browsers follow the view of a teacher, whose link is printed too."),
+    ] = False
+
     look_back: Annotated[
         float,
         tyro.conf.arg(help="Minutes of a stream that are kept, to be shown again; 0 for none."),

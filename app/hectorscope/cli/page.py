@@ -1,5 +1,6 @@
 """Serves the page, with the engine behind it, until the program is interrupted."""
 
+import secrets
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from hectorscope.session.engine import Engine
 
 AHEAD_AFTER_S = 4.0  # until then the first picture has the processor to itself
+
+
+KEY_BYTES = 12  # of the teacher's link
 
 
 def show(
@@ -47,6 +51,7 @@ def show(
         token=page.secret(),
         upload_limit=page.uploads(),
         viewer_token=aboard.viewer_token,
+        teacher=secrets.token_urlsafe(KEY_BYTES) if page.classroom else None,
     )
     with reserved_folder(page.out), published(aboard.publish, source) as observer:
         prior = saved.prior_map(chosen)

@@ -7,6 +7,7 @@ ICONS = {
     "theme": '<circle cx="12" cy="12" r="8"/><path d="M12 4a8 8 0 0 1 0 16z" fill="currentColor"/>',
     "recordings": '<path d="M3 7h6l2 3h10v9H3zM3 7V5h5"/>',
     "link": '<path d="M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1"/>',
+    "lessons": '<path d="M12 6C9 4 6 4 3 5v13c3-1 6-1 9 1 3-2 6-2 9-1V5c-3-1-6-1-9 1zM12 6v13"/>',
     "plots": '<path d="M4 4v16h16M7 15l4-5 3 3 5-7"/>',
     "panels": '<path d="M4 5h16v14H4zM15 5v14"/>',
     "present": '<path d="M3 5h18v11H3zM12 16v4M8 20h8"/>',
@@ -58,6 +59,7 @@ def tools() -> str:
     return '<div class="hs-tools">' + "".join(
         (
             button("Open a recording · O", "recordings", "data-hs-do=recordings"),
+            button("Lessons · E", "lessons", "data-hs-do=lessons"),
             button("Copy a link to this view · L", "link", "data-hs-do=link"),
             button("Plots · G", "plots", 'data-hs-own="plots" data-hs-value=\'"off"\' data-hs-inverse'),
             button("Panels · H", "panels", 'data-hs-own="panels"'),

@@ -13,11 +13,20 @@ from hectorscope.panels._controls import by_hand
 from hectorscope.panels._format import clock, text, title, worded
 from hectorscope.panels._handles import put, put_value
 from hectorscope.run.permalink import LONGEST_NAME
-from hectorscope.session.commands import CompareRun, Fork, KeepRun, RemoveRun, RenameRun, RunCommand, ShowRun
+from hectorscope.session.commands import (
+    ComparePaper,
+    CompareRun,
+    Fork,
+    KeepRun,
+    RemoveRun,
+    RenameRun,
+    RunCommand,
+    ShowRun,
+)
 from hectorscope.session.snapshot import ListedRun, Snapshot
 from slam_core.config import Leaves, differences
 
-ASKED = re.compile(r"(fork|show|rename|remove|keep|compare):([0-9]{1,6}):(.*)", re.DOTALL)
+ASKED = re.compile(r"(fork|show|rename|remove|keep|compare|paper):([0-9]{1,6}):(.*)", re.DOTALL)
 COMMANDS: dict[str, Callable[[int, str], RunCommand]] = {
     "fork": lambda _, name: Fork(name),
     "show": lambda number, _: ShowRun(number),
@@ -25,6 +34,7 @@ COMMANDS: dict[str, Callable[[int, str], RunCommand]] = {
     "remove": lambda number, _: RemoveRun(number),
     "keep": lambda _, __: KeepRun(),
     "compare": lambda number, _: CompareRun(number),
+    "paper": lambda _, __: ComparePaper(),
 }
 
 
@@ -68,6 +78,8 @@ def runs_html(snapshot: Snapshot) -> str:
     if not snapshot.scans:
         return '<p class="hs-empty">No run yet.</p>'
     head = _button("fork", 0, "Fork here", "Keep this run in the list, and go on with another one from here")
+    hint = "The same recording by the paper's method, without what was added since, beside this run"
+    head += _button("paper", 0, "Compare with the paper", hint)
     if snapshot.keeps:
         head += _button("keep", 0, "Keep on disk", "Write a RUN.toml, from which it can be opened again")
     rows = "".join(_row(run, snapshot) for run in snapshot.runs)

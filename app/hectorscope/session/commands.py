@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 from hectorscope.run.permalink import Permalink
 from hectorscope.run.readings import CellTarget
+from hectorscope.run.settings import Settings
 from hectorscope.session.station_commands import StationCommand
+from hectorscope.steering import Request
 
 if TYPE_CHECKING:
     from hectorscope.exporters import Exporter
@@ -144,6 +146,19 @@ class Follow:
 
 
 @dataclass(frozen=True, slots=True)
+class SetUp:
+    """Show a recording that comes with the program, with these settings, at rest so long after its start.
+
+    title: of the lesson that asks for it, for the list of runs.
+    """
+
+    demo: str
+    offset_ns: int
+    settings: Settings
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
 class RunCommand:
     """Of the runs of the session."""
 
@@ -190,6 +205,11 @@ class CompareRun(RunCommand):
 
 
 @dataclass(frozen=True, slots=True)
+class ComparePaper(RunCommand):
+    """Show the same recording by the method of the paper beside the shown run."""
+
+
+@dataclass(frozen=True, slots=True)
 class Identified:
     """A recording is known by its content. Sent by the engine's own threads only."""
 
@@ -230,6 +250,13 @@ class Inspect:
 
 
 @dataclass(frozen=True, slots=True)
+class Drive:
+    """Ask something of a robot that is driven by hand."""
+
+    request: Request
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
 
@@ -264,12 +291,14 @@ Command = (
     | Open
     | OpenUploaded
     | Follow
+    | SetUp
     | RunCommand
     | StationCommand
     | Identified
     | Inspect
     | Examine
     | Export
+    | Drive
     | Answer
     | Quit
 )

@@ -36,6 +36,7 @@ def composed(session: Session, library: Library, control: Control, obeyed: int, 
         views=control.probes.views(session.run),
         examined=control.beside.examiner.found(session.source),
         downloads=control.beside.downloads.ready,
+        drive=session.drive,
         compared=comparison.state(session.run.pipeline) if comparison else None,
     )
 

@@ -10,6 +10,7 @@ from hectorscope.session.commands import (
     Configure,
     ConfigureAll,
     Decline,
+    Drive,
     Examine,
     Export,
     Follow,
@@ -26,6 +27,7 @@ from hectorscope.session.commands import (
     Save,
     Seek,
     SetSpeed,
+    SetUp,
     StepBack,
     StepScan,
     Undo,
@@ -43,6 +45,7 @@ from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
 from hectorscope.session.station_commands import StationCommand
 from hectorscope.session.transport import valid_speed
+from hectorscope.steering import Drivable, Request
 from slam_core.errors import SlamError
 
 
@@ -57,6 +60,7 @@ NEEDS_RECORDING = (Restart, Seek, StepScan, StepBack, Repair, Save)
 # What is done at the time that is shown; all else is done to the run, which may be further.
 SHOWN = (
     Play, Pause, StepScan, StepBack, SetSpeed, ChangeSpeed, Seek, Save, Export, Examine, Inspect, ListRecordings,
+    Drive,
 )  # fmt: skip
 
 
@@ -130,13 +134,20 @@ class Control:
                 self._beside(command)
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
+            case Drive(request):
+                self._drive(request)
             case Undo() | Agree() | Decline() | Inspect():
                 self._answer(command)
             case StationCommand():
                 if self.station is not None:
                     self.station.obey(command)
-            case ListRecordings() | Open() | OpenUploaded() | Follow() | RunCommand():
+            case ListRecordings() | Open() | OpenUploaded() | Follow() | SetUp() | RunCommand():
                 self._show_other(command)
+
+    def _drive(self, request: Request) -> None:
+        source = self._session.source
+        if isinstance(source, Drivable) and (why := source.drive(request)):
+            self._refuse(why)
 
     def _pace(self, command: StepScan | StepBack | SetSpeed | ChangeSpeed) -> None:
         match command:
@@ -161,7 +172,7 @@ class Control:
             case Seek(time_ns):
                 self._session.seek(time_ns)
 
-    def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow | RunCommand) -> None:
+    def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow | SetUp | RunCommand) -> None:
         try:
             match command:
                 case ListRecordings():
@@ -172,6 +183,8 @@ class Control:
                     self._open(self._library.add(path, name))
                 case Follow(link):
                     self._following.follow(link)
+                case SetUp():
+                    self._following.set_up(command)
                 case _:
                     self._runs.obey(command)
         except SlamError as error:

@@ -6,6 +6,7 @@ from hectorscope.inputs import OptionValue
 from hectorscope.run.permalink import Permalink, PermalinkError
 from hectorscope.run.run_file import RunFile
 from hectorscope.session.changes import check_map
+from hectorscope.session.commands import SetUp
 from hectorscope.session.library import Library
 from hectorscope.session.losses import Loss
 from hectorscope.session.session import Session
@@ -62,6 +63,20 @@ class Following:
         """Show a kept run; once it is there, it is compared with what was kept of it."""
         self.follow(run.link, run.sensors)
         self._session.named.expected = run
+
+    def set_up(self, wanted: SetUp) -> None:
+        """The scene of a lesson, in a run of its own; what is there already stays as it is."""
+        session, key = self._session, self._library.demo(wanted.demo)
+        check_map(wanted.settings.start.map, session.prior_map)
+        if session.intake.path != self._library.path(key):
+            self._opening(f"Opening {wanted.demo}")
+            source, path = self._library.open(key)
+            session.open(source, path, wanted.settings, session.named.new_slot(wanted.title))
+        elif session.run.settings != wanted.settings:
+            session.begin(wanted.settings, "the scene of a lesson", session.named.new_slot(wanted.title))
+        session.given = wanted.settings
+        session.transport.pause()
+        session.seek((session.run.pipeline.start_ns or 0) + wanted.offset_ns)
 
     def _open(self, link: Permalink, sensors: Mapping[str, OptionValue] | None, slot: int | None) -> None:
         self._opening("Looking for the recording of the link")

@@ -103,6 +103,17 @@ class Library:
         recordings = ((key, found.path) for key, found in self._found.items() if found.group != KEPT)
         return next((key for key, path in recordings if self.identities.is_at(wanted, path)), None)
 
+    def demo(self, name: str) -> str:
+        """The key of a recording that comes with the program; LibraryError if it is not there."""
+        for key, found in self._found.items():
+            if found.group == DEMOS and found.name == name:
+                return key
+        raise LibraryError(f"The recording {name} is not there: it comes with the program, and is missing here")
+
+    def path(self, key: str) -> Path | None:
+        """Where the recording of a key lies."""
+        return self._found[key].path if key in self._found else None
+
     def keep(self, run: RunFile) -> str:
         """Write a run to the folder for them; the name that it has in the list."""
         name = self.kept.keep(run)

@@ -14,6 +14,7 @@ from hectorscope.session.commands import (
     Play,
     Repair,
     Restart,
+    SetUp,
 )
 from slam_core.errors import SlamError
 
@@ -26,6 +27,7 @@ WHY: dict[type[Command], str] = {
     Play: "The run has stopped; to go on is to begin again",
     Open: "To open a recording is to leave the stream",
     OpenUploaded: "To open a recording is to leave the stream",
+    SetUp: "A lesson shows a recording; to open it is to leave the stream",
 }
 
 Change = Callable[[Configure | ConfigureAll], SettingsChange | None]

@@ -29,6 +29,7 @@ from hectorscope.session.snapshot import (
 )
 from hectorscope.session.station_state import StationState
 from hectorscope.session.transport import Transport
+from hectorscope.steering import DriveState
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
@@ -71,6 +72,7 @@ class Run:
     compared: Compared | None
     downloads: Mapping[int, Download]
     station: StationState
+    drive: DriveState | None
 
 
 class Publisher:
@@ -152,6 +154,7 @@ class Publisher:
             examined=run.examined,
             downloads=run.downloads,
             station=run.station,
+            drive=run.drive,
         )
         self._mailbox.put(snapshot)
 

@@ -5,11 +5,24 @@ from dataclasses import replace
 from hectorscope.run.metrics import truth_errors
 from hectorscope.run.permalink import Permalink
 from hectorscope.run.run_file import RunFile, hash_of
-from hectorscope.session.commands import CompareRun, Fork, KeepRun, RemoveRun, RenameRun, RunCommand, ShowRun
+from hectorscope.run.settings import Settings
+from hectorscope.session.commands import (
+    ComparePaper,
+    CompareRun,
+    Fork,
+    KeepRun,
+    RemoveRun,
+    RenameRun,
+    RunCommand,
+    ShowRun,
+)
 from hectorscope.session.following import Following
 from hectorscope.session.library import Library
 from hectorscope.session.runs import RunsError
 from hectorscope.session.session import Session
+from slam_core.config import preset
+
+PAPER = "the paper"
 
 
 class RunCommands:
@@ -37,6 +50,18 @@ class RunCommands:
                 self._keep()
             case CompareRun(number):
                 session.named.compare(number)
+            case ComparePaper():
+                self._compare_paper()
+
+    def _compare_paper(self) -> None:
+        """By a run of the list with that name, which is made if there is none of this recording."""
+        named = self._session.named
+        shown, number = named.runs[self._session.run.slot], named.runs.named(PAPER)
+        paper = Settings(preset("paper"))
+        if number is None or named.runs[number].path != shown.path or named.runs[number].settings != paper:
+            number = named.runs.new(PAPER)
+        named.runs.put(replace(shown, number=number, name=named.runs[number].name, settings=paper))
+        named.compare(number)
 
     def _fork(self, name: str) -> None:
         session = self._session

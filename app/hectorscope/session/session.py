@@ -22,6 +22,7 @@ from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
 from hectorscope.session.undo import Kept, KeptName, KeptRun, KeptValues, UndoStack
+from hectorscope.steering import Drivable, DriveState
 from slam_core.localization.prior_map import PriorMap
 
 COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
@@ -76,6 +77,11 @@ class Session:
         """What the shown run reads."""
         intake = self.past.front[1] if self.past.front else self.intake
         return intake.source
+
+    @property
+    def drive(self) -> DriveState | None:
+        """What is shown of a robot that is driven by hand; None for any other source."""
+        return self.source.state if isinstance(self.source, Drivable) else None
 
     @property
     def now_ns(self) -> int:

@@ -17,6 +17,7 @@ from hectorscope.run.readings import View
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
 from hectorscope.session.station_state import StationState
+from hectorscope.steering import DriveState
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
@@ -166,6 +167,7 @@ class Snapshot:
     views: what each browser that looks closer sees of its beam or cell, by the number of the browser; None if that
     is not there now. examined: what is wrong with the recording as a whole; None until somebody had it examined.
     downloads: the latest archive of each browser. station: what is recorded and written of a stream.
+    drive: of a robot that is driven by hand; None for any other source.
     """
 
     sequence: int = 0
@@ -203,3 +205,4 @@ class Snapshot:
     examined: tuple[Finding, ...] | None = None
     downloads: Mapping[int, Download] = field(default_factory=dict)
     station: StationState = field(default_factory=StationState)
+    drive: DriveState | None = None

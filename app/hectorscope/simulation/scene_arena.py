@@ -51,11 +51,11 @@ def build(options: SceneOptions) -> Scene:
     world = World([Surface(np.concatenate(list(_shapes())))], ground=UNDERGROUND)
     course = follow(np.array([_centre(*cell) for cell in _LAP]), pace, duration)
     swaying = overlay(course, rocking(Sway.chosen(options, 0.0, 0.5)))
-    motion = Motion.through(_on_tracks(world, course, swaying), duration)
+    motion = Motion.through(on_tracks(world, course, swaying), duration)
     return Scene(world, motion, Transform(np.array(LASER)))
 
 
-def _on_tracks(world: World, course: Callable[[Float64s], Float64s], swaying: Channels) -> Channels:
+def on_tracks(world: World, course: Callable[[Float64s], Float64s], swaying: Channels) -> Channels:
     """Height and tilt of a plane through the ground under both tracks, added to the swaying motion."""
     along = np.linspace(-CONTACT / 2, CONTACT / 2, 9)
 

@@ -62,7 +62,7 @@ def laser_scans(scene: Scene, options: SceneOptions) -> Iterator[Arrival]:
         true, depths = first_returns(scene, t + lapse, angles, scanner.range_max, panes)
         scan = LaserScan(
             stamp_ns=nanoseconds(t),
-            ranges=_measured(scanner, true, depths, options.noise, rng).astype(np.float32),
+            ranges=measured(scanner, true, depths, options.noise, rng).astype(np.float32),
             angle_min=float(angles[0]),
             angle_increment=float(increment),
             time_increment=float(time_increment),
@@ -73,7 +73,7 @@ def laser_scans(scene: Scene, options: SceneOptions) -> Iterator[Arrival]:
         yield scan.end_ns + round(scanner.latency * 1e9 * rng.uniform(1.0, 1.5)), scan
 
 
-def _measured(
+def measured(
     scanner: Scanner, true: Float64s, depths: Float64s, noise: float, rng: np.random.Generator
 ) -> Float64s:
     """(n,) ranges as the scanner reports them, after REP-117: noise, foliage, drop-outs, millimetres."""

@@ -22,6 +22,7 @@ from hectorscope.views import view_classes
 from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.heartbeat import Heartbeat, InControl
+from hectorscope.web.lessons import lessons_file
 from hectorscope.web.metrics import METRICS, metrics
 from hectorscope.web.renderer import Renderer
 from hectorscope.web.roles import Roles
@@ -56,7 +57,7 @@ class PageServer:
 
     port 0 takes any free one. upload_limit: bytes of recordings that browsers may send; 0 takes none. An address
     that others on the network can reach needs a token (8 to 128 letters, digits, _ or -), which then is part of
-    `url`.
+    `url`. teacher: the key of the teacher's link, for a class.
     """
 
     def __init__(
@@ -68,9 +69,10 @@ class PageServer:
         token: str | None = None,
         upload_limit: int = 0,
         viewer_token: str | None = None,
+        teacher: str | None = None,
     ) -> None:
         self.driver, self._host, self._port, self._token = driver, host, port, token
-        self._viewer_token = viewer_token
+        self._viewer_token, self._teacher = viewer_token, teacher
         check_address(host, port, token)
         check_viewers(token, viewer_token)
         takes = upload_limit and viewer_token is None  # a connection of its own, of which no page is in control
@@ -93,12 +95,17 @@ class PageServer:
         """The same for who may only look; empty if nobody may."""
         return url_of(self._host, self._port, self._viewer_token) if self._viewer_token else ""
 
+    @property
+    def teacher_url(self) -> str:
+        """The link by which other browsers follow a view; empty where there is no class."""
+        return f"{self.url}#teach={self._teacher}" if self._teacher else ""
+
     def start(self) -> None:
         """Take the port, build the page and begin to draw; returns at once."""
         listener = listen(self._host, self._port)
         self._port = listener.getsockname()[1]
         self._server = open_server(listener, self._access(), self._uploads, self.roles)
-        self.scene = Scene(self._server, self.driver.send, replay=exporter)
+        self.scene = Scene(self._server, self.driver.send, replay=exporter, teacher=self._teacher)
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.scene)
@@ -121,6 +128,7 @@ class PageServer:
             HEALTH: File("text/plain", b"ok\n"),
             **client.files,
             **static,
+            "/lessons.json": lessons_file(resource_folder("static")),
         }
         # Cookies are shared by the ports of a host: the name keeps two programs apart.
         cookie = f"hectorscope_{self._port}"
@@ -176,6 +184,8 @@ def serve(server: PageServer, up: Callable[[], None]) -> None:
     print(f"Hectorscope is at {server.url}", flush=True)
     if server.viewers_url:
         print(f"Viewers, who only look: {server.viewers_url}", flush=True)
+    if server.teacher_url:
+        print(f"The teacher opens {server.teacher_url}", flush=True)
     try:
         up()
         threading.Event().wait()
