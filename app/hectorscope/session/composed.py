@@ -34,6 +34,7 @@ def composed(session: Session, library: Library, control: Control, obeyed: int) 
         views=control.probes.views(session.run),
         examined=control.beside.examiner.found(session.source),
         downloads=control.beside.downloads.ready,
+        rework=session.run.rework,
         compared=comparison.state(session.run.pipeline) if comparison else None,
     )
 

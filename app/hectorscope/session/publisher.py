@@ -15,6 +15,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import (
     Ahead,
     Compared,
@@ -69,6 +70,7 @@ class Run:
     keeps: bool
     compared: Compared | None
     downloads: Mapping[int, Download]
+    rework: Rework | None
 
 
 class Publisher:
@@ -149,6 +151,7 @@ class Publisher:
             views=run.views,
             examined=run.examined,
             downloads=run.downloads,
+            rework=run.rework,
         )
         self._mailbox.put(snapshot)
 

@@ -16,6 +16,7 @@ from hectorscope.run.map_image import MapImage
 from hectorscope.run.readings import View
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
+from hectorscope.session.rework import Rework
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
@@ -164,7 +165,7 @@ class Snapshot:
     ahead: of the same run, with what follows.
     views: what each browser that looks closer sees of its beam or cell, by the number of the browser; None if that
     is not there now. examined: what is wrong with the recording as a whole; None until somebody had it examined.
-    downloads: the latest archive of each browser.
+    downloads: the latest archive of each browser. rework: the run before the shown scan, where it may rest there.
     """
 
     sequence: int = 0
@@ -201,3 +202,4 @@ class Snapshot:
     views: Mapping[int, View | None] = field(default_factory=dict)
     examined: tuple[Finding, ...] | None = None
     downloads: Mapping[int, Download] = field(default_factory=dict)
+    rework: Rework | None = None
