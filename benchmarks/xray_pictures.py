@@ -11,7 +11,7 @@ from playwright.sync_api import Page
 
 COLOURS = 200  # of a picture of the documents, which keeps it small
 NEAR = 10.0  # metres from the camera to the robot
-CLOSER = 2.0
+CLOSE, CLOSER = 5.0, 2.0
 ZOOM = """(distance) => {
   const { cameraControl: camera, nodeRefFromName: nodes } = window.__viserMutable;
   const { x, y, z } = nodes["/robot"].position.clone().setFromMatrixPosition(nodes["/robot"].matrixWorld);
@@ -35,7 +35,7 @@ class Inside:
 
 INSIDES = (
     Inside("steps", "Level 2", {"lab": "steps", "step": 0}),
-    Inside("landscape", "lowest (7)", {"lab": "landscape", "show": "surface"}, "free"),
+    Inside("landscape", "lowest (7)", {"lab": "landscape", "show": "surface"}, "free", CLOSE),
     Inside("basin", "3721 of 3721", {"lab": "landscape", "show": "basin", "span": 2.0}),
     Inside("lens", "equation", {"lab": "lens", "at": [0, 7.0, 1.835]}, distance=CLOSER),
     Inside("covariance", "cloud of 400", {"lab": "covariance", "omega": 0.3}),

@@ -38,10 +38,23 @@
   const FACTORS = { yaw: Math.PI / 180, noise: 0.001 };
 
   // What the run itself draws at the robot would lie over what is drawn here.
+  const INSIDE = /\/xray\/(heat|surface|gradients|points)$/;
   const HIDDEN = ["/robot", "/floor/scan", "/floor/prior", "/floor/match", "/floor/fused", "/position", "/floor/footprint", "/frames"];
   hectorscope.drawing.push((page) => {
-    if (open) for (const name of HIDDEN) if (page.nodeRefFromName[name]) page.nodeRefFromName[name].visible = false;
+    if (!open) return;
+    for (const name of HIDDEN) if (page.nodeRefFromName[name]) page.nodeRefFromName[name].visible = false;
+    for (const [name, node] of Object.entries(page.nodeRefFromName)) {
+      const kind = name.match(INSIDE)?.[1];
+      if (kind) node?.traverse((child) => order(child, kind));
+    }
   });
+
+  // What is drawn inside lies over the map, and lines and points over the heat map.
+  function order(child, kind) {
+    if (!child.material) return;
+    child.renderOrder = kind === "heat" ? 0 : 1;
+    if (kind === "heat") child.material.depthWrite = false;
+  }
 
   // ------------------------------------------------------------------------------------------------ asking
 

@@ -24,6 +24,7 @@ SIGMAS_SHARE = 0.5  # metres: radius of the largest ellipse of the covariances
 KEPT = 32  # results of a scan that are kept for those who ask again
 # Of the cost, from low to high: bright where it is low, and in order of lightness for every reader.
 STOPS = np.array([[253, 231, 37], [94, 201, 98], [33, 145, 140], [59, 82, 139], [68, 1, 84]], np.float64)
+RISE = 0.5  # height of the surface, of its reach to each side
 OPAQUE = 225
 FOUND_RGBA, FAILED_RGBA = (60, 212, 160, 190), (255, 118, 70, 120)
 
@@ -130,7 +131,7 @@ def cost_heat(found: Landscape, specimen: Specimen, *, rises: bool) -> Heat:
     for channel in range(3):
         picture[..., channel] = np.interp(at, np.arange(len(STOPS)), STOPS[:, channel])
     picture[..., 3] = OPAQUE
-    return _heat(found, specimen, picture, 0.05 + found.around.span * share if rises else None)
+    return _heat(found, specimen, picture, 0.05 + RISE * found.around.span * share if rises else None)
 
 
 def basin_heat(basin: Basin, found: Landscape, specimen: Specimen) -> Heat:
