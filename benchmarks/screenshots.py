@@ -13,11 +13,13 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
+from benchmarks.xray_pictures import INSIDES, pictures
 from hectorscope.cli.opening import Scene, demo_bag
 from hectorscope.inputs import SourceOptions
 from hectorscope.page.scene import Camera
@@ -82,6 +84,7 @@ SHOTS = (
     Shot("littoral", 40.0, "top", {"theme": "light", "layout": "one", "plots": "off"}),
     Shot("handheld", 50.0, "top", {"theme": "dark", "layout": "one", "plots": "off"}),
 )
+INSIDE = Shot("arena", 20.0, "top", {"theme": "dark", "layout": "one", "plots": "off"})
 LOOKED_AT = Shot("arena", 40.0, "fit")
 
 
@@ -161,6 +164,16 @@ def take(browser: Browser, shot: Shot, folder: Path) -> Path:
     return target
 
 
+def take_inside(browser: Browser, folder: Path, only: str) -> Iterator[Path]:
+    """The pictures of what happens inside the matcher."""
+    if not any(only in f"xray-{inside.name}" for inside in INSIDES):
+        return
+    with standing_still(INSIDE) as server:
+        page = opened(browser, server, SIZE, INSIDE.own)
+        yield from pictures(page, settled, folder, only)
+        page.context.close()
+
+
 def take_looks(browser: Browser, wanted: list[Look], folder: Path) -> Iterator[Path]:
     """Pictures of one run, one after another."""
     with standing_still(LOOKED_AT) as server:
@@ -203,7 +216,8 @@ def main() -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)
         if chosen.docs:
-            taken: Iterator[Path] = (take(browser, shot, folder) for shot in SHOTS if chosen.only in shot.scene)
+            some = (take(browser, shot, folder) for shot in SHOTS if chosen.only in shot.scene)
+            taken: Iterator[Path] = chain(some, take_inside(browser, folder, chosen.only))
         else:
             taken = take_looks(browser, [look for look in looks() if chosen.only in look.name], folder)
         for path in taken:

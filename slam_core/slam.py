@@ -13,7 +13,7 @@ from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.results import PoseRecord, Poses, Status, StepResult, Sweep
+from slam_core.results import PlanarGaussian, PoseRecord, Poses, Status, StepResult, Sweep
 from slam_core.scan.stabilise import stabilise
 from slam_core.sequencer import Sequencer
 from slam_core.timing import Stopwatch
@@ -119,6 +119,10 @@ class HectorSlam:
             raise ConfigError("this change needs a new map: restart the run with it")
         self.config = config
         self._motion.configure(config)
+
+    def start_estimate(self, prior: PlanarGaussian, config: SlamConfig) -> Float64s:
+        """(3,) where the match of the next scan begins, by the prediction at its time and the settings then."""
+        return self._localiser.start_estimate(prior, config)
 
     @property
     def trajectory(self) -> Poses:

@@ -13,6 +13,7 @@
   const POINT_PIXELS = 3;
   const LINES = { "/trajectory/": "trajectory", "/truth/": "truth", "/compared/": "compared", "/floor/footprint": "robot" };
   const CELLS = /^\/floor\/map\/level(\d+)\/cells$/;
+  const INSIDE = /^\/floor\/map\/level\d+\/xray\/points$/;
   const WALLS = "/floor/compared_map/cells"; // white: they are painted here
   const SOLIDS = { "/robot/hull": "robot", "/position/ellipsoid": "position" };
   for (const key of ["prior", "match", "fused"]) {
@@ -154,7 +155,7 @@
       if (stroke) drawn(page, name, (material) => line(material, worn.of(stroke)));
       else if (solid) drawn(page, name, (material) => paint(material.color, worn.of(solid)));
       else if (name === "/floor/surfels/lines") drawn(page, name, (material) => surfel(material, worn));
-      else if (name === "/floor/scan/points") drawn(page, name, (material) => points(material, worn));
+      else if (name === "/floor/scan/points" || INSIDE.test(name)) drawn(page, name, (material) => points(material, worn));
       else if (name === "/floor/grid/lines") drawn(page, name, (material) => grid(material, worn.of("grid")));
       else if (name === WALLS) drawn(page, name, (material) => walls(material, worn.of("compared")));
       else if (CELLS.test(name)) drawn(page, name, (material) => cells(material, worn, places[name.match(CELLS)[1]]?.z > 0));

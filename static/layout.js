@@ -6,7 +6,7 @@
   const KEYS = [
     ["Run, shared by every browser", [["space", "play or pause"], [".", "step one scan"], [",", "back one scan"], ["N", "next mark of the timeline"], ["Shift N", "mark before"], ["R", "restart"], ["L", "back to now, of a stream"], ["U", "undo, for a minute"], ["[ and ]", "slower, faster"]]],
     ["Camera", [["1", "top"], ["2", "follow the robot"], ["3", "free"], ["4", "whole map"]]],
-    ["This browser", [["G", "plots: below the scene or none"], ["X", "plots over the whole window"], ["H", "panels"], ["D", "measure a distance: two clicks"], ["B", "look closer at the beam ahead; a click looks at a beam or a cell"], ["Esc", "close it"], ["T", "light or dark theme"], ["P", "presentation: large type"], ["F", "full screen"], ["O", "open a recording"], ["E", "lessons"], ["C", "copy a link to this view"], ["?", "these keys"], ["Ctrl K", "find any command"]]],
+    ["This browser", [["G", "plots: below the scene or none"], ["X", "plots over the whole window"], ["H", "panels"], ["D", "measure a distance: two clicks"], ["B", "look closer at the beam ahead; a click looks at a beam or a cell"], ["Esc", "close it"], ["I", "look inside the matcher, while the run is paused"], ["T", "light or dark theme"], ["P", "presentation: large type"], ["F", "full screen"], ["O", "open a recording"], ["E", "lessons"], ["C", "copy a link to this view"], ["?", "these keys"], ["Ctrl K", "find any command"]]],
   ];
 
   const screen = () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.());
@@ -25,10 +25,11 @@
     c: link,
     d: () => window.hectorscope.measure.toggle(),
     b: () => window.hectorscope.closer.ahead(),
+    i: () => window.hectorscope.xray.toggle(),
     n: ({ shiftKey }) => window.hectorscope.timeline?.step(shiftKey ? -1 : 1),
     "?": keys,
   };
-  const DO = { lessons: () => window.hectorscope.lessons?.toggle(), screen, keys, recordings, link, picture: () => window.hectorscope.picture?.(), export: () => window.hectorscope.exporting.ask(), note: () => window.hectorscope.exporting.pin(), video: () => window.hectorscope.exporting.video(), measure: () => window.hectorscope.measure.toggle() };
+  const DO = { lessons: () => window.hectorscope.lessons?.toggle(), screen, keys, recordings, link, picture: () => window.hectorscope.picture?.(), export: () => window.hectorscope.exporting.ask(), note: () => window.hectorscope.exporting.pin(), video: () => window.hectorscope.exporting.video(), measure: () => window.hectorscope.measure.toggle(), xray: () => window.hectorscope.xray.toggle() };
 
   // ----------------------------------------------------------------------------------------------- keys
 

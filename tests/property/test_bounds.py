@@ -18,6 +18,7 @@ from slam_core.localization.place_search import PlaceSearch
 from slam_core.mapping.interpolate import interpolate
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
+from slam_core.matching.landscape import costs
 from slam_core.matching.matcher import coarse_to_fine, normal_equations, sampled_covariance
 from slam_core.results import PlanarGaussian
 from slam_core.scan.stabilise import StabilisedScan
@@ -115,6 +116,16 @@ def test_matching_stays_within_the_map(kind, points, start, prior, threshold):
     level = Level(finest.surfels, finest.corner, 1.0 / finest.resolution)
     xs, ys = np.ascontiguousarray(points.T)
     surfel_equations(level, xs, ys, start)
+
+
+@settings(max_examples=20, derandomize=True)
+@given(MAPS, POSES, ENDS)
+def test_landscapes_stay_within_the_map(kind, pose, points):
+    """The cost at any pose, of any endpoints, on every level: at most that of endpoints that all miss."""
+    poses = np.stack([pose, ORIGIN, pose + 0.5])
+    for level in made(kind)[0].levels:
+        for ends in (points, room()):
+            assert not (costs(level, ends, poses) > 1.001 * len(ends)).any()
 
 
 @settings(max_examples=20, derandomize=True)

@@ -21,6 +21,7 @@ from slam_core.config import SlamConfig, with_value
 from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.landscape import costs
 from slam_core.measurements import Height, Imu, LaserScan, Measurement, Odometry
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import ACCEPTED
@@ -226,6 +227,8 @@ def _everything(inertial: bool) -> None:
                 pipeline.step(ready)
         for ready in pipeline.flush():
             pipeline.step(ready)
+        inside = pipeline.slam.map.levels[0]
+        costs(inside, np.zeros((1, 2), np.float32), np.zeros((1, 3)))
         prior_map = PriorMap("the room", saved_levels(pipeline.slam.map))  # the second run seeks its place there
 
 

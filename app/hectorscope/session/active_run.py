@@ -71,6 +71,11 @@ class ActiveRun:
         )
 
     @property
+    def rework(self) -> Rework | None:
+        """The run as it was before the shown scan, if it may rest there."""
+        return self._rework
+
+    @property
     def waiting(self) -> Measurement | None:
         """The measurement to be stepped next."""
         return self._ready[0] if self._ready else None

@@ -37,6 +37,7 @@ def composed(session: Session, library: Library, control: Control, obeyed: int, 
         examined=control.beside.examiner.found(session.source),
         downloads=control.beside.downloads.ready,
         drive=session.drive,
+        rework=session.run.rework,
         compared=comparison.state(session.run.pipeline) if comparison else None,
     )
 

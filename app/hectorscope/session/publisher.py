@@ -15,6 +15,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import (
     Ahead,
     Compared,
@@ -73,6 +74,7 @@ class Run:
     downloads: Mapping[int, Download]
     station: StationState
     drive: DriveState | None
+    rework: Rework | None
 
 
 class Publisher:
@@ -155,6 +157,7 @@ class Publisher:
             downloads=run.downloads,
             station=run.station,
             drive=run.drive,
+            rework=run.rework,
         )
         self._mailbox.put(snapshot)
 

@@ -25,6 +25,10 @@ class Rework:
         """The pipeline was given something: an item, a measurement or the end."""
         self._since.append(act)
 
+    def before(self, settings: Settings) -> Pipeline:
+        """Another pipeline as it was before the scan; safe on any thread, since what is kept does not change."""
+        return self._before.pipeline(settings)
+
     def again(self, settings: Settings) -> Pipeline:
         """Another pipeline at the same instant, as if these settings had been there before the scan."""
         pipeline = self._before.pipeline(settings)

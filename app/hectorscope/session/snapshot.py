@@ -16,6 +16,7 @@ from hectorscope.run.map_image import MapImage
 from hectorscope.run.readings import View
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
+from hectorscope.session.rework import Rework
 from hectorscope.session.station_state import StationState
 from hectorscope.steering import DriveState
 from slam_core.config import SlamConfig
@@ -168,6 +169,7 @@ class Snapshot:
     is not there now. examined: what is wrong with the recording as a whole; None until somebody had it examined.
     downloads: the latest archive of each browser. station: what is recorded and written of a stream.
     drive: of a robot that is driven by hand; None for any other source.
+    rework: the run before the shown scan, where it may rest there.
     """
 
     sequence: int = 0
@@ -206,3 +208,4 @@ class Snapshot:
     downloads: Mapping[int, Download] = field(default_factory=dict)
     station: StationState = field(default_factory=StationState)
     drive: DriveState | None = None
+    rework: Rework | None = None

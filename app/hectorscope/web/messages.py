@@ -134,4 +134,8 @@ PASSED: Mapping[str, Mapping[str, Callable[[Any], Any]]] = {
     },
     "GuiButtonHoldMessage": {"uuid": text, "frequency": number},
     "CommandTriggerMessage": {"uuid": text},
+    # Of the handle in a browser's own scene (panels/_xray_scene.py); there is none that browsers share.
+    "TransformControlsUpdateMessage": {"name": text, "owner": text, "wxyz": numbers(4), "position": numbers(3)},
+    "TransformControlsDragStartMessage": {"name": text, "owner": text},
+    "TransformControlsDragEndMessage": {"name": text, "owner": text},
 }

@@ -146,3 +146,13 @@ def test_internals_of_a_control_cannot_be_set(server: viser.ViserServer) -> None
     uuid = server.gui.add_slider("s", 0.0, 1.0, 0.1, 0.3)._impl.uuid
     message = {"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": 0.5, "update_cb": []}}
     assert admit(message, lambda name: input_control(server, name)) is None
+
+
+def test_a_dragged_handle_sends_its_pose() -> None:
+    """Name, owner and finite numbers of the right count pass; anything else is dropped."""
+    good = {"type": "TransformControlsUpdateMessage", "name": "/a", "owner": "3", "wxyz": [1.0, 0.0, 0.0, 0.0]}
+    assert admit({**good, "position": [1.0, 2.0, 0.0]}, lambda _: None)
+    for position in ([1.0, 2.0], [1.0, math.nan, 0.0], "here", [1.0, True, 0.0]):
+        assert admit({**good, "position": position}, lambda _: None) is None
+    assert admit({"type": "TransformControlsDragEndMessage", "name": "/a", "owner": "3"}, lambda _: None)
+    assert admit({"type": "TransformControlsDragEndMessage", "name": "/a"}, lambda _: None) is None

@@ -1,0 +1,148 @@
+"""The thread that works for every browser that looks inside the matcher: neither the engine nor the page waits."""
+
+import logging
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from hectorscope.panels import _xray_words as words
+from hectorscope.panels._xray_shown import Shown
+from hectorscope.panels._xray_wanted import Wanted
+from hectorscope.panels._xray_work import Workshop
+from hectorscope.run.settings import Settings
+from hectorscope.run.xray.specimen import specimen_of
+from hectorscope.session.rework import Rework
+from slam_core.config import SlamConfig
+from slam_core.measurements import Float64s
+from slam_core.results import StepResult
+
+log = logging.getLogger(__name__)
+
+MOST = 64  # browsers that look inside at a time
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The scan at which a run rests, and the run before it."""
+
+    rework: Rework
+    result: StepResult
+    config: SlamConfig
+    settings: Settings
+
+    def workshop(self) -> Workshop | None:
+        """Where it is worked on; None for a scan that was matched to nothing."""
+        specimen = specimen_of(self.rework.before(self.settings), self.result, self.config)
+        return Workshop(specimen) if specimen else None
+
+
+@dataclass(eq=False)
+class _Viewer:
+    """A browser: what it wants, and what is still to be worked out for it."""
+
+    wanted: Wanted
+    start: Float64s | None = None
+    work: Iterator[Shown] | None = None
+
+
+class Bench:
+    """Takes turns between browsers, a slice of work each. show: gets each result, on this thread.
+
+    The thread begins with the first browser and ends with the last.
+    """
+
+    def __init__(self, show: Callable[[int, Shown], None]) -> None:
+        self._show = show
+        self._changed = threading.Condition()
+        self._viewers: dict[int, _Viewer] = {}
+        self._subject: Subject | None = None
+        self._shop: Workshop | None = None
+        self._open: Subject | None = None
+        self._thread: threading.Thread | None = None
+
+    def look_at(self, subject: Subject | None) -> None:
+        """Another scan is shown, or none that can be looked into."""
+        with self._changed:
+            self._subject = subject
+            for viewer in self._viewers.values():
+                viewer.start = None
+            self._begin(*self._viewers)
+
+    def want(self, client: int, wanted: Wanted) -> None:
+        """A browser wants to see something."""
+        with self._changed:
+            if client in self._viewers:
+                self._viewers[client].wanted = wanted
+            elif len(self._viewers) < MOST:
+                self._viewers[client] = _Viewer(wanted)
+            self._begin(client)
+
+    def start_at(self, client: int, start: Float64s | None) -> None:
+        """A browser starts the matcher at another pose (3,); None for that of the run."""
+        with self._changed:
+            if client in self._viewers:
+                self._viewers[client].start = start
+                self._begin(client)
+
+    def leave(self, client: int) -> None:
+        """A browser looks no more."""
+        with self._changed:
+            self._viewers.pop(client, None)
+            self._changed.notify()
+
+    @property
+    def viewers(self) -> list[int]:
+        """Who looks."""
+        with self._changed:
+            return list(self._viewers)
+
+    def _begin(self, *clients: int) -> None:
+        for client in clients:
+            if client in self._viewers:
+                viewer = self._viewers[client]
+                viewer.work = self._work(viewer.wanted, viewer.start)
+        if self._viewers and self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="xray", daemon=True)
+            self._thread.start()
+        self._changed.notify()
+
+    def _work(self, wanted: Wanted, start: Float64s | None) -> Iterator[Shown]:
+        """Runs on the thread, from the first `next` on."""
+        subject = self._subject
+        if subject is not self._open:
+            self._shop, self._open = subject.workshop() if subject else None, subject
+        if self._shop is None:
+            yield Shown(words.FIRST if subject else words.NOTHING)
+        else:
+            yield from self._shop.shown(wanted, start)
+
+    def _run(self) -> None:
+        while (turn := self._next_turn()) is not None:
+            client, work = turn
+            try:
+                shown = next(work, None)
+                if shown is not None:
+                    self._show(client, shown)
+            except Exception:  # the others go on
+                log.exception("the match cannot be looked into")
+                shown = None
+            if shown is None:
+                self._end(client, work)
+
+    def _next_turn(self) -> tuple[int, Iterator[Shown]] | None:
+        """The browser that waited longest, with its work; None once nobody looks."""
+        with self._changed:
+            while self._viewers:
+                for client, viewer in self._viewers.items():
+                    if viewer.work is not None:
+                        self._viewers[client] = self._viewers.pop(client)  # to the end of the line
+                        return client, viewer.work
+                self._changed.wait()
+            self._thread = self._shop = self._open = None
+            return None
+
+    def _end(self, client: int, work: Iterator[Shown]) -> None:
+        with self._changed:
+            viewer = self._viewers.get(client)
+            if viewer is not None and viewer.work is work:
+                viewer.work = None

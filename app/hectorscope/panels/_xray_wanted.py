@@ -1,0 +1,67 @@
+"""What a browser wants to see of the matcher: checked, like all that browsers send."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from hectorscope.panels import _request
+from hectorscope.run.xray.landscape import Plane
+
+Lab = Literal["steps", "landscape", "lens", "covariance"]
+Show = Literal["heat", "surface", "basin"]
+MOST_STEPS, MOST_LEVELS = 10_000, 32
+SPAN, YAW = (0.1, 5.0), math.radians(30.0)
+OMEGA, NOISE = (0.001, 0.999), (0.001, 0.2)
+FARTHEST = 1e6  # metres from the map's start
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """step: of the iterations, from 0. span: of the landscape, metres to each side; yaw: radians it is turned by.
+
+    at: level, x, y that the lens looks at. omega: of the fusion. noise: of ranges in the cloud, metres.
+    """
+
+    lab: Lab = "steps"
+    step: int = 0
+    level: int = 0
+    plane: Plane = "xy"
+    span: float = 1.0
+    yaw: float = 0.0
+    show: Show = "heat"
+    at: tuple[int, float, float] | None = None
+    omega: float = 0.5
+    noise: float = 0.02
+
+
+def wanted_of(asked: dict[str, Any]) -> Wanted:
+    """The values in their ranges; BadRequest for what no script of ours sends."""
+    number, whole = _request.number, _request.whole
+    return Wanted(
+        lab=_word(asked.get("lab"), Lab),
+        step=whole(asked.get("step"), 0, MOST_STEPS),
+        level=whole(asked.get("level"), 0, MOST_LEVELS),
+        plane=_word(asked.get("plane"), Plane),
+        span=number(asked.get("span"), *SPAN),
+        yaw=number(asked.get("yaw"), -YAW, YAW),
+        show=_word(asked.get("show"), Show),
+        at=_place(asked.get("at")),
+        omega=number(asked.get("omega"), *OMEGA),
+        noise=number(asked.get("noise"), *NOISE),
+    )
+
+
+def _word(value: Any, words: Any) -> Any:
+    if value not in get_args(words):
+        raise _request.BadRequest
+    return value
+
+
+def _place(value: Any) -> tuple[int, float, float] | None:
+    if value is None:
+        return None
+    parts = _request.items(value, 3)
+    if len(parts) != 3:
+        raise _request.BadRequest
+    x, y = (_request.number(part, -FARTHEST, FARTHEST) for part in parts[1:])
+    return _request.whole(parts[0], 0, MOST_LEVELS), x, y

@@ -1,0 +1,96 @@
+"""Inside the matcher, for the scan at which a run rests: a card in each browser that asks (static/xray.js)."""
+
+import json
+from functools import partial
+from typing import Any
+
+from viser import Icon
+
+from hectorscope.page.scene import Scene
+from hectorscope.panels import _request, _workspace
+from hectorscope.panels._xray_bench import Bench, Subject
+from hectorscope.panels._xray_scene import ClientScene
+from hectorscope.panels._xray_shown import Shown
+from hectorscope.panels._xray_wanted import wanted_of
+from hectorscope.session.snapshot import Snapshot
+
+BUTTON = '<p class="hs-xray-open"><button type="button" data-hs-do="xray">Look inside the matcher · I</button></p>'
+RESTS = ("paused", "ended")
+
+
+class XrayPanel:
+    """Each browser looks at what it wants of the scan that all are shown. The work has a thread of its own."""
+
+    title = "X-ray"
+    order = 46
+    rate = 10.0
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._bench = Bench(self._show)
+        self._scenes: dict[int, ClientScene] = {}
+        self._looked_at: tuple[Any, ...] = ()
+        with _workspace.tab(scene, "Live", Icon.GAUGE):
+            scene.server.gui.add_html(BUTTON)
+        _request.listen(scene, "xray", self._ask)
+
+    def _ask(self, client: int, asked: dict[str, Any]) -> None:
+        """{"open": false} closes, {"home": true} takes the start back, anything else is a `Wanted`."""
+        if asked.get("open") is False:
+            self._leave(client)
+        elif asked.get("home") is True:
+            self._bench.start_at(client, None)
+        else:
+            self._bench.want(client, wanted_of(asked))
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Follow the run from rest to rest, and the browsers as they leave."""
+        rests = snapshot.playback.state in RESTS and snapshot.rework is not None and snapshot.result is not None
+        state = (snapshot.rework, snapshot.result, snapshot.config) if rests else ()
+        if len(state) != len(self._looked_at) or any(
+            a is not b for a, b in zip(state, self._looked_at, strict=True)
+        ):
+            self._looked_at = state
+            self._bench.look_at(subject_of(snapshot) if rests else None)
+        clients = self._scene.server.get_clients()
+        for client in self._bench.viewers:
+            if client not in clients:
+                self._leave(client)
+
+    def _leave(self, client: int) -> None:
+        self._bench.leave(client)
+        scene = self._scenes.pop(client, None)
+        if scene is not None and client in self._scene.server.get_clients():
+            scene.clear()
+
+    def _show(self, client: int, shown: Shown) -> None:
+        """On the thread of the bench."""
+        handle = self._scene.server.get_clients().get(client)
+        if handle is None or client not in self._bench.viewers:
+            return
+        if client not in self._scenes:
+            self._scenes[client] = ClientScene(handle, partial(self._bench.start_at, client))
+        self._scenes[client].draw(shown)
+        self._scene.run(script_of(shown), handle)
+
+
+def subject_of(snapshot: Snapshot) -> Subject | None:
+    """The scan at which the run rests."""
+    if snapshot.rework is None or snapshot.result is None:
+        return None
+    return Subject(snapshot.rework, snapshot.result, snapshot.config, snapshot.ahead.settings)
+
+
+def script_of(shown: Shown) -> str:
+    """The call in the page."""
+    told = {
+        "words": shown.words,
+        "marks": list(shown.marks),
+        "level": shown.level,
+        "steps": shown.steps,
+        "levels": shown.levels,
+    }
+    return f"window.hectorscope?.xray?.show({json.dumps(told)})"
+
+
+PANEL = XrayPanel

@@ -1,0 +1,189 @@
+"""The X-ray of a real scan in a real browser: iterations, landscape, dragged start, lens; each browser its own."""
+
+import contextlib
+import re
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page, TimeoutError, expect
+
+from hectorscope.panels._xray_scene import HANDLE_PIXELS
+from hectorscope.run.xray.specimen import Specimen, specimen_of
+from hectorscope.session.commands import Seek, StepScan
+from hectorscope.session.engine import Engine
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.web.server import PageServer
+from tests.browser.conftest import Open
+from tests.engines import after, running, until
+from tests.scene import PROJECT, choose_own, look
+from tests.sources import MemoryRecording
+
+pytestmark = pytest.mark.browser
+CARD = ".hs-xray"
+WORDS = ".hs-xray-words"
+ARROW = 0.8  # of the handle: a place on the arrow of an axis
+# Millimetres from the matched pose: of the start, and of the end that the matcher reaches from there.
+OFFSETS = """() => ["start", "end"].map((name) => {
+  const row = [...document.querySelectorAll(".hs-xray-words tr")].find((at) => at.textContent.startsWith(name));
+  return row.querySelector("td").textContent.replaceAll("−", "-").split(", ").slice(0, 2).map(parseFloat);
+})"""
+THERE = "(name) => !!window.__viserMutable.nodeRefFromName[name]?.visible"
+
+
+@pytest.fixture(scope="module")
+def engine() -> Iterator[Engine]:
+    """At rest some metres into a drive."""
+    drive = list(Simulation("rooms", SceneOptions(duration=8.0, scan_rate=10.0, beams=361)).items())
+    with running(MemoryRecording(drive), speed=float("inf")) as made:
+        until(made, lambda now: now.playback.state == "ended", 60.0)
+        yield made
+
+
+@pytest.fixture
+def url(engine: Engine) -> Iterator[str]:
+    server = PageServer(engine, port=0)
+    server.start()
+    yield server.url
+    server.stop()
+
+
+def resting(engine: Engine) -> tuple[Snapshot, Specimen]:
+    """Six seconds after the start, and the scan shown there."""
+    latest = engine.mailbox.latest
+    assert latest is not None
+    now = after(engine, Seek(latest.playback.start_ns + 6_000_000_000))
+    return now, specimen(now)
+
+
+def specimen(now: Snapshot) -> Specimen:
+    assert now.rework is not None and now.result is not None
+    found = specimen_of(now.rework.before(now.ahead.settings), now.result, now.config)
+    assert found is not None
+    return found
+
+
+def looking_inside(open_page: Open, url: str) -> Page:
+    page = open_page(url)
+    choose_own(page, layout="one")
+    look(page, "follow")
+    look(page, "top")
+    page.keyboard.press("i")
+    expect(page.locator(CARD)).to_be_visible()
+    return page
+
+
+def choose(page: Page, lab: str) -> None:
+    page.locator(CARD).get_by_role("button", name=lab, exact=True).click()
+
+
+def drag(page: Page, start: np.ndarray, metres: float) -> None:
+    """Pull the arrow of the handle along the robot's heading; once more if the page was too busy to notice."""
+    ahead = start[:2] + metres * np.array([np.cos(start[2]), np.sin(start[2])])
+    at, aim = (np.array(page.evaluate(PROJECT, [*place.tolist(), 0.04])) for place in (start[:2], ahead))
+    begin = at + ARROW * HANDLE_PIXELS * (aim - at) / np.hypot(*(aim - at))
+    finish = begin + (aim - at)
+    for _ in range(10):
+        page.mouse.move(*begin.tolist())
+        page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
+        page.mouse.down()
+        for share in np.linspace(0.1, 1.0, 10):
+            page.mouse.move(*(begin + share * (finish - begin)).tolist())
+        page.mouse.up()
+        with contextlib.suppress(TimeoutError):
+            page.wait_for_function(
+                f"(far) => Math.hypot(...({OFFSETS})()[0]) > far", arg=600 * metres, timeout=5_000
+            )
+            return
+
+
+def test_the_iterations_are_stepped_through(engine: Engine, url: str, open_page: Open) -> None:
+    """Each with its cost and its beams on its level; another scan has other numbers; closing takes all away."""
+    _, found = resting(engine)
+    steps = found.iterations(found.start)
+    page = looking_inside(open_page, url)
+    words = page.locator(WORDS)
+    expect(words).to_contain_text(f"{steps[0].cost:.3f}")
+    expect(page.locator(CARD)).to_contain_text(f"1 of {len(steps)}")
+    page.wait_for_function(THERE, arg=f"/floor/map/level{steps[0].level}/xray/points")
+    page.get_by_label("Next iteration").click()
+    expect(words).to_contain_text(f"{steps[1].cost:.3f}")
+    page.get_by_role("button", name="Play", exact=True).click()
+    expect(words).to_contain_text("evaluation at ξ*")
+    expect(words).to_contain_text(f"{steps[-1].cost:.3f}")
+    expect(page.locator(".hs-marks .hs-xray-axis")).to_have_count(2)
+    after(engine, StepScan())
+    other = specimen(until(engine, lambda now: now.rework is not None))
+    expect(words).to_contain_text(f"{other.iterations(other.start)[-1].cost:.3f}")
+    page.keyboard.press("i")
+    expect(page.locator(CARD)).to_be_hidden()
+    expect(page.locator(".hs-marks > *")).to_have_count(0)
+    page.wait_for_function("() => !window.__viserMutable.nodeRefFromName['/floor/xray_start']?.visible")
+
+
+def test_each_browser_looks_at_what_it_wants(engine: Engine, url: str, open_page: Open) -> None:
+    """One at the landscape of a level, another at the covariances, a third at nothing."""
+    resting(engine)
+    one, two, three = (looking_inside(open_page, url), looking_inside(open_page, url), open_page(url))
+    choose(one, "Landscape")
+    choose(two, "Covariance")
+    expect(one.locator(WORDS)).to_contain_text("lowest (7)")
+    expect(two.locator(WORDS)).to_contain_text("scan R (15)")
+    expect(two.locator(WORDS)).to_contain_text("cloud of 400")
+    one.wait_for_function(THERE, arg="/floor/map/level0/xray/heat")
+    assert "/floor/map/level0/xray/heat" not in two.evaluate("Object.keys(window.__viserMutable.nodeRefFromName)")
+    assert three.evaluate(
+        "Object.keys(window.__viserMutable.nodeRefFromName).every((name) => !name.includes('xray'))"
+    )
+    expect(three.locator(CARD)).to_be_hidden()
+
+
+def test_the_landscape_shows_the_cost_of_each_level(engine: Engine, url: str, open_page: Open) -> None:
+    """The lowest cost is the reference's at the matched pose; a basin is tried until every start was."""
+    _, found = resting(engine)
+    lowest = found.iterations(found.matched)[-1].cost
+    page = looking_inside(open_page, url)
+    choose(page, "Landscape")
+    words = page.locator(WORDS)
+    row = words.locator("tr", has_text="lowest (7)").locator("td")
+    expect(row).to_have_text(re.compile(r"^\d+\.\d+$"))
+    assert float(row.text_content() or "") == pytest.approx(lowest, rel=0.01)
+    choose(page, "2")
+    expect(words).to_contain_text("Level 2")
+    page.wait_for_function(THERE, arg="/floor/map/level2/xray/heat")
+    choose(page, "basin")
+    expect(words).to_contain_text("3721 of 3721")
+
+
+def test_the_start_is_dragged_by_its_handle(engine: Engine, url: str, open_page: Open) -> None:
+    """The matcher follows while the hand moves, and ends where the core does; the run is not touched."""
+    now, found = resting(engine)
+    page = looking_inside(open_page, url)
+    choose(page, "Landscape")
+    words = page.locator(WORDS)
+    expect(words).to_contain_text("ends at ξ*")
+    page.wait_for_function("() => !!window.__viserMutable.nodeRefFromName['/floor/xray_start']")
+    drag(page, found.start, 1.5)
+    start, end = np.array(page.evaluate(OFFSETS))
+    assert 900.0 < np.hypot(*start) < 1600.0
+    dragged = found.matched + np.array([*(1e-3 * start), found.start[2] - found.matched[2]])
+    np.testing.assert_allclose(end, 1e3 * (found.end(dragged).pose - found.matched)[:2], atol=2.0)
+    page.get_by_role("button", name="Start as the run did").click()
+    expect(words).to_contain_text("ends at ξ*")
+    latest = engine.mailbox.latest
+    assert latest is not None
+    np.testing.assert_array_equal(latest.trajectory, now.trajectory)
+
+
+def test_a_click_looks_at_a_cell_through_the_lens(engine: Engine, url: str, open_page: Open) -> None:
+    """Four corners with M and gradient; the card of a closer look stays away."""
+    _, found = resting(engine)
+    page = looking_inside(open_page, url)
+    choose(page, "Lens")
+    expect(page.locator(WORDS)).to_contain_text("Click a place")
+    column, row = page.evaluate(PROJECT, [*(found.matched[:2] + 0.4).tolist(), 0.0])
+    page.mouse.click(column, row)
+    expect(page.locator(WORDS)).to_contain_text("∂M/∂x (5)")
+    expect(page.locator(".hs-marks .hs-xray-cell")).to_have_count(4)
+    expect(page.locator(".hs-closer")).to_be_hidden()

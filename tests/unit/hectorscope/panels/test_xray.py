@@ -1,0 +1,141 @@
+"""The X-ray of a scan: what a browser may ask for, and what it is shown."""
+
+import math
+from dataclasses import replace
+from itertools import islice
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hectorscope.panels._request import BadRequest
+from hectorscope.panels._xray_scene import surface
+from hectorscope.panels._xray_shown import ellipse
+from hectorscope.panels._xray_wanted import FARTHEST, MOST_LEVELS, MOST_STEPS, OMEGA, SPAN, YAW, Wanted, wanted_of
+from hectorscope.panels._xray_work import Workshop
+from hectorscope.run.xray.landscape import SIDE
+from tests.xray import specimen
+
+ASKED: dict[str, Any] = {
+    "lab": "steps", "step": 0, "level": 0, "plane": "xy", "span": 1.0, "yaw": 0.0, "show": "heat", "at": None,
+    "omega": 0.5, "noise": 0.02,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def shop() -> Workshop:
+    return Workshop(specimen())
+
+
+def test_requests_are_brought_into_their_ranges():
+    """Whatever the numbers are."""
+    wild = {"step": -5, "level": 99, "span": 1e9, "yaw": -9.0, "at": [77, 1e12, 0.0], "omega": 2, "noise": -1.0}
+    found = wanted_of(ASKED | wild)
+    assert (found.step, found.level, found.span, found.yaw) == (0, MOST_LEVELS, SPAN[1], -YAW)
+    assert found.at == (MOST_LEVELS, FARTHEST, 0.0)
+    assert found.omega == OMEGA[1]
+    assert wanted_of(ASKED | {"step": 10**9}).step == MOST_STEPS
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"lab": "kitchen"}, {"plane": 3}, {"show": None}, {"show": []}, {"step": 1.5}, {"span": math.nan},
+        {"at": [0, 1.0]}, {"at": {"x": 1}}, {"at": [0, "1", 2]}, {"omega": None}, {"noise": True},
+    ],
+)  # fmt: skip
+def test_what_no_script_of_ours_sends_is_refused(wrong: dict[str, Any]):
+    """Unknown words, wrong types, numbers that are none."""
+    with pytest.raises(BadRequest):
+        wanted_of(ASKED | wrong)
+
+
+def test_steps_show_beams_where_the_iteration_places_them(shop: Workshop):
+    """Each endpoint at S_i(xi) with its gradient as a line; the numbers of the equations are those of the core."""
+    steps = specimen().iterations(specimen().start)
+    (shown,) = shop.shown(Wanted(step=3), None)
+    assert shown.steps == len(steps)
+    assert shown.dots is not None and shown.dots.level == steps[3].level
+    lines, resolution = shown.dots.lines, specimen().grids[steps[3].level].resolution
+    np.testing.assert_allclose((lines[:, 1] - lines[:, 0]) / (2 * resolution**2), steps[3].gradients, atol=1e-9)
+    assert f"{steps[3].cost:.3f}" in shown.words
+    assert f"{steps[4].cost:.3f} after the step" not in shown.words or steps[4].level == steps[3].level
+
+
+def test_arrows_at_the_robot_are_eigenvectors_of_h(shop: Workshop):
+    """Both axes through the pose, across each other, as long as the square roots of the eigenvalues."""
+    now = specimen().iterations(specimen().start)[-1]
+    (shown,) = shop.shown(Wanted(step=10**4), None)
+    axes = [np.array(mark["at"])[:, 1:] for mark in shown.marks if mark["kind"] == "axis"]
+    arms = [ends[1] - ends[0] for ends in axes]
+    values = np.linalg.eigvalsh(now.H[:2, :2])
+    for arm, value, ends in zip(arms, values, axes, strict=True):
+        np.testing.assert_allclose(now.H[:2, :2] @ arm, value * arm, rtol=1e-3, atol=1e-3 * values[1])
+        np.testing.assert_allclose(ends.mean(axis=0), now.pose[:2], atol=1e-4)
+    lengths = [float(np.hypot(*arm)) for arm in arms]
+    assert lengths[0] / lengths[1] == pytest.approx(math.sqrt(values[0] / values[1]), rel=1e-3)
+
+
+def test_another_start_is_followed_to_its_end(shop: Workshop):
+    """The words say whether that is the matched pose; the robot is marked where the matcher ends."""
+    near = specimen().matched + np.array([0.1, -0.05, 0.02])
+    for start, kind in ((near, "same"), (specimen().matched + np.array([4.0, 3.0, 1.0]), "elsewhere")):
+        shown = next(iter(shop.shown(Wanted(lab="landscape"), start)))
+        (end,) = [mark for mark in shown.marks if mark["kind"] in {"same", "elsewhere"}]
+        assert end["kind"] == kind
+        tip = specimen().end(start).pose
+        expected = tip[:2] + 0.3 * np.array([math.cos(tip[2]), math.sin(tip[2])])
+        np.testing.assert_allclose(end["at"][0][1:], expected, atol=1e-4)
+
+
+def test_a_basin_comes_in_pictures_that_grow(shop: Workshop):
+    """The first at once, each with more starts, the last with all of them."""
+    pictures = list(shop.shown(Wanted(lab="landscape", show="basin", span=1.3), None))
+    assert len(pictures) > 2
+    assert "0 of 3721" in pictures[0].words
+    assert "3721 of 3721" in pictures[-1].words
+
+
+def test_the_heat_map_is_brightest_at_the_lowest_cost(shop: Workshop):
+    """A pixel for each pose, centred on the matched pose; the surface is lowest there."""
+    (shown,) = shop.shown(Wanted(lab="landscape", show="surface", span=0.3), None)
+    assert shown.heat is not None and shown.heat.heights is not None
+    assert shown.heat.picture.shape == (SIDE, SIDE, 4)
+    bright = shown.heat.picture[..., :3].astype(int).sum(axis=-1)
+    low = np.unravel_index(np.argmin(shown.heat.heights), (SIDE, SIDE))
+    assert bright[low] == bright.max()
+    np.testing.assert_allclose(shown.heat.centre, specimen().matched[:2])
+    lines, _ = surface(shown.heat)
+    assert lines[..., 2].min() == pytest.approx(0.05, abs=1e-6)
+    middle = lines[..., :2].reshape(-1, 2)
+    np.testing.assert_allclose((middle.min(axis=0) + middle.max(axis=0)) / 2, shown.heat.centre, atol=1e-5)
+
+
+def test_ellipses_have_the_axes_of_their_covariance():
+    """The longest and the shortest radius are the square roots of the eigenvalues, times the sigmas."""
+    covariance = np.array([[0.04, 0.01, 0.0], [0.01, 0.02, 0.0], [0.0, 0.0, 1.0]])
+    points = np.array(ellipse("match", 0, np.array([1.0, 2.0, 0.0]), covariance, 3.0)["at"])[:, 1:] - [1.0, 2.0]
+    radii = np.hypot(*points.T)
+    low, high = np.sqrt(np.linalg.eigvalsh(covariance[:2, :2]))
+    assert radii.max() == pytest.approx(3.0 * high, rel=1e-3)
+    assert radii.min() == pytest.approx(3.0 * low, rel=1e-3)
+
+
+def test_the_lens_asks_for_a_click_and_marks_four_cells(shop: Workshop):
+    """Each cell with its probability."""
+    (empty,) = shop.shown(Wanted(lab="lens"), None)
+    assert "Click" in empty.words
+    x, y = specimen().matched[:2] + np.array([0.4, 0.0])
+    (shown,) = shop.shown(Wanted(lab="lens", at=(0, float(x), float(y))), None)
+    assert sum(mark["kind"] == "cell" for mark in shown.marks) == 4
+
+
+def test_covariances_come_with_a_growing_cloud(shop: Workshop):
+    """The first picture has no cloud; the omega of the slider is in the words."""
+    wanted = Wanted(lab="covariance", omega=0.123, noise=0.03)
+    first, second = islice(shop.shown(wanted, None), 2)
+    assert "ω 0.123" in first.words
+    assert first.dots is not None and second.dots is not None
+    assert len(first.dots.points) == 0 < len(second.dots.points)
+    again = next(iter(shop.shown(replace(wanted, omega=0.2), None)))
+    assert again.dots is not None and len(again.dots.points) >= len(second.dots.points)  # it is kept

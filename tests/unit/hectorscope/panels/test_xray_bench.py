@@ -1,0 +1,97 @@
+"""The thread that works for every browser that looks inside the matcher."""
+
+import queue
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hectorscope.panels._xray_bench import MOST, Bench, Subject
+from hectorscope.panels._xray_shown import Shown
+from hectorscope.panels._xray_wanted import Wanted
+from hectorscope.run.settings import Settings
+from tests.xray import PAPER, scanned, specimen
+
+PATIENCE_S = 30.0
+
+
+class Listener:
+    """A bench with what each browser was shown."""
+
+    def __init__(self) -> None:
+        self.shown: dict[int, queue.Queue[Shown]] = {}
+        self.bench = Bench(lambda client, shown: self.of(client).put(shown))
+
+    def of(self, client: int) -> "queue.Queue[Shown]":
+        """What one browser was shown."""
+        return self.shown.setdefault(client, queue.Queue())
+
+    def next(self, client: int) -> Shown:
+        """The next of it."""
+        return self.of(client).get(timeout=PATIENCE_S)
+
+
+@pytest.fixture
+def subject() -> Subject:
+    rework, result = scanned()
+    return Subject(rework, result, PAPER, Settings(PAPER))
+
+
+def test_browsers_take_turns(subject: Subject):
+    """A long work of one does not keep another waiting: that one is served before the basin is whole."""
+    listener = Listener()
+    listener.bench.look_at(subject)
+    listener.bench.want(1, Wanted(lab="landscape", show="basin", span=2.0))
+    assert "0 of 3721" in listener.next(1).words
+    listener.bench.want(2, Wanted())
+    first = listener.next(2)
+    assert "(13)" in first.words
+    while "3721 of 3721" not in (last := listener.next(1)).words:
+        pass
+    assert last.heat is not None
+    for client in (1, 2):
+        listener.bench.leave(client)
+
+
+def test_a_dragged_start_is_followed_and_taken_back(subject: Subject):
+    """What is shown begins at the new start; another scan begins at that of the run again."""
+    listener, start = Listener(), specimen().start + np.array([0.2, 0.1, 0.0])
+    listener.bench.look_at(subject)
+    listener.bench.want(1, Wanted(lab="landscape"))
+    np.testing.assert_array_equal(handle(listener.next(1)), specimen().start)
+    listener.bench.start_at(1, start)
+    np.testing.assert_array_equal(handle(listener.next(1)), start)
+    listener.bench.look_at(subject)
+    np.testing.assert_array_equal(handle(listener.next(1)), specimen().start)
+    listener.bench.leave(1)
+
+
+def handle(shown: Shown) -> Any:
+    assert shown.handle is not None
+    return shown.handle
+
+
+def test_the_thread_ends_with_the_last_browser(subject: Subject):
+    """And begins again with the next one; without a scan at rest the words say what to do."""
+    listener = Listener()
+    listener.bench.want(1, Wanted())
+    assert "Pause" in listener.next(1).words
+    (thread,) = [thread for thread in threading.enumerate() if thread.name == "xray"]
+    listener.bench.leave(1)
+    thread.join(PATIENCE_S)
+    assert not thread.is_alive()
+    listener.bench.look_at(subject)
+    listener.bench.want(2, Wanted())
+    assert "(7)" in listener.next(2).words
+    listener.bench.leave(2)
+
+
+def test_browsers_are_limited():
+    """So many at a time; those beyond are shown nothing."""
+    listener = Listener()
+    for client in range(MOST + 5):
+        listener.bench.want(client, Wanted())
+    assert len(listener.bench.viewers) == MOST
+    for client in range(MOST):
+        listener.bench.leave(client)

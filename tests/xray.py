@@ -1,0 +1,44 @@
+"""A specimen for tests of the X-ray: a scan of a simulated drive with the run before it."""
+
+from functools import cache
+
+from hectorscope.inputs import Item
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.run.xray.specimen import Specimen, specimen_of
+from hectorscope.session.rework import Rework
+from hectorscope.simulation import SceneOptions, Simulation
+from slam_core.config import SlamConfig, with_values
+from slam_core.measurements import LaserScan
+from slam_core.results import StepResult
+
+SECONDS = 6.0
+PAPER = with_values(SlamConfig.paper(), {"map.size": 512})
+
+
+@cache
+def drive() -> tuple[Item, ...]:
+    """Some metres through rooms, ten scans a second."""
+    return tuple(Simulation("rooms", SceneOptions(duration=SECONDS, scan_rate=10.0, beams=361, seed=3)).items())
+
+
+@cache
+def scanned(config: SlamConfig = PAPER) -> tuple[Rework, StepResult]:
+    """The last scan, and the run before it."""
+    pipeline, rework = Pipeline(Settings(config)), None
+    ready = [measurement for item in drive() for measurement in pipeline.admit(item)]
+    for measurement in ready:
+        if isinstance(measurement, LaserScan):
+            rework = Rework(pipeline, measurement.stamp_ns, None)
+        pipeline.step(measurement)
+    assert rework is not None and pipeline.result is not None
+    return rework, pipeline.result
+
+
+@cache
+def specimen(config: SlamConfig = PAPER) -> Specimen:
+    """The same, opened."""
+    rework, result = scanned(config)
+    found = specimen_of(rework.before(Settings(config)), result, config)
+    assert found is not None
+    return found
