@@ -139,7 +139,7 @@
       left: low ? "0" : beside ? `${canvas.right}px` : "auto",
       right: "0",
       top: low ? `${innerHeight / 2}px` : `${canvas.top}px`,
-      bottom: low ? "0" : beside ? "0" : `${innerHeight - canvas.bottom}px`,
+      bottom: low ? "0" : `${innerHeight - canvas.bottom}px`,
       width: low || beside ? "auto" : "340px",
     });
   }
