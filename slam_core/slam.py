@@ -13,7 +13,7 @@ from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.results import PoseRecord, Poses, Status, StepResult, Sweep
+from slam_core.results import PlanarGaussian, PoseRecord, Poses, Status, StepResult, Sweep
 from slam_core.scan.stabilise import stabilise
 from slam_core.sequencer import Sequencer
 from slam_core.timing import Stopwatch
@@ -119,6 +119,11 @@ class HectorSlam:
             raise ConfigError("this change needs a new map: restart the run with it")
         self.config = config
         self._motion.configure(config)
+
+    def reset_pose(self, pose: PlanarGaussian) -> None:
+        """Continue at a pose in the map, with its covariance, as from the last scan on; after the first result."""
+        if self._scans:
+            self._localiser.reset(self._scan_ns, pose)
 
     @property
     def trajectory(self) -> Poses:

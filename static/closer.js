@@ -61,7 +61,7 @@
   addEventListener("resize", place);
   new MutationObserver(() => requestAnimationFrame(place)).observe(document.documentElement, { attributeFilter: ["data-hs-panels", "data-hs-plots"] });
   pick.listen(({ clientX, clientY }) => {
-    if (!hectorscope.measure.active()) hectorscope.request("look", { at: pick.places(clientX, clientY), reach: pick.reach(clientX, clientY) });
+    if (!document.documentElement.classList.contains("hs-measuring")) hectorscope.request("look", { at: pick.places(clientX, clientY), reach: pick.reach(clientX, clientY) });
   });
 
   Object.assign(hectorscope, { closer: { show, ahead } });

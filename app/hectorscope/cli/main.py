@@ -83,7 +83,11 @@ def view(
 
 
 def live(
-    address: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ADDRESS", help=ADDRESS)],
+    address: Annotated[
+        str | None,
+        tyro.conf.Positional,
+        tyro.conf.arg(metavar="ADDRESS", help=f"{ADDRESS} Without one, robots are looked for and listed."),
+    ] = None,
     *,
     settings: SettingArgs,
     saved: MapArgs,
@@ -92,7 +96,13 @@ def live(
     station: StationArgs,
 ) -> int:
     """Show the stream of a running robot in the browser."""
-    shown = checked(address, source, settings)
+    if address is None:
+        from hectorscope.cli.discovery import look, told  # noqa: PLC0415
+
+        print(told(look()))
+        return 0
+    link = station.link()
+    shown = checked(address, source, settings, link=link)
     aboard = station.aboard(address, source_options(source, settings))
     return _show(shown, settings, saved, page, partial(opened, source, settings), None, aboard)
 

@@ -61,9 +61,10 @@ def show(
                 checkpoints=budget,
                 runs_ahead=page.ahead,
                 look_back=look_back,
-                station=aboard.made() if aboard.made else None,
             )
             made.offer(library)
+            if aboard.made is not None:
+                made.attach(aboard.made())
             return made
 
         message = _serve(server, engine)

@@ -68,6 +68,7 @@ class Scene:
     server: add nodes by `server.scene` and controls by `server.gui`. send: enqueues a command for the engine.
     floor: the node of the finest level's plane; it sinks when the robot goes below the height it started at.
     replay: makes the format of a shared replay, of notes and the name of the source, where there is one.
+    for_viewers: controls, by their uuids, that change nothing for anybody else: who only looks may use them too.
     failures: title of a view or panel that raised and was switched off -> reason.
     """
 
@@ -76,6 +77,7 @@ class Scene:
     display: Display = field(default_factory=Display)
     layers: list[Layer] = field(default_factory=list)
     failures: dict[str, str] = field(default_factory=dict)
+    for_viewers: set[str] = field(default_factory=set)
     replay: "Callable[[Sequence[Note], str], Exporter] | None" = None
     floor: viser.FrameHandle = field(init=False)
     _lock: threading.RLock = field(default_factory=threading.RLock)

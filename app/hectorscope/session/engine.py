@@ -47,7 +47,6 @@ class Engine:
     prior_map: the map that every run begins with. out: the folder for Save. checkpoints: MiB for them.
     runs_ahead: whether a recording is run to its end in the time to spare, ahead of what is shown.
     look_back: seconds of a stream that are kept, to be shown again while the run goes on.
-    station: what is recorded of a stream, and its journal.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
     What would take the map of a stream away is not done before a person agrees, and what was taken away can be
@@ -69,7 +68,6 @@ class Engine:
         checkpoints: int = BUDGET_MB,
         runs_ahead: bool = True,
         look_back: float = LOOK_BACK_S,
-        station: Station | None = None,
     ) -> None:
         source = source or NoRecording()
         self._prepare: Callable[[Report], None] = lambda _: None
@@ -94,7 +92,7 @@ class Engine:
         self._beside = Beside(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
         self.offer(Library())
         self._is_ready = False
-        self._station = station or Station()
+        self.attach(Station())
 
     @property
     def mailbox(self) -> Mailbox[Snapshot]:
@@ -106,6 +104,11 @@ class Engine:
         self._library, self._session.intake.path = library, library.shown
         library.identities.told = partial(self._commands.put, Identified())
         self._control = Control(self._session, library, self._beside, self._show_opening)
+
+    def attach(self, station: Station) -> None:
+        """Keep on the disk what it says; before the start."""
+        self._station = station
+        station.board(self._session)
 
     def start(self, prepare: Callable[[Report], None] | None = None) -> None:
         """Begin to read and to step.
@@ -150,7 +153,7 @@ class Engine:
     def _run(self) -> None:
         self._guard(partial(self._publish, resting=True))
         self._guard(self._get_ready)
-        self._guard(partial(self._station.begin, self._session, self._control))
+        self._guard(partial(self._station.begin, self._control))
         while not isinstance(command := self._next_command(), Quit):
             if command is None:
                 self._guard(self._advance)

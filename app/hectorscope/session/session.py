@@ -20,7 +20,7 @@ from hectorscope.session.runs import first_difference
 from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
-from hectorscope.session.undo import Kept, KeptName, KeptRun, KeptValues, UndoStack
+from hectorscope.session.undo import Kept, KeptMarks, KeptName, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
 
 COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
@@ -198,6 +198,9 @@ class Session:
         what, before = kept
         if isinstance(before, KeptName):
             self.named.runs.put(before.run)
+        elif isinstance(before, KeptMarks):
+            before.run.annotations = before.annotations
+            self.log(f"Undone: {what}")
         elif isinstance(before, KeptRun):
             self.named.note()
             self.run.put_aside()
