@@ -124,6 +124,11 @@ class HectorSlam:
         """(3,) where the match of the next scan begins, by the prediction at its time and the settings then."""
         return self._localiser.start_estimate(prior, config)
 
+    def reset_pose(self, pose: PlanarGaussian) -> None:
+        """Continue at a pose in the map, with its covariance, as from the last scan on; after the first result."""
+        if self._scans:
+            self._localiser.reset(self._scan_ns, pose)
+
     @property
     def trajectory(self) -> Poses:
         """The pose of every scan given to `add` so far, at the middle of its sweep."""

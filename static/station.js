@@ -41,3 +41,173 @@
   setInterval(() => send({ type: "HectorscopePage", page: window.hectorscope.pageNumber }), AGAIN);
   Object.assign(window.hectorscope, { inControl });
 })();
+
+// The tab of the station: marks, the pose by hand, the way back, mapping, recording, and a sound while tracking is lost.
+(() => {
+  const { pick, request } = window.hectorscope;
+  const SYMBOLS = { victim: "V", hazard: "!", door: "D", note: "N" };
+  const HINTS = { mark: "Click the place of the mark. Escape gives up.", pose: "Press where the robot is, and drag to where it looks. Escape gives up." };
+  const BEEP = 1500; // milliseconds from one to the next
+  const LEVEL = 0; // the finest
+
+  let now = { marks: [], way: null, records: null, mapping: true, lost: false };
+  let doing = null; // "mark" or "pose"
+  let drag = null; // [from, to]
+  const find = (name) => document.querySelector(`[data-hs-station${name}]`);
+  const hint = Object.assign(document.createElement("p"), { className: "hs-measure-hint", hidden: true });
+  hint.setAttribute("role", "status");
+
+  function begin(what) {
+    doing = doing === what ? null : what;
+    drag = null;
+    hint.hidden = doing === null;
+    hint.textContent = HINTS[doing] ?? "";
+    document.documentElement.classList.toggle("hs-measuring", doing !== null);
+    const home = window.__viserMutable?.canvas?.parentElement;
+    if (home && hint.parentElement !== home) home.append(hint);
+    label();
+  }
+
+  // ------------------------------------------------------------------------------------------------ over the scene
+
+  function drawn() {
+    const way = (now.way ?? []).map(([x, y]) => pick.project(LEVEL, x, y)).filter(Boolean);
+    const line = way.length > 1 ? `<polyline class="hs-station-way" points="${way.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ")}"/>` : "";
+    const marks = now.marks.map(([number, kind, x, y]) => {
+      const at = pick.project(LEVEL, x, y);
+      return at ? `<g class="hs-station-mark hs-station-${kind}" transform="translate(${at[0].toFixed(1)} ${at[1].toFixed(1)})"><path d="M0 0 L-8 -12 A10.5 10.5 0 1 1 8 -12 Z"/><text y="-15">${SYMBOLS[kind]}${number}</text></g>` : "";
+    });
+    return line + marks.join("") + arrow();
+  }
+  function arrow() {
+    const ends = (drag ?? []).map(([level, x, y]) => pick.project(level, x, y));
+    if (ends.length < 2 || ends.some((end) => !end)) return "";
+    const [[ax, ay], [bx, by]] = ends;
+    return `<line class="hs-station-pose" x1="${ax}" y1="${ay}" x2="${bx}" y2="${by}"/><circle class="hs-station-pose" cx="${ax}" cy="${ay}" r="6"/>`;
+  }
+  pick.mark("station", drawn);
+
+  pick.listen(({ clientX, clientY }) => {
+    const [place] = doing === "mark" ? pick.places(clientX, clientY) : [];
+    if (!place) return;
+    request("station", { mark: [find("-kind").value, place[1], place[2], find("-text").value] });
+    find("-text").value = "";
+    begin("mark");
+  });
+
+  // While the pose is set the camera must not turn: its listeners are on the canvas, and hear nothing then.
+  const grabbed = (event) => doing === "pose" && event.target === window.__viserMutable?.canvas;
+  const place = (event) => pick.places(event.clientX, event.clientY)[0];
+  function move(event) {
+    if (!drag) return;
+    event.stopPropagation();
+    const to = place(event);
+    if (to) drag[1] = to;
+    window.__viserMutable?.requestRender?.();
+  }
+  document.addEventListener("pointerdown", (event) => {
+    const from = grabbed(event) && place(event);
+    if (!from) return;
+    event.stopPropagation();
+    drag = [from, from];
+  }, true);
+  document.addEventListener("pointermove", move, true);
+  document.addEventListener("pointerup", (event) => {
+    if (!drag) return;
+    move(event);
+    const [[, ax, ay], [, bx, by]] = drag;
+    if (Math.hypot(bx - ax, by - ay) > 0.05) request("station", { pose: [ax, ay, Math.atan2(by - ay, bx - ax)] });
+    begin("pose");
+  }, true);
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && doing) begin(doing);
+  });
+
+  // ------------------------------------------------------------------------------------------------ the tab
+
+  const acts = {
+    mark: () => begin("mark"),
+    pose: () => begin("pose"),
+    way: () => request("station", { way: !now.way }),
+    mapping: () => request("station", { mapping: !now.mapping }),
+    record: () => request("station", { record: !now.records }),
+    sound: () => allow(),
+  };
+  document.addEventListener("click", (event) => acts[event.target.closest?.("[data-hs-station]")?.dataset.hsStation]?.());
+
+  function label() {
+    const words = { way: now.way ? "Hide the way back" : "Show the way back", mapping: now.mapping ? "Pause mapping" : "Go on mapping", record: now.records ? "Stop recording" : "Record the stream" };
+    const pressed = { way: now.way, mapping: !now.mapping, record: now.records, mark: doing === "mark", pose: doing === "pose" };
+    for (const button of document.querySelectorAll("button[data-hs-station]")) {
+      const act = button.dataset.hsStation;
+      if (words[act] && button.textContent !== words[act]) button.textContent = words[act];
+      button.setAttribute("aria-pressed", String(!!pressed[act]));
+      if (act === "pose") button.hidden = !now.live;
+      if (act === "record") button.hidden = now.records === null;
+    }
+    const told = find("-recorded");
+    if (told) told.textContent = now.records === null ? "" : `${now.recorded} MB recorded`;
+    const box = document.querySelector("input[data-hs-station=sound]");
+    if (box) box.checked = loud();
+  }
+
+  let listed = "";
+  function list() {
+    const home = find("-marks");
+    const key = JSON.stringify(now.marks);
+    if (!home || (key === listed && home.childElementCount === now.marks.length) || home.contains(document.activeElement)) return;
+    listed = key;
+    home.replaceChildren(...now.marks.map(([number, kind, x, y, text]) => {
+      const row = document.createElement("li");
+      const name = Object.assign(document.createElement("b"), { textContent: `${number} ${kind}`, title: `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m` });
+      const field = Object.assign(document.createElement("input"), { type: "text", maxLength: 200, value: text });
+      field.setAttribute("aria-label", `Text of mark ${number}`);
+      field.addEventListener("change", () => { request("station", { edit: [number, kind, field.value] }); field.blur(); });
+      const away = Object.assign(document.createElement("button"), { type: "button", className: "hs-reset", textContent: "×", title: `Remove mark ${number}` });
+      away.addEventListener("click", () => { away.blur(); request("station", { remove: number }); });
+      row.append(name, field, away);
+      return row;
+    }));
+  }
+
+  // ------------------------------------------------------------------------------------------------ the sound
+
+  const KEY = "hectorscope-sound";
+  let audio = null;
+  const loud = () => localStorage.getItem(KEY) === "on";
+  function allow() {
+    localStorage.setItem(KEY, document.querySelector("input[data-hs-station=sound]")?.checked ? "on" : "off");
+    wake();
+    if (loud()) beep();
+  }
+  function wake() { // browsers let a page sound only once somebody has touched it
+    if (!loud()) return;
+    audio ??= new AudioContext();
+    audio.resume();
+  }
+  document.addEventListener("pointerdown", wake, true);
+  let beeps = 0;
+  function beep() {
+    if (!audio) return;
+    for (const [at, pitch] of [[0, 880], [0.22, 660]]) {
+      const [tone, volume] = [audio.createOscillator(), audio.createGain()];
+      tone.frequency.value = pitch;
+      volume.gain.value = 0.25;
+      tone.connect(volume).connect(audio.destination);
+      tone.start(audio.currentTime + at);
+      tone.stop(audio.currentTime + at + 0.18);
+    }
+    beeps += 1;
+  }
+  setInterval(() => { if (now.lost && loud()) beep(); }, BEEP);
+
+  function station(told) {
+    const began = told.lost && !now.lost;
+    now = told;
+    label();
+    list();
+    if (began && loud()) beep();
+    window.__viserMutable?.requestRender?.();
+  }
+  Object.assign(window.hectorscope, { station, beeps: () => beeps });
+})();

@@ -9,6 +9,7 @@ from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Command
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.station import Station
 from hectorscope.web.server import Driver
 from slam_core.config import SlamConfig, with_value
 from slam_core.measurements import LaserScan
@@ -18,9 +19,12 @@ PATIENCE_S = 20.0
 
 
 @contextmanager
-def running(source: Source, settings: Settings = START, **options: float) -> Iterator[Engine]:
+def running(
+    source: Source, settings: Settings = START, *, station: Station | None = None, **options: float
+) -> Iterator[Engine]:
     """An engine that is stopped in any case."""
     engine = Engine(source, settings, **options)  # type: ignore[arg-type]
+    engine.attach(station or Station())
     engine.start()
     try:
         yield engine

@@ -17,6 +17,14 @@ class SourceError(SlamError):
 
 
 @dataclass(frozen=True, slots=True)
+class LinkOptions:
+    """How a robot is reached. ca: a trusted issuer's certificate, a file. headers: of the handshake."""
+
+    ca: str | None = None
+    headers: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class SourceOptions:
     """What a person may override; None: found by message type, or as the message states.
 
@@ -43,6 +51,7 @@ class SourceOptions:
     scan_mirrored: bool | None = None
     scan_delay: float | None = None
     own_frame: str | None = None  # whose transforms come from here: what tf says of frames in it is left out
+    link: LinkOptions | None = None
 
 
 OptionValue = str | bool | float | tuple[float, ...]
@@ -264,6 +273,15 @@ class Tappable(Source, Protocol):
 
     def untap(self, tap: Tap) -> None:
         """It hears nothing any more."""
+
+
+@runtime_checkable
+class OffersTopics(Source, Protocol):
+    """A live input that tells what there is."""
+
+    @property
+    def offered(self) -> Mapping[str, str]:
+        """The message types by their topics."""
 
 
 def merged(report: SourceReport, skipped: Counter[str], dropped: int) -> SourceReport:

@@ -221,6 +221,14 @@ class Localiser:
         )
         return predicted, Verdict("recovered", verdict.rejection, recovery="continued")
 
+    def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
+        """Continue at a pose that somebody states, and match from there."""
+        self._reset_pose(time_ns, pose)
+        self._is_placed = True
+        self._tracker.reset()
+        self._confirmation = Confirmation()
+        self.relocaliser.reset()
+
     def _reset_pose(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose in the map, wherever the robot was estimated before."""
         self._motion.place(time_ns, pose)

@@ -51,7 +51,7 @@ class Mapper:
         """
         self._pyramid.cover(scan.points, pose)
         unexpected = self._pyramid.unexpected(scan.points, pose)
-        if not (self._writes and verdict.accepted and verdict.confirmed):
+        if not (self._writes and config.update and verdict.accepted and verdict.confirmed):
             return MapUpdate(unexpected, False)
         if verdict.recovery == "continued":
             self._keyframes.restart()

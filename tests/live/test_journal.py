@@ -46,7 +46,7 @@ def run_for_ever(uri: str, root: Path) -> None:
     with (
         opened(uri) as source,
         running(source, Settings(), station=Station(journal=Journal(root, uri, reopen))) as engine,
-    ):  # type: ignore[arg-type]
+    ):
         told = 0
         while True:
             now = engine.mailbox.latest
@@ -85,7 +85,7 @@ def test_after_a_kill_the_run_is_there_again(
     """Whenever it was killed: the poses are those of the run, and of the last ten seconds at most are missing."""
     scans = random.Random(SEED + number).randint(15, 50)
     folder, last_ns = killed(replay(drive, *TOPICS, "--speed", "1").uri, tmp_path, scans)
-    again, _ = resumed(folder, reopen, Settings(), None)
+    again, _, _ = resumed(folder, reopen, Settings(), None)
     with opened(drive) as source:
         whole, _ = run_headless(source, Settings())
     assert again.time_ns >= last_ns - LOST_S * 1e9
@@ -101,14 +101,14 @@ def test_a_checkpoint_with_what_came_then_is_the_run(
     with (
         opened(replay(drive, *TOPICS, "--speed", "3").uri) as source,
         running(source, Settings(), station=Station(journal=journal)) as engine,
-    ):  # type: ignore[arg-type]
+    ):
         until(engine, lambda now: now.scans >= 20, GIVE_UP_S)
         engine.send(Configure("map.update_distance", 0.3))
         live = until(engine, lambda now: now.scans >= 50, GIVE_UP_S)
     saved = read_checkpoint(journal.folder)
     assert saved is not None
     assert 20 <= saved.checkpoint.scans < 45
-    again, scans = resumed(journal.folder, reopen, Settings(), None)
+    again, scans, _ = resumed(journal.folder, reopen, Settings(), None)
     assert scans == again.scans - saved.checkpoint.scans
     rows = min(live.scans, again.scans)
     assert rows >= 45
@@ -123,12 +123,12 @@ def test_the_next_start_offers_to_go_on(drive: Path, tmp_path: Path, replay: Cal
     server = replay(drive, *TOPICS, "--end", "3")
     folder, _ = killed(server.uri, tmp_path, 20)
     server.kill()
-    before, _ = resumed(folder, reopen, Settings(), None)
+    before, _, _ = resumed(folder, reopen, Settings(), None)
     replay(drive, *TOPICS, "--port", str(server.port), "--begin", "3")
     with (
         opened(server.uri) as source,
         running(source, Settings(), station=Station(journal=Journal(tmp_path, server.uri, reopen))) as engine,
-    ):  # type: ignore[arg-type]
+    ):
         asked = until(engine, lambda now: now.question is not None)
         assert asked.question is not None
         assert "ended without being closed" in asked.question.text
@@ -153,7 +153,7 @@ def test_a_damaged_checkpoint_is_not_read(drive: Path, tmp_path: Path, replay: C
     with (
         opened(replay(drive, *TOPICS, "--speed", "3").uri) as source,
         running(source, Settings(), station=Station(journal=journal)) as engine,
-    ):  # type: ignore[arg-type]
+    ):
         until(engine, lambda now: now.scans >= 30, GIVE_UP_S)
     path = journal.folder / CHECKPOINT
     content = bytearray(path.read_bytes())
@@ -165,7 +165,7 @@ def test_a_damaged_checkpoint_is_not_read(drive: Path, tmp_path: Path, replay: C
     path.write_bytes(content)
     with pytest.raises(JournalError, match="is damaged"):
         read_checkpoint(journal.folder)
-    again, scans = resumed(journal.folder, reopen, Settings(), None)
+    again, scans, _ = resumed(journal.folder, reopen, Settings(), None)
     assert again.scans == scans >= 25
 
 
@@ -179,7 +179,7 @@ def test_actions_are_logged_with_what_they_changed(
     with (
         opened(replay(drive, *TOPICS, "--speed", "3").uri) as source,
         running(source, Settings(), station=Station(journal=journal)) as engine,
-    ):  # type: ignore[arg-type]
+    ):
         until(engine, lambda now: now.scans >= 5, GIVE_UP_S)
         engine.send(Configure("map.update_distance", 0.3))
         engine.send(Configure("map.update_distance", 0.5))

@@ -68,7 +68,7 @@ def test_a_recorded_mission_is_replayed_to_the_same_poses(
     """The trajectory of the recording of a live run is that of the live run, to the last bit."""
     with (
         opened(replay(drive, *TOPICS, "--speed", "2").uri) as source,
-        running(source, Settings(), station=Station(tmp_path)) as engine,  # type: ignore[arg-type]
+        running(source, Settings(), station=Station(tmp_path)) as engine,
     ):
         live = until(engine, lambda now: now.scans >= 55, GIVE_UP_S)
         assert live.station.records is True
@@ -85,7 +85,7 @@ def test_the_page_switches_the_recording_off_and_on(
     """Each time it begins another file, in which the static transforms come first."""
     with (
         opened(replay(drive, *TOPICS, "--speed", "2").uri) as source,
-        running(source, Settings(), station=Station(tmp_path)) as engine,  # type: ignore[arg-type]
+        running(source, Settings(), station=Station(tmp_path)) as engine,
     ):
         until(engine, lambda now: now.scans >= 5, GIVE_UP_S)
         engine.send(Record(on=False))
@@ -154,6 +154,21 @@ def test_a_killed_recorder_leaves_what_was_written(tmp_path: Path) -> None:
     assert len(read) > 150
     StreamRecorder(tmp_path).close()
     assert len(parts(tmp_path)) == 1  # an empty one is removed
+
+
+def test_a_file_that_was_just_begun_is_left_out(
+    drive: Path, replay: Callable[..., Replay], tmp_path: Path
+) -> None:
+    """Who is killed right after a rotation leaves an empty file beside the whole ones."""
+    recorder = StreamRecorder(tmp_path)
+    with opened(replay(drive, *TOPICS, "--speed", "6").uri) as source:
+        assert isinstance(source, Tappable)
+        source.tap(recorder)
+        received = list(islice(source.items(), 300))
+    recorder.close()
+    (tmp_path / "stream_0002.mcap").touch()
+    with opened(tmp_path) as source:
+        assert [plain(item) for item in islice(source.items(), 300)] == [plain(item) for item in received]
 
 
 @pytest.mark.skipif(not hasattr(resource, "RLIMIT_FSIZE"), reason="needs a limit that stands for a full disk")

@@ -84,7 +84,11 @@ def view(
 
 
 def live(
-    address: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="ADDRESS", help=ADDRESS)],
+    address: Annotated[
+        str | None,
+        tyro.conf.Positional,
+        tyro.conf.arg(metavar="ADDRESS", help=f"{ADDRESS} Without one, robots are looked for and listed."),
+    ] = None,
     *,
     settings: SettingArgs,
     saved: MapArgs,
@@ -93,7 +97,12 @@ def live(
     station: StationArgs,
 ) -> int:
     """Show the stream of a running robot in the browser."""
-    shown = checked(address, source, settings, OURS if station.publish else {})
+    if address is None:
+        from hectorscope.cli.discovery import look, told  # noqa: PLC0415
+
+        print(told(look()))
+        return 0
+    shown = checked(address, source, settings, OURS if station.publish else {}, link=station.link())
     aboard = station.aboard(address, source_options(source, settings))
     return _show(shown, settings, saved, page, partial(opened, source, settings), None, aboard)
 

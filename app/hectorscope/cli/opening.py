@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from hectorscope.cli.options import SettingFlags, source_options
 from hectorscope.common.resources import resource_folder
-from hectorscope.inputs import OptionValue, Source, SourceOptions
+from hectorscope.inputs import LinkOptions, OptionValue, Source, SourceOptions
 from hectorscope.run.report import Report
 from hectorscope.sources import open_source
 from slam_core.errors import SlamError
@@ -35,13 +35,14 @@ def checked(
     flags: Any,
     settings: SettingFlags,
     sensors: Mapping[str, OptionValue] = MappingProxyType({}),
+    link: LinkOptions | None = None,
 ) -> "CheckedSource":
     """The source behind a path or address, whose sensors are checked as it is read; SlamError for a bad one."""
     from hectorscope.checks.sensor_check import CheckedSource  # noqa: PLC0415
 
     settings.settings()  # a bad file is named before the source is opened
     stated: dict[str, Any] = dict(sensors)
-    options = replace(source_options(flags, settings), **stated)
+    options = replace(source_options(flags, settings), **stated, link=link)
     return CheckedSource(partial(open_source, uri), options, repairs=flags.repair)
 
 

@@ -147,7 +147,7 @@ def setting_flags() -> type[SettingFlags]:
 def _source_flags() -> type[Any]:
     flags: list[Any] = []
     for option in fields(SourceOptions):
-        if option.name not in _SOURCE:
+        if option.name not in _SOURCE:  # how a robot is reached: cli/station_flags.py
             continue
         kind: Any = Literal["true", "false"] | None if option.type == bool | None else option.type
         words = _SOURCE[option.name]

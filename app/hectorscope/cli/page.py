@@ -68,10 +68,11 @@ def show(
                 checkpoints=budget,
                 ahead_after=AHEAD_AFTER_S if page.ahead else None,
                 look_back=look_back,
-                station=aboard.made() if aboard.made else None,
             )
             made.offer(library)
             made.observe(observer)
+            if aboard.made is not None:
+                made.attach(aboard.made())
             return made
 
         message = _serve(server, engine)

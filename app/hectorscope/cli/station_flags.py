@@ -11,7 +11,7 @@ import tyro
 
 from hectorscope.cli.options import PublishArg, optional
 from hectorscope.common.paths import absence
-from hectorscope.inputs import SourceOptions
+from hectorscope.inputs import LinkOptions, SourceOptions
 from hectorscope.sources import open_source
 from slam_core.errors import SlamError
 
@@ -63,6 +63,15 @@ class StationFlags:
         tyro.conf.arg(help="Go on with the run of this address that ended without being closed."),
     ] = False
 
+    ca: Annotated[
+        Path | None, optional("Certificate (PEM) of an issuer to trust, for wss:// and rosbridges://.")
+    ] = None
+    header: Annotated[
+        tyro.conf.UseAppendAction[tuple[str, ...]],
+        tyro.conf.arg(
+            metavar="NAME=VALUE", help="Header for the handshake with the robot; give it again for more."
+        ),
+    ] = ()
     viewer_token: Annotated[
         str | None,
         optional(
@@ -70,6 +79,13 @@ class StationFlags:
         ),
     ] = None
     publish: PublishArg = ()
+
+    def link(self) -> LinkOptions:
+        """How the robot is reached; StationError for a header that is none."""
+        pairs = [each.partition("=") for each in self.header]
+        if wrong := next((name for name, equals, _ in pairs if not (name and equals)), None):
+            raise StationError(f"--header {wrong!r} is no header: give NAME=VALUE")
+        return LinkOptions(str(self.ca) if self.ca else None, tuple((name, value) for name, _, value in pairs))
 
     def aboard(self, address: str, options: SourceOptions) -> "Aboard":
         """What the page needs of them; SlamError for flags that contradict each other."""

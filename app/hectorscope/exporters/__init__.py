@@ -16,6 +16,7 @@ from hectorscope.exporters._files import GrowingFile
 from hectorscope.exporters._folder import OutputError, locked, make
 from hectorscope.exporters._streams import Streams, reason
 from hectorscope.inputs import Source, SourceError, SourceReport
+from hectorscope.run.annotations import Annotation
 from hectorscope.run.headless import Progress, run_headless
 from hectorscope.run.map_images import FILE, map_images
 from hectorscope.run.metrics import metrics as run_metrics  # a module of this package has the name
@@ -102,8 +103,15 @@ def _names(formats: Iterable[Exporter]) -> list[str]:
     return [name for exporter in formats for name in exporter.files]
 
 
-def collected(pipeline: Pipeline, figures: dict[str, Any], report: SourceReport | None = None) -> Run:
+def collected(
+    pipeline: Pipeline,
+    figures: dict[str, Any],
+    report: SourceReport | None = None,
+    annotations: tuple[Annotation, ...] = (),
+) -> Run:
     """The results so far without the map; the run may go on, and they stay as they are. report: of the source."""
+    if annotations:
+        figures = {**figures, "marks": [mark.told(pipeline.start_ns or 0) for mark in annotations]}
     return Run(
         pipeline.start_ns or 0,
         pipeline.trajectory,
@@ -113,6 +121,7 @@ def collected(pipeline: Pipeline, figures: dict[str, Any], report: SourceReport 
         report=report or SourceReport(),
         navigation=pipeline.navigation,
         series=pipeline.series,
+        annotations=annotations,
     )
 
 
@@ -151,7 +160,9 @@ def write(
     return [folder / name for name in _names(formats) if (folder / name).exists()]
 
 
-def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Callable[[], str]:
+def saving(
+    pipeline: Pipeline, report: SourceReport, folder: Path | None, annotations: tuple[Annotation, ...] = ()
+) -> Callable[[], str]:
     """Collect the results of a run that may go on. The function writes them, from any thread; it gives a sentence.
 
     OutputError, also from the function, if they cannot be saved.
@@ -160,7 +171,7 @@ def saving(pipeline: Pipeline, report: SourceReport, folder: Path | None) -> Cal
         raise OutputError("there is no folder to save to: start the program with --out DIR")
     if not pipeline.scans:
         raise OutputError("nothing was saved, as no scan has been used yet: wait for the first")
-    results = collected(pipeline, run_metrics(pipeline, report, with_truth=False), report)
+    results = collected(pipeline, run_metrics(pipeline, report, with_truth=False), report, annotations)
     truth, pyramid = pipeline.truth, pipeline.slam.map.copy()
 
     def save() -> str:

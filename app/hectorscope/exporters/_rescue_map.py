@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from hectorscope.run.annotations import Annotation, Kind
 from hectorscope.run.map_image import MapImage
 from slam_core.geometry import to_euler
 
@@ -16,6 +17,13 @@ FINE = 0.5  # m between the lines over explored ground
 UNEXPLORED = np.array([(226, 226, 227), (237, 237, 238)], np.uint8)  # a chequer of 1 m
 GRID, EXPLORED, WALL = (190, 190, 191), (255, 255, 255), (0, 40, 120)
 START, PATH, SCALE, TEXT = (255, 200, 0), (120, 0, 140), (0, 50, 140), (0, 44, 207)
+# As in the rules: victims solid red, hazards solid orange; the others are ours.
+MARKS: dict[Kind, tuple[int, int, int]] = {
+    "victim": (240, 10, 10),
+    "hazard": (255, 100, 30),
+    "door": (10, 110, 60),
+    "note": (90, 90, 100),
+}
 FREE, OCCUPIED = 1, 2  # classes of a MapImage
 
 
@@ -40,8 +48,16 @@ class Picture:
     place: Place
 
 
-def picture(maps: tuple[MapImage, ...], trajectory: NDArray[np.float64], name: str) -> Picture:
-    """The map, the path and the start of a run. maps, trajectory: as in a `Run`, at least one map and one pose."""
+def picture(
+    maps: tuple[MapImage, ...],
+    trajectory: NDArray[np.float64],
+    name: str,
+    annotations: tuple[Annotation, ...] = (),
+) -> Picture:
+    """The map, the path, the start and the marks of a run.
+
+    maps, trajectory: as in a `Run`, at least one map and one pose.
+    """
     level = next((level for level in maps if level.cells.size <= MOST), maps[-1])
     edge = round(MARGIN / level.resolution)
     cells = np.pad(level.cells[::-1], ((2 * edge, edge), (edge, edge)))
@@ -52,6 +68,8 @@ def picture(maps: tuple[MapImage, ...], trajectory: NDArray[np.float64], name: s
     path = place.pixels(trajectory[:, 1:3])
     draw.line([tuple(point) for point in _turns(path).tolist()], PATH, 1)
     _start(draw, path[0], to_euler(trajectory[0, 4:8])[2], 0.5 / level.resolution)
+    for mark in annotations:
+        _mark(draw, mark, place)
     _legend(draw, 1.0 / level.resolution, name)
     return Picture(np.asarray(image), place)
 
@@ -83,6 +101,14 @@ def _start(draw: ImageDraw.ImageDraw, at: NDArray[np.int64], yaw: float, size: f
     c, s = np.cos(yaw), np.sin(yaw)
     turned = corners @ np.array([[c, -s], [s, c]])  # rows of the picture run down
     draw.polygon([tuple(corner) for corner in (turned + at).tolist()], START)
+
+
+def _mark(draw: ImageDraw.ImageDraw, mark: Annotation, place: Place) -> None:
+    """A disc in the colour of its kind with its number."""
+    column, row = place.pixels(np.array([[mark.x, mark.y]]))[0].tolist()
+    radius = max(0.175 / place.resolution, 7.0)
+    draw.ellipse((column - radius, row - radius, column + radius, row + radius), MARKS[mark.kind])
+    draw.text((column, row), str(mark.number), EXPLORED, ImageFont.load_default(10), anchor="mm")
 
 
 def _legend(draw: ImageDraw.ImageDraw, metre: float, name: str) -> None:

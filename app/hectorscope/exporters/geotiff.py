@@ -115,7 +115,8 @@ def _located(run: Run, drawn: Picture) -> tuple[NDArray[np.float64], Keys]:
 def _write(run: Run, folder: Path) -> None:
     if not run.maps:
         return
-    drawn = picture(run.maps, run.trajectory, run.recording.name if run.recording else "Hectorscope")
+    name = run.recording.name if run.recording else "Hectorscope"
+    drawn = picture(run.maps, run.trajectory, name, run.annotations)
     A, keys = _located(run, drawn)
     content = io.BytesIO()
     tags = [*place_tags(A), *key_tags(keys)]

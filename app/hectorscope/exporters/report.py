@@ -64,6 +64,13 @@ def figures(run: Run) -> Iterator[tuple[str, str]]:
         yield "Map in the plane of the satellites", f"{place}, {where['from_east_deg']:.1f}° from east"
 
 
+def annotations(run: Run) -> Iterator[tuple[str, str]]:
+    """The marks that a person set, a row each."""
+    for mark in run.annotations:
+        where = f"x {mark.x:.2f} m, y {mark.y:.2f} m at {(mark.time_ns - run.start_ns) / 1e9:.1f} s"
+        yield f"Mark {mark.number}: {mark.kind}", f"{where} {mark.text}".rstrip()
+
+
 def truth(errors: Mapping[str, float]) -> Iterator[tuple[str, str]]:
     """The errors against a truth, where there is one."""
     if errors:
@@ -107,7 +114,7 @@ def page(run: Run) -> str:
         repaired=run.report.repaired,
         notes=run.metrics.get("notes", ()),
         marks=listed(marks(series, run.start_ns, run.settings, SourceReport()), run.start_ns)[:MOST_MARKS],
-        figures=list(figures(run)),
+        figures=[*figures(run), *annotations(run)],
         changed=changed(run),
         changes=[((change.time_ns - run.start_ns) / 1e9, change) for change in run.settings.changes],
         toml=to_toml(run.settings, run.report.sensors),

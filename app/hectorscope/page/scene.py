@@ -69,6 +69,7 @@ class Scene:
     floor: the node of the finest level's plane; it sinks when the robot goes below the height it started at.
     teacher: the key of the teacher's link, where the page is for a class.
     replay: makes the format of a shared replay, of notes and the name of the source, where there is one.
+    for_viewers: controls, by their uuids, that change nothing for anybody else: who only looks may use them too.
     failures: title of a view or panel that raised and was switched off -> reason.
     """
 
@@ -78,6 +79,7 @@ class Scene:
     layers: list[Layer] = field(default_factory=list)
     failures: dict[str, str] = field(default_factory=dict)
     teacher: str | None = None
+    for_viewers: set[str] = field(default_factory=set)
     replay: "Callable[[Sequence[Note], str], Exporter] | None" = None
     floor: viser.FrameHandle = field(init=False)
     _lock: threading.RLock = field(default_factory=threading.RLock)

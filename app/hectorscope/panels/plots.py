@@ -43,6 +43,7 @@ class PlotsPanel:
         ask = gui.add_button("Send the curves", visible=False)
         ask.on_click(self._begin)
         uuid = viser_private.uuid_of(ask)
+        scene.for_viewers.add(uuid)
         gui.add_html(f'<i class="hs-mark" data-hs-charts="{html.escape(charts_json())}" data-hs-ask="{uuid}"></i>')
 
     def _begin(self, event: GuiEvent[GuiButtonHandle]) -> None:

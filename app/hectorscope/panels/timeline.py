@@ -52,6 +52,7 @@ class TimelinePanel:
         with self._folder:
             self._wanted = gui.add_number("Go to, s", 0.0, min=0.0, max=LONGEST_S, visible=False)
             ask = gui.add_button("Send the timeline", visible=False)
+            scene.for_viewers.add(viser_private.uuid_of(ask))
             gui.add_html(container(viser_private.uuid_of(self._wanted), viser_private.uuid_of(ask)))
         self._wanted.on_update(self._go)
         ask.on_click(self._begin)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.inputs import SourceReport
+from hectorscope.run.annotations import Annotation
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.series import SERIES_FIELDS
 from hectorscope.run.settings import Settings
@@ -23,7 +24,7 @@ class Run:
     is known; empty without a map. metrics: plain values, as they will stand in metrics.json. levels: every cell of
     the same levels. report: of the source. navigation: (n, 11) the columns of the trajectory and the velocity in
     the map, a hundred times a second. series: (n, len(SERIES_FIELDS)), a row a result. recording: the file or
-    folder that was read, where it is known.
+    folder that was read, where it is known. annotations: marks that a person set.
     """
 
     start_ns: int
@@ -36,3 +37,4 @@ class Run:
     navigation: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 11)))
     series: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, len(SERIES_FIELDS))))
     recording: Path | None = None
+    annotations: tuple[Annotation, ...] = ()

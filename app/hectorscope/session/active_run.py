@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hectorscope.inputs import Item, Source
+from hectorscope.run.annotations import Annotations
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
@@ -30,6 +31,7 @@ class ActiveRun:
     number: no other run has it. slot: its number in the list of the session. revision: grows with each change of
     settings. pipeline: what is shown. head: runs ahead of it; None for a stream, and before `run_ahead`.
     checkpoints: of both.
+    annotations: marks that a person set.
     sought: whether it was said that the robot is not found in the map. folder: where it was saved.
     """
 
@@ -51,6 +53,7 @@ class ActiveRun:
         self.number, self.revision, self.slot = next(_numbers), 0, slot
         self.sought = False
         self.folder: Path | None = None
+        self.annotations = Annotations()
         self._ready: deque[Measurement] = deque()
         self._rework: Rework | None = None
         self._outdated = False

@@ -58,7 +58,7 @@ class Downloads:
             raise SlamError(
                 f"{', '.join(streams)} can only be made of a recording that is read again: leave it out"
             )
-        results = collected(pipeline, metrics(pipeline, report), report)
+        results = collected(pipeline, metrics(pipeline, report), report, run.annotations.marks)
         last_ns = pipeline.last_scan_ns or 0
         pyramid = pipeline.slam.map.copy()
         task = _Task(command.client, command.formats, source, results, pyramid, run.settings, last_ns)

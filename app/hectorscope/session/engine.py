@@ -49,7 +49,6 @@ class Engine:
     ahead_after: seconds from the first item of a recording until it is run to its end, in the time to spare,
     ahead of what is shown; None: never.
     look_back: seconds of a stream that are kept, to be shown again while the run goes on.
-    station: what is recorded of a stream, and its journal.
     A setting moved by hand acts from its time on, also when the run begins again. That is the next scan, or, while
     the run rests, the scan that is shown, which is processed again.
     What would take the map of a stream away is not done before a person agrees, and what was taken away can be
@@ -71,7 +70,6 @@ class Engine:
         checkpoints: int = BUDGET_MB,
         ahead_after: float | None = 0.0,
         look_back: float = LOOK_BACK_S,
-        station: Station | None = None,
     ) -> None:
         source = source or NoRecording()
         self._prepare: Callable[[Report], None] = lambda _: None
@@ -96,7 +94,7 @@ class Engine:
         self._beside = Beside(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
         self.offer(Library())
         self._is_ready = False
-        self._station = station or Station()
+        self.attach(Station())
 
     @property
     def mailbox(self) -> Mailbox[Snapshot]:
@@ -112,6 +110,11 @@ class Engine:
     def observe(self, observer: Observer) -> None:
         """Call it with every result of the run as it is now, on the engine's thread; before the start."""
         self._session.observe = observer
+
+    def attach(self, station: Station) -> None:
+        """Keep on the disk what it says; before the start."""
+        self._station = station
+        station.board(self._session)
 
     def start(self, prepare: Callable[[Report], None] | None = None) -> None:
         """Begin to read and to step.
@@ -156,7 +159,7 @@ class Engine:
     def _run(self) -> None:
         self._guard(partial(self._publish, resting=True))
         self._guard(self._get_ready)
-        self._guard(partial(self._station.begin, self._session, self._control))
+        self._guard(partial(self._station.begin, self._control))
         while not isinstance(command := self._next_command(), Quit):
             if command is None:
                 self._guard(self._advance)

@@ -6,14 +6,16 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from hectorscope.inputs import Item, Source, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
+from hectorscope.run.annotations import Annotations
 from hectorscope.run.checkpoints import Checkpoint, Place
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.session import journal_files
+from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.journal_files import Hold, JournalError, Position, Saved
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
@@ -21,6 +23,14 @@ from slam_core.localization.prior_map import PriorMap
 CHECKPOINT_S = 60.0
 BURST, BURST_S = 60, 10.0  # so many keyframes more are worth a checkpoint of their own, but not more often
 NOWHERE = Place(0, None)
+
+
+class Resumed(NamedTuple):
+    """A run that is gone on with. again: scans that were processed again for that."""
+
+    pipeline: Pipeline
+    again: int
+    annotations: Annotations
 
 
 class Journal:
@@ -51,8 +61,9 @@ class Journal:
         if isinstance(source, Tappable) and self._recorder is not None:
             source.tap(self._recorder)
 
-    def keep(self, pipeline: Pipeline, settings: Settings, last: Item, *, now: bool = False) -> None:
-        """Write a checkpoint beside the run if it is time; last: the item that the pipeline had last."""
+    def keep(self, run: ActiveRun, last: Item, *, now: bool = False) -> None:
+        """Write a checkpoint beside the run if it is time; last: the item that it had last."""
+        pipeline = run.pipeline
         if not pipeline.scans or (self._thread is not None and self._thread.is_alive()):
             return
         age, updates = time.monotonic() - self._kept_at, pipeline.slam.map.updates
@@ -61,7 +72,7 @@ class Journal:
             return
         self._kept_at, self._kept_updates = time.monotonic(), updates
         self._last = Checkpoint(pipeline, NOWHERE, self._last)
-        saved = Saved(self._last, settings, Position.of(last))
+        saved = Saved(self._last, run.settings, Position.of(last), run.annotations)
         self._thread = threading.Thread(target=self._write, args=(saved,), name="journal")
         self._thread.start()
 
@@ -85,8 +96,8 @@ class Journal:
         except OSError as error:
             self.warning = f"actions cannot be logged ({self.folder}: {error.strerror}): make room"
 
-    def resumed(self, settings: Settings, prior_map: PriorMap | None) -> tuple[Pipeline, int]:
-        """The run that ended badly, and the scans that were processed again: its checkpoint and what came then.
+    def resumed(self, settings: Settings, prior_map: PriorMap | None) -> "Resumed":
+        """The run that ended badly: its checkpoint and what came then.
 
         settings, prior_map: for a run without a checkpoint. JournalError if nothing can be read.
         """
@@ -122,8 +133,8 @@ def _mark_closed(folder: Path) -> None:
 
 def resumed(
     folder: Path, reopen: Callable[[Path], Source], settings: Settings, prior_map: PriorMap | None
-) -> tuple[Pipeline, int]:
-    """The pipeline as it was when a journal ended, and how many scans were processed again for that."""
+) -> Resumed:
+    """The run as it was when a journal ended."""
     try:
         saved = journal_files.read_checkpoint(folder)
     except JournalError:
@@ -132,17 +143,17 @@ def resumed(
         pipeline = saved.checkpoint.pipeline(saved.settings)
     else:
         pipeline = Pipeline(settings, None, prior_map, live=True)
-    scans = pipeline.scans
+    scans, marks = pipeline.scans, saved.annotations if saved else Annotations()
     try:
         source = reopen(folder)
     except SlamError as error:
         if saved is None:
             raise JournalError(f"{folder} holds nothing that could be gone on with ({error})") from error
-        return pipeline, 0
+        return Resumed(pipeline, 0, marks)
     try:
         for item in journal_files.behind(source.items(), saved.position if saved else None):
             for measurement in pipeline.admit(item):
                 pipeline.step(measurement)
     finally:
         source.close()
-    return pipeline, pipeline.scans - scans
+    return Resumed(pipeline, pipeline.scans - scans, marks)

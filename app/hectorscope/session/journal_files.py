@@ -20,6 +20,7 @@ from pathlib import Path
 from hectorscope.common.kernel_cache import fingerprint
 from hectorscope.common.paths import exists
 from hectorscope.inputs import Item
+from hectorscope.run.annotations import Annotations
 from hectorscope.run.checkpoints import Checkpoint
 from hectorscope.run.settings import Settings
 from slam_core.errors import SlamError
@@ -56,6 +57,7 @@ class Saved:
     checkpoint: Checkpoint
     settings: Settings
     position: Position
+    annotations: Annotations
 
 
 def journal_folder() -> Path | None:

@@ -40,12 +40,12 @@ class Saver:
     def _saving(self, run: ActiveRun, report: SourceReport) -> Callable[[], str]:
         if run.folder is None and self.out is not None:
             folder = self.out / f"run-{self._runs + 1}" if self._runs else self.out
-            write = saving(run.pipeline, report, folder)
+            write = saving(run.pipeline, report, folder, run.annotations.marks)
             if folder != self.out:
                 prepare(folder)
             self._runs, run.folder = self._runs + 1, folder
             return write
-        return saving(run.pipeline, report, run.folder)
+        return saving(run.pipeline, report, run.folder, run.annotations.marks)
 
     def _write(self, write: Callable[[], str]) -> None:
         try:

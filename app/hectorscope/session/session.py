@@ -21,7 +21,7 @@ from hectorscope.session.runs import first_difference
 from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
-from hectorscope.session.undo import Kept, KeptName, KeptRun, KeptValues, UndoStack
+from hectorscope.session.undo import Kept, KeptMarks, KeptName, KeptRun, KeptValues, UndoStack
 from hectorscope.steering import Drivable, DriveState
 from slam_core.localization.prior_map import PriorMap
 
@@ -208,6 +208,9 @@ class Session:
         what, before = kept
         if isinstance(before, KeptName):
             self.named.runs.put(before.run)
+        elif isinstance(before, KeptMarks):
+            before.run.annotations = before.annotations
+            self.log(f"Undone: {what}")
         elif isinstance(before, KeptRun):
             self.named.note()
             self.run.put_aside()

@@ -1,22 +1,40 @@
 """The operator's station beside the run of a stream: what is recorded, the journal, the log of actions."""
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hectorscope.inputs import Item, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
+from hectorscope.run.annotations import AnnotationError
 from hectorscope.session.commands import Command, Inspect
 from hectorscope.session.control import Control
 from hectorscope.session.journal import Journal
 from hectorscope.session.session import Session
-from hectorscope.session.station_commands import HandOver, Record, Resume, StationCommand
+from hectorscope.session.station_commands import (
+    EditMark,
+    HandOver,
+    PutMark,
+    Record,
+    RemoveMark,
+    Resume,
+    SetPose,
+    ShowReturn,
+    StationCommand,
+)
 from hectorscope.session.station_state import StationState
+from hectorscope.session.undo import KeptMarks
+from hectorscope.session.way_back import WayBack
 from slam_core.config import SlamConfig, leaves
 from slam_core.errors import SlamError
+from slam_core.results import PlanarGaussian
 
+POSE_SIGMAS = (0.3, 0.3, 0.2)  # m, m, rad: of a pose that a hand shows
 OFFERED_S = 600.0  # seconds that an earlier run is offered
 UNLOGGED = (Inspect,)  # a look changes nothing
 
@@ -35,10 +53,15 @@ class Station:
         self._folder, self._journal, self._resumes = record, journal, resume
         self._recorder = StreamRecorder(record) if record else None
         self._last: Item | None = None
+        self._way_back = WayBack()
 
-    def begin(self, session: Session, control: Control) -> None:
+    def board(self, session: Session) -> None:
+        """Belong to a session."""
+        self._session = session
+
+    def begin(self, control: Control) -> None:
         """The run is about to begin: listen to its source, and offer the run before it."""
-        self._session, self._control = session, control
+        session, self._control = self._session, control
         control.station = self
         if not session.source.live:
             return
@@ -66,15 +89,23 @@ class Station:
         """For the page."""
         records = None if self._folder is None else self._recorder is not None and not self._recorder.warning
         told = (self._journal.warning if self._journal else "",)
-        return StationState(records, self._recorder.written if self._recorder else 0, tuple(filter(None, told)))
+        run = self._session.run
+        return StationState(
+            annotations=run.annotations.marks,
+            way_back=self._way_back.path if self._way_back.shown else None,
+            records=records,
+            recorded=self._recorder.written if self._recorder else 0,
+            warnings=tuple(filter(None, told)),
+        )
 
     def keep(self) -> None:
         """Between two items: leave a checkpoint if it is time."""
         session = self._session
+        self._way_back.follow(session.newest.pipeline)
         if self._journal is None or session.past.front or not session.source.live:
             self._last = None
         elif self._last is not None and session.run.waiting is None:
-            self._journal.keep(session.run.pipeline, session.run.settings, self._last)
+            self._journal.keep(session.run, self._last)
 
     def admitted(self, item: Item) -> None:
         """The run has had this item."""
@@ -99,7 +130,7 @@ class Station:
             }
         )
         if self._last is not None and changed:
-            self._journal.keep(self._session.run.pipeline, self._session.run.settings, self._last, now=True)
+            self._journal.keep(self._session.run, self._last, now=True)
 
     def _seen(self) -> dict[str, Any]:
         session, transport = self._session, self._session.transport
@@ -109,6 +140,7 @@ class Station:
             "running": transport.running,
             "speed": transport.speed,
             "records": self.state.records,
+            "marks": [mark.told(0) for mark in session.run.annotations.marks],
             "question": self._control.questions.open is not None,
         }
 
@@ -122,8 +154,41 @@ class Station:
                     self._session.log(f"The operator at {address} is in control")
                 case Resume():
                     self._resume()
+                case PutMark() | EditMark() | RemoveMark():
+                    self._mark(command)
+                case SetPose():
+                    self._set_pose(command)
+                case ShowReturn(on):
+                    self._way_back.show(on)
         except SlamError as error:
             self._session.log(str(error), "warning", answer=True)
+
+    def _mark(self, command: PutMark | EditMark | RemoveMark) -> None:
+        run, before = self._session.run, self._session.run.annotations
+        result = run.pipeline.result
+        match command:
+            case PutMark(kind, x, y, text):
+                if result is None:
+                    raise AnnotationError("There is no map yet to set a mark in: wait for the first scan")
+                px, py, yaw = result.fused.mean.tolist()
+                run.annotations = before.put(kind, run.pipeline.time_ns, (x, y), (px, py, yaw), text)
+                what = f"mark {run.annotations.given}"
+            case EditMark(number, kind, text):
+                run.annotations, what = before.edited(number, kind, text), f"edited mark {number}"
+            case RemoveMark(number):
+                run.annotations, what = before.removed(number), f"removed mark {number}"
+        self._session.undone.push(what, KeptMarks(run, before))
+        self._session.log(f"{what[:1].upper()}{what[1:]}: {sentence(command)}")
+
+    def _set_pose(self, command: SetPose) -> None:
+        session = self._session
+        if not session.source.live or session.run.pipeline.result is None:
+            raise SlamError("The pose can be set of a stream only, once it has a map")
+        pose = np.array([command.x, command.y, command.yaw])
+        session.run.pipeline.slam.reset_pose(PlanarGaussian(pose, np.diag(np.square(POSE_SIGMAS))))
+        session.run.checkpoints.forget_from(0)  # what was kept would lead past it
+        degrees = math.degrees(command.yaw)
+        session.log(f"The pose was set to x {command.x:.2f} m, y {command.y:.2f} m, {degrees:.0f}°")
 
     def _record(self, on: bool) -> None:
         if self._folder is None:
@@ -151,8 +216,9 @@ class Station:
         if self._journal is None:
             raise SlamError("There is no journal: start the program without --journal off")
         session = self._session
-        pipeline, again = self._journal.resumed(session.run.settings, session.prior_map)
+        pipeline, again, marks = self._journal.resumed(session.run.settings, session.prior_map)
         session.adopt(pipeline, "going on with the run before")
+        session.run.annotations = marks
         self._journal.forget_past()
         session.log(
             f"Goes on with the map of {pipeline.scans} scans; {again} of them were processed again", answer=True
@@ -169,6 +235,13 @@ class Station:
 def values(config: SlamConfig) -> dict[str, Any]:
     """Every setting by its dotted name."""
     return {leaf.name: leaf.value for leaf in leaves(config)}
+
+
+def sentence(command: PutMark | EditMark | RemoveMark) -> str:
+    """What a mark is, for the log."""
+    if isinstance(command, RemoveMark):
+        return "it can be brought back for a minute"
+    return f"{command.kind} {command.text}".strip()
 
 
 def plain(value: Any) -> Any:

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from hectorscope.run.annotations import Annotations
 from hectorscope.run.settings import Setting
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.event_log import EventLog
@@ -48,7 +49,16 @@ class KeptName:
     scans: int = 0
 
 
-Kept = KeptRun | KeptValues | KeptName
+@dataclass(frozen=True, slots=True)
+class KeptMarks:
+    """Marks of a run before one was changed or removed."""
+
+    run: ActiveRun
+    annotations: Annotations
+    scans: int = 0
+
+
+Kept = KeptRun | KeptValues | KeptName | KeptMarks
 
 
 class UndoStack:

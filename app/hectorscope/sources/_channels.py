@@ -6,7 +6,8 @@ from typing import Any
 
 from hectorscope.inputs import Message, SourceError, SourceOptions
 from hectorscope.ros.decode import LONGEST_DEFINITION, BadDefinition, Decode, Generation, decoder
-from hectorscope.ros.roles import ROLE_TYPES, TF_TYPES, Roles, Topic, check_overrides, choose_roles
+from hectorscope.ros.foxglove_scan import SCHEMA, to_cdr
+from hectorscope.ros.roles import ROLE_TYPES, SCAN, TF_TYPES, Roles, Topic, check_overrides, choose_roles
 from hectorscope.sources._offers import Offer, Payload
 
 # Names and definitions end up in generated code, so nothing but names may pass.
@@ -58,8 +59,13 @@ class Channels:
         return self._decoders.get(channel)
 
     def message(self, payload: Payload) -> Message:
-        """What came over a channel that was asked for, with all that it takes to read it later."""
+        """What came over a channel that was asked for, with all that it takes to read it later.
+
+        A scan in JSON becomes the ROS message that it stands for; BadMessage if it is none.
+        """
         offer = self._prepared[payload.subscription]
+        if is_json_scan(offer):
+            return Message(offer.topic, "cdr", SCAN, "", "msg", payload.received_ns, to_cdr(payload.data))
         return Message(
             offer.topic,
             offer.encoding,
@@ -83,9 +89,10 @@ class Channels:
         """Make ready for the messages of a wanted channel; ChannelError if they cannot be decoded."""
         if len(offer.schema) > LONGEST_DEFINITION:
             raise ChannelError(f"its definition of {offer.schema_name} is too long to be one")
-        generation: Generation = "ros2" if offer.encoding == "cdr" else "ros1"
+        generation: Generation = "ros1" if offer.encoding == "ros1" else "ros2"
+        definition = "" if is_json_scan(offer) else offer.schema
         try:
-            decode = decoder(generation, message_type(offer), offer.schema, offer.form)
+            decode = decoder(generation, message_type(offer), definition, offer.form)
         except BadDefinition as reason:
             raise ChannelError(str(reason)) from reason
         except Exception as error:  # text from a stranger has many ways to be no definition
@@ -108,13 +115,25 @@ class Channels:
             return f"{self.roles.scan} was withdrawn: start the laser's driver again"
         return ""
 
+    @property
+    def offered(self) -> dict[str, str]:
+        """The message types by their topics."""
+        return {topic.name: topic.msgtype for topic in self._topics()}
+
     def _topics(self) -> list[Topic]:
         offers = list(self._offers.values())
         return [Topic(offer.topic, name) for offer in offers if (name := message_type(offer))]
 
 
+def is_json_scan(offer: Offer) -> bool:
+    """Whether its messages are scans of Foxglove's own schema."""
+    return offer.encoding == "json" and offer.schema_name == SCHEMA
+
+
 def message_type(offer: Offer) -> str:
     """The ROS 2 style name of a channel's messages; empty for what is no ROS message."""
+    if is_json_scan(offer):
+        return SCAN
     name = _TYPE_NAME.fullmatch(offer.schema_name)
     return f"{name[1]}/msg/{name[2]}" if name and offer.encoding in ("cdr", "ros1") else ""
 

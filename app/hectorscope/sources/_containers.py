@@ -56,7 +56,7 @@ def _open_folder(path: Path) -> Recording:
             return _indexed(path, "rosbag2 folder")
         except Exception as error:  # as in _open_file
             damage = _reason(error)
-    files = _files(path, ".mcap", ".db3")
+    files = [file for file in _files(path, ".mcap", ".db3") if not is_just_begun(file)]
     if not files:
         raise SourceError(f"{path} is no rosbag2 folder ({damage}, no .mcap or .db3 file): give a recording")
     if not exists(path / "metadata.yaml") and all(PART.fullmatch(file.name) for file in files):
@@ -86,6 +86,11 @@ def _files(folder: Path, *suffixes: str) -> list[Path]:
     """The files of a folder that end so, part 10 behind part 9."""
     found = [file for suffix in suffixes for file in folder.glob(f"*{suffix}")]
     return sorted(filter(Path.is_file, found), key=_natural)
+
+
+def is_just_begun(file: Path) -> bool:
+    """Whether it is a file of our own recorder into which nothing was written before it was killed."""
+    return PART.fullmatch(file.name) is not None and file.stat().st_size < len(_KINDS[".mcap"][1])
 
 
 def _check_metadata(path: Path) -> None:

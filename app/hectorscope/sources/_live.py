@@ -83,6 +83,12 @@ class LiveSource:
         """Hang up."""
         self._wire.close()
 
+    @property
+    def offered(self) -> dict[str, str]:
+        """The message types of the robot's topics."""
+        with self._lock:
+            return self._channels.offered
+
     def tap(self, tap: Tap) -> None:
         """Let it hear the static transforms so far, and from now on every message that is used."""
         with self._lock:
@@ -118,9 +124,10 @@ class LiveSource:
             self._converter.skip(self.name, "message of a channel that was not asked for")
             return []
         topic, msgtype, decode = known
-        self._taps.hear(self._channels.message(payload))
         try:
-            return self._converter.convert(topic, msgtype, decode(payload.data), payload.received_ns)
+            message = self._channels.message(payload)
+            self._taps.hear(message)
+            return self._converter.convert(topic, msgtype, decode(message.data), payload.received_ns)
         except BadMessage as reason:
             self._converter.skip(topic, str(reason))
             return []

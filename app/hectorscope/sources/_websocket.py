@@ -1,5 +1,6 @@
 """A connection to a WebSocket server that is made again whenever it is lost."""
 
+import re
 import socket
 import ssl
 import threading
@@ -19,7 +20,7 @@ from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
 from hectorscope.common.terminal import silent_logger
-from hectorscope.inputs import SourceError
+from hectorscope.inputs import LinkOptions, SourceError
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.25, 5.0
 CONNECT_TIMEOUT_S = 5.0
@@ -42,6 +43,7 @@ class Peer:
     subprotocols: Sequence[Subprotocol] = ()
 
 
+HEADER = re.compile(r"[A-Za-z0-9!#$%&'*+.^_`|~-]+")
 _FAILURES = (OSError, WebSocketException, UnicodeError)
 # Errors with their remedies; the first kind that fits is reported.
 _REMEDIES: tuple[tuple[type[Exception], str], ...] = (
@@ -52,7 +54,7 @@ _REMEDIES: tuple[tuple[type[Exception], str], ...] = (
     (TimeoutError, "{uri} does not answer: check that the host is up and the port is open"),
     (
         ssl.SSLCertVerificationError,
-        "the certificate of {uri} is not trusted ({error.verify_message}): name its issuer in SSL_CERT_FILE",
+        "the certificate of {uri} is not trusted ({error.verify_message}): name its issuer by --ca",
     ),
     (ssl.SSLError, "{uri} does not speak TLS: give {peer.addresses[0]}"),
     (InvalidStatus, "{uri} answers with HTTP status {error.response.status_code}: it must be {peer.what}"),
@@ -72,17 +74,21 @@ class Link:
     status: why nothing flows right now; empty while connected.
     """
 
-    def __init__(self, uri: str, peer: Peer, patience: float | None = None) -> None:
+    def __init__(
+        self, uri: str, peer: Peer, patience: float | None = None, options: LinkOptions | None = None
+    ) -> None:
         """Try once: SourceError if waiting would not help, as with a wrong address or another protocol.
 
         patience: seconds of silence after which an empty frame is handed out, for who has something to ask again.
         """
         self.uri, self._peer, self._patience = uri, peer, patience
+        self._options = options or LinkOptions()
+        check_options(uri, self._options)
         self.status = ""
         self._closed = threading.Event()
         self._connection: ClientConnection | None = None
         try:
-            self._connection = _connect(uri, peer)
+            self._connection = _connect(uri, peer, self._options)
         except _FAILURES as error:
             if _is_final(error):
                 raise SourceError(self._explain(error)) from error
@@ -102,7 +108,7 @@ class Link:
 
     def _reconnect(self, waited: float) -> ClientConnection | None:
         try:
-            self._connection = _connect(self.uri, self._peer)
+            self._connection = _connect(self.uri, self._peer, self._options)
         except _FAILURES as error:
             self.status = self._explain(error)
             return None
@@ -143,7 +149,21 @@ class Link:
             self._connection.close()
 
 
-def _connect(uri: str, peer: Peer) -> ClientConnection:
+def check_options(uri: str, options: LinkOptions) -> None:
+    """SourceError for a certificate that is none, or headers that could not be sent."""
+    if options.ca:
+        try:
+            ssl.create_default_context(cafile=options.ca)
+        except (OSError, ssl.SSLError) as error:
+            raise SourceError(
+                f"--ca {options.ca} cannot be read as a certificate ({error.strerror or error}): give a PEM file"
+            ) from error
+    for name, value in options.headers:
+        if not HEADER.fullmatch(name) or not value.isascii() or not value.isprintable():
+            raise SourceError(f"--header {name!r} cannot be sent to {uri}: give NAME=VALUE in plain letters")
+
+
+def _connect(uri: str, peer: Peer, options: LinkOptions) -> ClientConnection:
     scheme, _, rest = uri.partition("://")
     schemes = [form.partition("://")[0] for form in peer.addresses]
     place = f"{('ws', 'wss')[schemes.index(scheme)]}://{rest}" if scheme in schemes else uri
@@ -153,6 +173,8 @@ def _connect(uri: str, peer: Peer) -> ClientConnection:
         raise InvalidURI(uri, str(error)) from error
     connection = connect(
         place,
+        ssl=ssl.create_default_context(cafile=options.ca) if options.ca and place.startswith("wss://") else None,
+        additional_headers=options.headers,
         subprotocols=peer.subprotocols or None,
         compression=None,  # a robot's processor has better things to do
         proxy=None,  # a robot is a neighbour, not a web site

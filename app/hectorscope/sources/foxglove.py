@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from hectorscope.inputs import SourceOptions
+from hectorscope.inputs import LinkOptions, SourceOptions
 from hectorscope.sources import stream
 from hectorscope.sources._foxglove_wire import SUBPROTOCOLS, parse, subscribe
 from hectorscope.sources._live import LiveSource
@@ -21,8 +21,8 @@ PEER = Peer(
 class FoxgloveWire:
     """The frames of the protocol, over a connection that is made again whenever it is lost."""
 
-    def __init__(self, uri: str) -> None:
-        self._link = Link(uri, PEER)
+    def __init__(self, uri: str, options: LinkOptions | None = None) -> None:
+        self._link = Link(uri, PEER, options=options)
 
     @property
     def status(self) -> str:
@@ -43,7 +43,7 @@ class FoxgloveWire:
 
 
 def _open(uri: str, options: SourceOptions) -> LiveSource:
-    return LiveSource(uri, options, FoxgloveWire(uri))
+    return LiveSource(uri, options, FoxgloveWire(uri, options.link))
 
 
 SOURCE = stream(_open, *ADDRESSES)

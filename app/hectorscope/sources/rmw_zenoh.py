@@ -20,6 +20,7 @@ ADDRESS = re.compile(
     r"zenoh://(?P<host>[A-Za-z0-9.\-]+|\[[0-9A-Fa-f:.]+\])(:(?P<port>\d{1,5}))?(/(?P<domain>\d+)?)?"
 )
 PORT = 7447
+SCOUT_S = 1.0  # for the answers of routers
 PAUSE_S = 1.0  # between two attempts to reach the router
 LOOK_S = 0.2
 MOST_WAITING = 20_000  # events; beyond, the router is held up, and drops what is not reliable
@@ -146,6 +147,22 @@ def offer(number: int, found: Publication) -> Event:
     if definition is None:
         return Malformed(f"{found.topic}: its {found.msgtype} is that of no ROS 2 that is known")
     return Offer(number, found.topic, "cdr", found.msgtype, definition)
+
+
+def scouted(seconds: float = SCOUT_S) -> list[str]:
+    """The addresses of routers that answer Zenoh's discovery; none without the library."""
+    try:
+        import zenoh  # noqa: PLC0415 - of the extra of that name
+    except ImportError:
+        return []
+    try:
+        with zenoh.scout(what="router") as scout:
+            time.sleep(seconds)
+            heard = list(iter(scout.try_recv, None))
+    except Exception:  # no network, or one that forbids it: nothing answers
+        return []
+    places = [place for hello in heard for place in hello.locators if place.startswith("tcp/")]
+    return sorted({f"zenoh://{place.removeprefix('tcp/')}" for place in places if "[" not in place})
 
 
 def _open(uri: str, options: SourceOptions) -> LiveSource:

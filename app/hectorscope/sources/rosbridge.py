@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterator, Sequence
 
-from hectorscope.inputs import SourceOptions
+from hectorscope.inputs import LinkOptions, SourceOptions
 from hectorscope.sources import stream
 from hectorscope.sources._live import LiveSource
 from hectorscope.sources._offers import Event, Offer
@@ -22,8 +22,8 @@ AGAIN_S = 2.0  # topics are asked for this often: the protocol does not tell of 
 class RosbridgeWire:
     """The frames of the protocol, over a connection that is made again whenever it is lost."""
 
-    def __init__(self, uri: str) -> None:
-        self._link = Link(uri, PEER, patience=AGAIN_S)
+    def __init__(self, uri: str, options: LinkOptions | None = None) -> None:
+        self._link = Link(uri, PEER, patience=AGAIN_S, options=options)
         self._conversation = Conversation()
 
     @property
@@ -58,7 +58,7 @@ class RosbridgeWire:
 
 
 def _open(uri: str, options: SourceOptions) -> LiveSource:
-    return LiveSource(uri, options, RosbridgeWire(uri))
+    return LiveSource(uri, options, RosbridgeWire(uri, options.link))
 
 
 SOURCE = stream(_open, *ADDRESSES)

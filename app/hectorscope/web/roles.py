@@ -1,6 +1,6 @@
 """Who may act: the browsers with the operator's token, and of these only one at a time where there are viewers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,20 +20,24 @@ class Roles:
     """Belongs to the server's event loop. one_operator: a browser acts only while it has control.
 
     handed_over: hears the address of each browser that gets control. Without one that has it, the next operator
-    that acts gets it.
+    that acts gets it. open: the controls that who only looks may use too.
     """
 
     def __init__(self, *, one_operator: bool = False, handed_over: Callable[[str], None] = lambda _: None) -> None:
         self.one_operator, self._handed_over = one_operator, handed_over
         self.in_control: Browser | None = None
+        self.open: Container[str] = ()
 
     def passes(self, browser: Browser, message: Any) -> bool:
         """Whether a message of a browser goes on to the checks of its values; all else is refused.
 
-        A camera is each browser's own. What the page says about itself is taken here.
+        A camera is each browser's own, and so is what an open control does. What the page says about itself is
+        taken here.
         """
         match message:
             case {"type": "ViewerCameraMessage"}:
+                return browser.role is not None
+            case {"type": "GuiUpdateMessage", "uuid": str(uuid)} if uuid in self.open:
                 return browser.role is not None
             case {"type": "HectorscopePage", "page": float(page)} if 0.0 <= page <= 1.0:
                 browser.page = page

@@ -109,6 +109,7 @@ class PageServer:
         with viser_private.icons_at_hand():
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.scene)
+        self.roles.open = self.scene.for_viewers
         beats = (Heartbeat(self.scene), InControl(self.scene, self.roles))
         self._renderer = Renderer(self.scene, self.driver.mailbox, [*views, *panels, *beats])
         self._renderer.start()

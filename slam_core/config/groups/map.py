@@ -98,6 +98,10 @@ class MapConfig:
     ] = 3.0
     log_odds_min: Annotated[float, Param("Lower bound of a cell's log-odds.", "", -50.0, -0.5)] = -50.0
     log_odds_max: Annotated[float, Param("Upper bound of a cell's log-odds.", "", 0.5, 50.0)] = 50.0
+    update: Annotated[
+        bool,
+        Param("Write scans into the map (off: the map stays as it is, and the pose is still followed in it)."),
+    ] = True
     update_distance: Annotated[
         float,
         Param(

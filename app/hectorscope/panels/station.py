@@ -1,0 +1,121 @@
+"""The operator's station: marks, the pose by hand, the way back, mapping and recording (static/station.js)."""
+
+import json
+from time import monotonic
+from typing import Any
+
+from viser import Icon
+
+from hectorscope.page.scene import Scene
+from hectorscope.panels import _request, _workspace
+from hectorscope.run.annotations import KINDS, LONGEST, MOST
+from hectorscope.session.commands import Command, Configure
+from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.station_commands import EditMark, PutMark, Record, RemoveMark, SetPose, ShowReturn
+
+FARTHEST = 1e6  # metres from the map's start
+TURN = 7.0  # rad
+REPEAT_S = 1.0  # so that a page that has just been opened hears it too
+MOST_NUMBERS = 1 << 31
+
+
+class StationPanel:
+    """The page draws it all; it is told what is new, and again each second."""
+
+    title = "Station"
+    order = 61
+    rate = 5.0
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._sent: tuple[str, float] = "", 0.0
+        with _workspace.tab(scene, self.title, Icon.MAP_PIN):
+            scene.server.gui.add_html(FORM)
+        _request.listen(scene, "station", lambda _, asked: scene.send(command(asked)))
+
+    def draw(self, snapshot: Snapshot) -> None:
+        """Tell every page."""
+        script, now = script_of(snapshot), monotonic()
+        if script != self._sent[0] or now - self._sent[1] >= REPEAT_S:
+            self._sent = script, now
+            self._scene.run(script)
+
+
+def command(asked: dict[str, Any]) -> Command:
+    """What a page asks for; BadRequest for what no script of ours sends."""
+    match asked:
+        case {"mark": [kind, x, y, words]}:
+            x, y = (_request.number(each, -FARTHEST, FARTHEST) for each in (x, y))
+            return PutMark(_kind(kind), x, y, _words(words))
+        case {"edit": [number, kind, words]}:
+            return EditMark(_request.whole(number, 0, MOST_NUMBERS), _kind(kind), _words(words))
+        case {"remove": number}:
+            return RemoveMark(_request.whole(number, 0, MOST_NUMBERS))
+        case {"pose": [x, y, yaw]}:
+            x, y = (_request.number(each, -FARTHEST, FARTHEST) for each in (x, y))
+            return SetPose(x, y, _request.number(yaw, -TURN, TURN))
+    return _switch(asked)
+
+
+def _switch(asked: dict[str, Any]) -> Command:
+    match asked:
+        case {"way": bool(on)}:
+            return ShowReturn(on)
+        case {"record": bool(on)}:
+            return Record(on)
+        case {"mapping": bool(on)}:
+            return Configure("map.update", on)
+    raise _request.BadRequest
+
+
+def _kind(word: Any) -> str:
+    if word not in KINDS:
+        raise _request.BadRequest
+    return str(word)
+
+
+def _words(words: Any) -> str:
+    if not isinstance(words, str):
+        raise _request.BadRequest
+    return words[:LONGEST]
+
+
+def script_of(snapshot: Snapshot) -> str:
+    """The call in the page; text that somebody wrote stays text."""
+    station, result = snapshot.station, snapshot.result
+    way = station.way_back
+    told = {
+        "live": snapshot.playback.live,
+        "marks": [[m.number, m.kind, m.x, m.y, m.text] for m in station.annotations[:MOST]],
+        "way": None if way is None else way.round(2).tolist(),
+        "records": station.records,
+        "recorded": round(station.recorded / 1e6, 1),
+        "mapping": snapshot.config.map.update,
+        "lost": result is not None and result.tracking == "lost",
+    }
+    return f"window.hectorscope?.station?.({json.dumps(told)})"
+
+
+def _button(act: str, label: str, hint: str) -> str:
+    return f'<button type="button" class="hs-wide" data-hs-station="{act}" title="{hint}">{label}</button>'
+
+
+FORM = (
+    '<p class="hs-scope" title="Every page shows the same.">Shared by every browser</p><div class="hs-own">'
+    '<label class="hs-own-row"><span>Mark</span><select aria-label="Kind of the mark" data-hs-station-kind>'
+    + "".join(f'<option value="{kind}">{kind}</option>' for kind in KINDS)
+    + f'</select><input type="text" maxlength="{LONGEST}" data-hs-station-text aria-label="Text of the mark"'
+    ' placeholder="text, if any"></label>'
+    + _button("mark", "Set the mark by a click", "Then click its place in the map. Escape gives up.")
+    + '<ol class="hs-station-marks" data-hs-station-marks></ol>'
+    + _button("way", "Show the way back", "A short way to the start over free cells, as the robot drives.")
+    + _button("pose", "Set the pose by a drag", "Press where the robot is, drag to where it looks. Streams only.")
+    + _button("mapping", "Pause mapping", "The map stays as it is, and the pose is still followed in it.")
+    + _button("record", "Record the stream", "Every message of the stream, in the folder of --record.")
+    + '<p class="hs-station-recorded" data-hs-station-recorded></p></div>'
+    '<p class="hs-scope" title="Kept in this browser.">This browser only</p><div class="hs-own">'
+    '<label class="hs-own-box"><input type="checkbox" data-hs-station="sound">Sound while tracking is lost</label>'
+    "</div>"
+)
+
+PANEL = StationPanel

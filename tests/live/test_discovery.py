@@ -1,0 +1,118 @@
+"""Robots that are looked for, and scans in Foxglove's own schema, against the real server."""
+
+import json
+import math
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import foxglove
+import numpy as np
+import pytest
+from foxglove import Channel, Context, Schema
+
+from hectorscope.cli.discovery import Found, look, told
+from hectorscope.inputs import SourceError
+from hectorscope.ros.foxglove_scan import to_cdr
+from hectorscope.ros.messages import BadMessage
+from hectorscope.ros.stream_recorder import StreamRecorder
+from slam_core.measurements import LaserScan
+from tests.live.conftest import Replay
+from tests.live.measurements import TOPICS, opened, plain
+
+SCAN = {
+    "timestamp": {"sec": 5, "nsec": 250_000_000},
+    "frame_id": "laser",
+    "pose": {"position": {"x": 0, "y": 0, "z": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}},
+    "start_angle": -1.0,
+    "end_angle": 1.0,
+    "ranges": [1.0, 2.0, None, 4.0, 5.0],
+    "intensities": [],
+}
+
+
+@pytest.fixture
+def json_robot() -> Iterator[tuple[str, Channel]]:
+    """A server with one channel of foxglove.LaserScan in JSON."""
+    context = Context()
+    schema = Schema(name="foxglove.LaserScan", encoding="jsonschema", data=b'{"type": "object"}')
+    channel = Channel("/scan", schema=schema, message_encoding="json", context=context)
+    server = foxglove.start_server(host="127.0.0.1", port=0, context=context)
+    yield f"ws://127.0.0.1:{server.port}", channel
+    server.stop()
+
+
+def test_a_scan_in_json_is_a_scan(json_robot: tuple[str, Channel], tmp_path: Path) -> None:
+    """With its angles, its stamp, and no distance where there is null; its recording gives the same."""
+    uri, channel = json_robot
+    recorder = StreamRecorder(tmp_path)
+    with opened(uri) as source:
+        source.tap(recorder)  # type: ignore[attr-defined]
+        items = source.items()
+        import threading  # noqa: PLC0415
+
+        def say() -> None:
+            while not channel.has_sinks():
+                threading.Event().wait(0.01)
+            channel.log(json.dumps({**SCAN, "pose": {"position": {"x": 1.0}}}).encode())
+            channel.log(json.dumps(SCAN).encode())
+
+        threading.Thread(target=say).start()
+        scan = next(item for item in items if isinstance(item, LaserScan))
+        assert any("pose of its own" in reason for reason in source.report.skipped)
+    recorder.close()
+    assert scan.stamp_ns == 5_250_000_000
+    assert np.array_equal(scan.ranges, np.array([1.0, 2.0, math.nan, 4.0, 5.0], np.float32), equal_nan=True)
+    with opened(tmp_path) as source:
+        (again,) = (item for item in source.items() if isinstance(item, LaserScan))
+    assert plain(again) == plain(scan)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"[]",
+        b"{}",
+        json.dumps({**SCAN, "ranges": "many"}).encode(),
+        json.dumps({**SCAN, "ranges": []}).encode(),
+        json.dumps({**SCAN, "ranges": [[1.0]]}).encode(),
+        json.dumps({**SCAN, "start_angle": None}).encode(),
+        json.dumps({**SCAN, "timestamp": {"sec": "now", "nsec": 0}}).encode(),
+        json.dumps({**SCAN, "timestamp": {"sec": 2**80, "nsec": 0}}).encode(),
+        json.dumps({**SCAN, "pose": 7}).encode(),
+        b"[" * 100_000,
+    ],
+)
+def test_json_that_is_no_scan_is_skipped(data: bytes) -> None:
+    """Whatever a stranger sends: a counted message, and no other error."""
+    with pytest.raises(BadMessage):
+        to_cdr(data)
+
+
+def test_robots_are_found_with_their_scans(drive: Path, replay: Callable[..., Replay]) -> None:
+    """A bridge that answers is listed with its laser; what does not listen, and what is no bridge, is not."""
+    bridge = replay(drive, *TOPICS).uri
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        nobody = f"ws://127.0.0.1:{silent.getsockname()[1]}"
+    found = look((bridge, nobody))
+    assert found == [Found(bridge, 5, ("/scan",))]
+    assert f"hectorscope live {bridge}" in told(found)
+    assert "scans on /scan" in told(found)
+
+
+def test_without_a_robot_the_remedy_is_told() -> None:
+    """In one line, with the places that were looked at."""
+    with pytest.raises(SourceError, match=r"8765.*start its bridge, or give its ADDRESS"):
+        told([])
+
+
+def test_the_command_without_an_address_looks() -> None:
+    """It ends with a list, or with the exit code of a mistake where nothing answers."""
+    command = [sys.executable, "-m", "hectorscope.cli.main", "live"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode in (0, 2)
+    assert "Traceback" not in result.stderr
+    assert ("no robot was found" in result.stderr) == (result.returncode == 2)
