@@ -4,17 +4,20 @@ import logging
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from hectorscope.panels import _xray_words as words
 from hectorscope.panels._xray_shown import Shown
 from hectorscope.panels._xray_wanted import Wanted
-from hectorscope.panels._xray_work import Workshop
 from hectorscope.run.settings import Settings
-from hectorscope.run.xray.specimen import specimen_of
-from hectorscope.session.rework import Rework
 from slam_core.config import SlamConfig
 from slam_core.measurements import Float64s
 from slam_core.results import StepResult
+
+if TYPE_CHECKING:
+    from hectorscope.panels._xray_work import Workshop
+    from hectorscope.session.rework import Rework
+
+# The core is imported once somebody looks: the page is served before.
 
 log = logging.getLogger(__name__)
 
@@ -25,13 +28,16 @@ MOST = 64  # browsers that look inside at a time
 class Subject:
     """The scan at which a run rests, and the run before it."""
 
-    rework: Rework
+    rework: "Rework"
     result: StepResult
     config: SlamConfig
     settings: Settings
 
-    def workshop(self) -> Workshop | None:
+    def workshop(self) -> "Workshop | None":
         """Where it is worked on; None for a scan that was matched to nothing."""
+        from hectorscope.panels._xray_work import Workshop  # noqa: PLC0415
+        from hectorscope.run.xray.specimen import specimen_of  # noqa: PLC0415
+
         specimen = specimen_of(self.rework.before(self.settings), self.result, self.config)
         return Workshop(specimen) if specimen else None
 
@@ -108,6 +114,8 @@ class Bench:
 
     def _work(self, wanted: Wanted, start: Float64s | None) -> Iterator[Shown]:
         """Runs on the thread, from the first `next` on."""
+        from hectorscope.panels import _xray_words as words  # noqa: PLC0415
+
         subject = self._subject
         if subject is not self._open:
             self._shop, self._open = subject.workshop() if subject else None, subject

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from hectorscope.panels import _request
-from hectorscope.run.xray.landscape import Plane
+from hectorscope.run.xray import Plane
 
 Lab = Literal["steps", "landscape", "lens", "covariance"]
 Show = Literal["heat", "surface", "basin"]

@@ -22,7 +22,7 @@ class XrayPanel:
     """Each browser looks at what it wants of the scan that all are shown. The work has a thread of its own."""
 
     title = "X-ray"
-    order = 46
+    order = 49
     rate = 10.0
 
     def __init__(self, scene: Scene) -> None:

@@ -5,7 +5,7 @@ Immutable values. The arrays are views of append-only buffers: safe to keep, nev
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,13 @@ from hectorscope.run.map_image import MapImage
 from hectorscope.run.readings import View
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Mode, Settings
-from hectorscope.session.rework import Rework
 from hectorscope.session.station_state import StationState
 from hectorscope.steering import DriveState
 from slam_core.config import SlamConfig
 from slam_core.results import StepResult
+
+if TYPE_CHECKING:  # numba comes with it, and the page is served before
+    from hectorscope.session.rework import Rework
 
 PlaybackState = Literal["empty", "loading", "playing", "paused", "seeking", "ended", "waiting", "failed"]
 
@@ -208,4 +210,4 @@ class Snapshot:
     downloads: Mapping[int, Download] = field(default_factory=dict)
     station: StationState = field(default_factory=StationState)
     drive: DriveState | None = None
-    rework: Rework | None = None
+    rework: "Rework | None" = None

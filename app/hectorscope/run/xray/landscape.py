@@ -2,16 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hectorscope.run.xray import Plane
 from hectorscope.run.xray.specimen import Specimen, apart
 from slam_core.matching.landscape import costs
 from slam_core.measurements import Float64s
 
-Plane = Literal["xy", "xyaw"]
 SIDE = 61  # poses along each axis; odd: the middle is the matched pose
 YAW_SPAN = 0.5  # radians to each side, in the plane of x and yaw
 STRIDES = (12, 6, 3, 1)  # of the basin: each pass halves the distance between starts
