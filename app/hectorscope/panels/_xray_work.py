@@ -88,7 +88,7 @@ def _step_marks(found: tuple[Iteration, ...], k: int) -> list[Mark]:
             marks.append(line("axis", level, np.array([at - arm, at + arm]), f"λ{'₁₂'[1 - j]}"))
     for kind, vector, name in (("force", now.b[:2], "b"), ("step", now.step[:2], "Δξ")):
         size = float(np.hypot(*vector))
-        if size > 0.0:
+        if size > 0.0 and k < len(found) - 1:  # at the end both are what rounding leaves
             marks.append(line(kind, level, np.array([at, at + 0.7 * REACH * vector / size]), name))
     return marks
 

@@ -1,6 +1,7 @@
 """Inside the matcher, for the scan at which a run rests: a card in each browser that asks (static/xray.js)."""
 
 import json
+import threading
 from functools import partial
 from typing import Any
 
@@ -28,6 +29,7 @@ class XrayPanel:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._bench = Bench(self._show)
+        self._lock = threading.Lock()  # nothing is drawn for a browser that has just left
         self._scenes: dict[int, ClientScene] = {}
         self._looked_at: tuple[Any, ...] = ()
         with _workspace.tab(scene, "Live", Icon.GAUGE):
@@ -58,20 +60,22 @@ class XrayPanel:
                 self._leave(client)
 
     def _leave(self, client: int) -> None:
-        self._bench.leave(client)
-        scene = self._scenes.pop(client, None)
-        if scene is not None and client in self._scene.server.get_clients():
-            scene.clear()
+        with self._lock:
+            self._bench.leave(client)
+            scene = self._scenes.pop(client, None)
+            if scene is not None and client in self._scene.server.get_clients():
+                scene.clear()
 
     def _show(self, client: int, shown: Shown) -> None:
         """On the thread of the bench."""
-        handle = self._scene.server.get_clients().get(client)
-        if handle is None or client not in self._bench.viewers:
-            return
-        if client not in self._scenes:
-            self._scenes[client] = ClientScene(handle, partial(self._bench.start_at, client))
-        self._scenes[client].draw(shown)
-        self._scene.run(script_of(shown), handle)
+        with self._lock:
+            handle = self._scene.server.get_clients().get(client)
+            if handle is None or client not in self._bench.viewers:
+                return
+            if client not in self._scenes:
+                self._scenes[client] = ClientScene(handle, partial(self._bench.start_at, client))
+            self._scenes[client].draw(shown)
+            self._scene.run(script_of(shown), handle)
 
 
 def subject_of(snapshot: Snapshot) -> Subject | None:
