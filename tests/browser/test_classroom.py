@@ -12,6 +12,7 @@ from tests.scene import choose_own
 
 pytestmark = pytest.mark.browser
 BAR = ".hs-class"
+NOTICE = ".mantine-Notification-closeButton"  # of software graphics; it may lie over the bar
 FROM_ABOVE = "hectorscope.cameraState().top"
 
 
@@ -65,6 +66,7 @@ def test_who_explores_keeps_the_own_view(server: PageServer, open_page: Open):
     expect(student.locator(BAR)).to_contain_text("On your own")
     has(student, layout="one")
     choose_own(teacher, layout="stacked")
+    student.add_locator_handler(student.locator(NOTICE).first, lambda notice: notice.click())
     student.locator(f"{BAR} button").click()
     has(student, layout="stacked")
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, ViewportSize, expect
 
 from hectorscope.cli.opening import demos
 from hectorscope.inputs import Source, SourceOptions
@@ -20,7 +20,7 @@ from hectorscope.web.server import PageServer
 from tests.browser.conftest import Open
 from tests.conftest import ROOT
 from tests.engines import until
-from tests.scene import PROJECT
+from tests.scene import PROJECT, look
 
 pytestmark = pytest.mark.browser
 LESSONS = lessons_in(ROOT / "static" / "lessons")
@@ -32,6 +32,7 @@ DRAWN = "!!hectorscope.levels().places.length && !!__viserMutable.nodeRefFromNam
 NOTICE = ".mantine-Notification-closeButton"  # of software graphics; it may lie over the card
 SIGMA = "Scale of the match covariance, σ"
 PATIENCE_S = 180.0
+SIZE: ViewportSize = {"width": 1280, "height": 800}  # room for the card beside the robot
 
 
 class School:
@@ -84,7 +85,8 @@ def setting(page: Page, label: str) -> Any:
 
 
 def behind_the_robot(page: Page, school: School) -> None:
-    """A click where no beam ends."""
+    """A click where no beam ends, with the robot in the middle of the scene."""
+    look(page, "follow")
     latest = school.engine.mailbox.latest
     assert latest is not None and latest.result is not None
     x, y, yaw = latest.result.planar
@@ -130,7 +132,7 @@ def test_there_are_eight_lessons_and_each_is_walked_here():
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.key)
 def test_a_lesson_from_start_to_end(school: School, open_page: Open, lesson: Lesson):
     """Opened by its key, it sets up its scene, is not done before its task is, and judges the answers."""
-    page = open_page(school.server.url, LOADED)
+    page = open_page(school.server.url, LOADED, SIZE)
     page.add_locator_handler(page.locator(NOTICE).first, lambda notice: notice.click())
     page.keyboard.press("e")
     page.get_by_role("button", name=lesson.title).click()
