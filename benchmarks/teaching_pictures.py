@@ -27,7 +27,7 @@ from hectorscope.web.server import PageServer
 from tests.conftest import ROOT, chromium_path
 from tests.engines import until
 
-LOADED = "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-facts]') && hectorscope.settled()"
+LOADED = "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-facts]') && hectorscope.linked()"
 DRAWN = "!!hectorscope.levels().places.length && !!__viserMutable.nodeRefFromName['/robot']"
 PATIENCE_MS, PATIENCE_S = 180_000, 180.0
 COLOURS = 64  # of a picture in the documents

@@ -15,7 +15,7 @@
   const [words, button] = bar.children;
 
   // The key is in the part of the address that no server is sent; it is kept as long as the tab is open.
-  const given = new URLSearchParams(location.hash.slice(1)).get("teach");
+  const given = new URLSearchParams((window.hectorscope.asked ?? location.hash).slice(1)).get("teach");
   let key = given;
   try {
     if (given) sessionStorage.setItem(TEACHER, given);
@@ -33,7 +33,7 @@
   let said = "";
   function teach() {
     const now = window.__viserMutable?.cameraControl && window.hectorscope.cameraNow?.();
-    if (!now || !window.hectorscope.settled?.()) return;
+    if (!now) return;
     const view = { camera: [mode(now), ...now.pose], ...Object.fromEntries(SHARED.map((name) => [name, own.get(name)])) };
     // Until the server has it: the first word may go to a connection that viser gives up.
     const text = JSON.stringify(view);

@@ -49,9 +49,9 @@
   }
 
   let [asking, due] = [0, 0];
-  function follow() {
-    const text = location.hash.slice(1).split("&").filter((part) => !part.startsWith("v=")).join("&");
-    const wanted = new URLSearchParams(location.hash.slice(1));
+  function follow(hash) {
+    const text = hash.slice(1).split("&").filter((part) => !part.startsWith("v=")).join("&");
+    const wanted = new URLSearchParams(hash.slice(1));
     if (!wanted.has("r")) return;
     history.replaceState(null, "", location.pathname + location.search);
     cameraOf(wanted.get("v"));
@@ -65,9 +65,9 @@
     }, LOOK);
   }
 
-  follow();
+  follow(window.hectorscope.asked ?? location.hash);
   addEventListener("hashchange", () => {
-    follow();
+    follow(location.hash);
     window.hectorscope.restoreCamera?.();
   });
   Object.assign(window.hectorscope, { link: copy, followed: () => clearInterval(asking) });

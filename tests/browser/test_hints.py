@@ -15,7 +15,7 @@ pytestmark = pytest.mark.browser
 # Elements of ours with a digit in their own text, outside of what is prose, a name or a control.
 BARE = r"""(() => {
   const prose = '.hs-log-list, .hs-find, .hs-differs, .hs-tip, .hs-fault, .hs-empty, .hs-message, '
-    + '.hs-names, .hs-keys, .hs-own-box, button, select, style, svg';
+    + '.hs-names, .hs-keys, .hs-xray-legend, .hs-own-box, button, select, style, svg';
   const own = (e) => [...e.childNodes].filter((n) => n.nodeType === 3).map((n) => n.textContent).join('');
   const ours = [...document.querySelectorAll('[class^="hs-"], [class^="hs-"] *')].filter((e) => !e.closest(prose));
   const figures = ours.filter((e) => e.matches('.hs-figure, .hs-state, .hs-link') || /\d/.test(own(e)));

@@ -26,7 +26,7 @@ pytestmark = pytest.mark.browser
 LESSONS = lessons_in(ROOT / "static" / "lessons")
 LOADED = (
     "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-request=lesson]')"
-    " && hectorscope.settled()"
+    " && hectorscope.linked()"
 )
 DRAWN = "!!hectorscope.levels().places.length && !!__viserMutable.nodeRefFromName['/robot']"
 NOTICE = ".mantine-Notification-closeButton"  # of software graphics; it may lie over the card
@@ -39,7 +39,7 @@ class School:
     """A server with the recordings that come with the program, and none open."""
 
     def __init__(self) -> None:
-        self.engine = Engine(None, runs_ahead=False)
+        self.engine = Engine(None, ahead_after=None)
         self.engine.offer(Library(self._open, demos=demos()))
         self.server = PageServer(self.engine, port=0)
         self.server.start()

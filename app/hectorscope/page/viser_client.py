@@ -34,8 +34,10 @@ UNLIT = (
     b"background:!1,background_blurriness:0,background_intensity:1,background_wxyz:[1,0,0,0],environment_intensity:1,"
     b"environment_wxyz:[1,0,0,0]}"
 )
+# viser takes the part behind "#" from the address, and may come before the scripts that look for it.
 START = (
     '<link rel="stylesheet" href="{style}"><link rel="modulepreload" href="{script}"><script>'
+    "window.hectorscope={{asked:location.hash}};"
     'WebAssembly.compileStreaming(fetch("{decoder}")).then((made)=>{{'
     'globalThis.__viserZstdWasm=made;return import("./{script}")}})</script>'
 )
