@@ -80,8 +80,15 @@
     const rows = now.rows !== run.rows;
     run = now;
     if (rows) window.hectorscope.plotted?.().show(now.rows);
-    const there = wanted !== null && now.state !== "seeking" && Math.abs(now.at - wanted) < 0.3;
-    if (wanted !== null && !dragging && (there || (now.state !== "seeking" && performance.now() - wantedAt > HOLD))) wanted = null;
+    place();
+  }
+
+  // The head goes with the run again once that is where a hand wanted it. A run at rest says so only once: it is looked for.
+  function arrive() {
+    const since = performance.now() - wantedAt;
+    if (wanted === null || dragging || run.state === "seeking" || since < TICK) return;
+    if (Math.abs(run.at - wanted) >= 0.3 && since < HOLD) return;
+    wanted = null;
     place();
   }
 
@@ -246,6 +253,7 @@
     if (!document.hidden) draw();
   }
   setInterval(mount, TICK);
+  setInterval(arrive, TICK);
   own.listen((name) => ["strip", "theme", "present"].includes(name) && requestAnimationFrame(draw));
   new ResizeObserver(() => requestAnimationFrame(draw)).observe(track);
 

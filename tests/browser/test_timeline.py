@@ -213,6 +213,7 @@ def test_a_stream_is_scrubbed_while_it_goes_on(robot: tuple[Robot, str], open_pa
     page.mouse.down()
     page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 30, steps=5)
     page.mouse.up()
+    page.wait_for_function(f"{STATE}.wanted === null")
     there = made.until(lambda now: now.playback.state == "paused" and (now.playback.lag or 0.0) > 2.0)
     expect(page.locator(".hs-detail")).to_contain_text("behind by")
     on = made.drive_on(9.5)
