@@ -22,11 +22,10 @@ from tests.conftest import ROOT
 from tests.engines import until
 from tests.scene import PROJECT, look
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSONS = lessons_in(ROOT / "static" / "lessons")
 LOADED = (
-    "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-request=lesson]')"
-    " && hectorscope.linked()"
+    "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-request=lesson]') && hectorscope.linked()"
 )
 DRAWN = "!!hectorscope.levels().places.length && !!__viserMutable.nodeRefFromName['/robot']"
 NOTICE = ".mantine-Notification-closeButton"  # of software graphics; it may lie over the card

@@ -3,9 +3,13 @@
 from dataclasses import replace
 from statistics import median
 
+import pytest
+
 from benchmarks.outage import ALONE, laser_fails, satellites_fail
 from hectorscope.simulation import SceneOptions
 from slam_core.config import with_value
+
+pytestmark = pytest.mark.slow
 
 FEW_BEAMS = SceneOptions(seed=2, beams=361, scan_rate=20.0)
 SEEDS = (2, 3, 4)

@@ -20,6 +20,8 @@ from hectorscope.sweep.sweep import sweep
 from hectorscope.sweep.table import Table, read
 from tests.sweeps import PATIENCE_S, recording, specs_of, timeless
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("distributed")
 SIGMAS = tuple(round(0.1 + 0.05 * k, 2) for k in range(8))
 LOCAL = "127.0.0.1"

@@ -12,6 +12,8 @@ from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, with_value
 from slam_core.kernels.bilinear import UNKNOWN
 
+pytestmark = pytest.mark.slow
+
 SWAYING = SceneOptions(scan_rate=5.0, beams=541, sway=15.0, sway_frequency=1.2, imu=False, duration=30.0)
 
 
