@@ -154,8 +154,10 @@ def test_what_nobody_hears_is_not_made(drive: Path) -> None:
 
 
 def test_a_bus_that_fails_is_told_once_and_the_run_goes_on(drive: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """The run ends as without it."""
-    published(drive, Full())
+    """The run ends as without it, and others hear everything."""
+    heard = Heard()
+    published(drive, Full(), heard)
+    assert heard.of(POSE)
     assert [record.message for record in caplog.records] == [
         "the results of a scan were not published: the buffer is full"
     ]

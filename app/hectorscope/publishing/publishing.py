@@ -1,11 +1,12 @@
 """Publishes the results of a live run, as the scans come."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from hectorscope.inputs import Framed, Source
 from hectorscope.publishing import Bus
-from hectorscope.results.topics import ResultTopics, base
+from hectorscope.results.topics import Message, ResultTopics, base
 from hectorscope.run.pipeline import Pipeline
 from slam_core import geometry
 from slam_core.measurements import Transform
@@ -30,11 +31,20 @@ class Publishing:
         if pipeline is not self._run:  # the first run, or a new one
             self._run = pipeline
             self._topics = ResultTopics(MAP_NS, MOST_POSES, self._below, self._wants)
-        try:
-            for message in self._topics.of(pipeline, result):
-                for bus in self._buses:
+        messages: list[Message] = []
+        with self._told():
+            messages = list(self._topics.of(pipeline, result))
+        for bus in self._buses:
+            with self._told():
+                for message in messages:
                     bus.publish(message)
-        except Exception as error:  # the run goes on, whatever becomes of those who listen
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """The run goes on, whatever becomes of those who listen."""
+        try:
+            yield
+        except Exception as error:
             if not self._has_failed:
                 _logger.warning("the results of a scan were not published: %s", error)
             self._has_failed = True

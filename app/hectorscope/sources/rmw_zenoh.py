@@ -1,7 +1,5 @@
 """A robot's live topics by Zenoh, as ROS 2 with rmw_zenoh speaks it, through the robot's router."""
 
-import json
-import re
 import time
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -10,16 +8,22 @@ from typing import Any
 
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.ros.decode import definition_of
+from hectorscope.ros.rmw_zenoh import (
+    ALL_TOKENS,
+    FORM,
+    NO_HASH,
+    PORT,
+    Publication,
+    client_config,
+    publication,
+    router,
+    sent_ns,
+)
 from hectorscope.sources import stream
 from hectorscope.sources._live import LiveSource
 from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
-from hectorscope.sources._zenoh_keys import ALL_TOKENS, NO_HASH, Publication, publication, sent_ns
 
-FORM = "zenoh://HOST:PORT/DOMAIN"
-ADDRESS = re.compile(
-    r"zenoh://(?P<host>[A-Za-z0-9.\-]+|\[[0-9A-Fa-f:.]+\])(:(?P<port>\d{1,5}))?(/(?P<domain>\d+)?)?"
-)
-PORT = 7447
+TIMEOUT_MS = 1000  # of one attempt
 SCOUT_S = 1.0  # for the answers of routers
 PAUSE_S = 1.0  # between two attempts to reach the router
 LOOK_S = 0.2
@@ -31,7 +35,7 @@ class ZenohWire:
 
     def __init__(self, uri: str) -> None:
         """SourceError for an address of another form, or without the library."""
-        found = ADDRESS.fullmatch(uri)
+        found = router(uri)
         if found is None:
             raise SourceError(f"{uri} is no address of this kind: give {FORM}, such as zenoh://robot:{PORT}/0")
         try:
@@ -39,8 +43,7 @@ class ZenohWire:
         except ImportError as error:
             raise SourceError(f"{uri} needs eclipse-zenoh: install hectorscope[zenoh]") from error
         self._zenoh: Any = zenoh
-        self._uri, self._domain = uri, int(found["domain"] or 0)
-        self._endpoint = f"tcp/{found['host']}:{int(found['port'] or PORT)}"
+        self._uri, self._router = uri, found
         self._events: Queue[Event] = Queue(MOST_WAITING)
         self._numbers: dict[str, int] = {}  # of the key of a topic in a type
         self._publications: dict[int, Publication] = {}
@@ -60,31 +63,18 @@ class ZenohWire:
         """One, which outlives the loss of its router."""
         while not self._is_closed and self._session is None:
             try:
-                self._session = self._zenoh.open(self._config())
+                self._session = self._zenoh.open(client_config(self._zenoh, self._router.endpoint, TIMEOUT_MS))
             except self._zenoh.ZError:
                 time.sleep(PAUSE_S)
         if self._session is None:
             return
         try:
-            tokens = ALL_TOKENS.format(domain=self._domain)
+            tokens = ALL_TOKENS.format(domain=self._router.domain)
             self._session.liveliness().declare_subscriber(tokens, self._announced, history=True)
             yield self._batches(self._session)
         finally:  # an open session would keep the program from ending
             self._is_closed = True
             self._session.close()
-
-    def _config(self) -> Any:
-        """A client of this router alone: nothing is looked for on the network."""
-        config = self._zenoh.Config()
-        options = {
-            "mode": "client",
-            "connect/endpoints": [self._endpoint],
-            "connect/timeout_ms": 1000,
-            "scouting/multicast/enabled": False,
-        }
-        for key, value in options.items():
-            config.insert_json5(key, json.dumps(value))
-        return config
 
     def _batches(self, session: Any) -> Iterator[Sequence[Event]]:
         while not self._is_closed:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hectorscope.ros.decode import definition_of
-from hectorscope.sources._zenoh_keys import Publication, publication, sent_ns
+from hectorscope.ros.rmw_zenoh import Publication, announced, attachment, publication, sent_ns, token_of
 
 HEAD = "@ros2_lv/7/aac3178e146ba6f1/0/10/MP/%/%robot/talker"
 HASH = "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"
@@ -53,3 +53,17 @@ def test_a_type_is_found_by_its_hash() -> None:
     assert "float32[] ranges" in definition
     assert definition_of("sensor_msgs/msg/LaserScan", "RIHS01_0") is None
     assert definition_of("some_msgs/msg/Other", "RIHS01_0") == ""
+
+
+@pytest.mark.parametrize("is_latched", [False, True])
+def test_what_we_announce_is_read_back(is_latched: bool) -> None:
+    """A token says the same to others as it does to us."""
+    ours = announced(7, "/robot/map", "nav_msgs/msg/OccupancyGrid", HASH, is_latched=is_latched)
+    assert publication(token_of(ours, "aac3178e146ba6f1", 10, "hectorscope", 1)) == ours
+
+
+def test_what_we_attach_is_read_back() -> None:
+    """The time of a message; with the identity of its publisher it takes 33 bytes."""
+    attached = attachment(3, 12345, bytes(16))
+    assert sent_ns(attached) == 12345
+    assert len(attached) == 33
