@@ -14,7 +14,7 @@
   const DEFAULTS = {
     theme: "dark", layout: "stacked", gap: 0.5, level: 0, layers: {}, present: false, panels: true,
     plots: innerWidth < 900 ? "off" : "below", pages: ["Covariance", "Error against truth"], curves: [], window: 30, height: 220, strip: "Mean residual",
-    sheet: "half", camera: null,
+    sheet: "half", camera: null, sound: false,
   };
   const RANGES = { gap: [0.05, 2], level: [0, 31], window: [1, 1e9], height: [120, 2000] };
   const OWN = "[data-hs-own]";

@@ -39,7 +39,18 @@
     return point.z < 1 ? [((point.x + 1) / 2) * canvas.clientWidth, ((1 - point.y) / 2) * canvas.clientHeight] : null;
   }
 
+  // A click goes to whoever took clicks last, and has not given them back; to those who listen if nobody has.
   const heard = [];
+  const takers = new Map(); // by name, in the order of taking
+  function take(name, call) {
+    takers.set(name, call);
+    document.documentElement.classList.add("hs-aiming");
+  }
+  function release(name) {
+    takers.delete(name);
+    document.documentElement.classList.toggle("hs-aiming", takers.size > 0);
+  }
+
   let from = null;
   document.addEventListener("pointerdown", (event) => {
     from = event.target === page()?.canvas && event.button === 0 ? [event.clientX, event.clientY] : null;
@@ -47,7 +58,7 @@
   document.addEventListener("pointerup", (event) => {
     const still = from && Math.hypot(event.clientX - from[0], event.clientY - from[1]) <= STILL;
     from = null;
-    if (still) heard.forEach((call) => call(event));
+    if (still) (takers.size ? [...takers.values()].slice(-1) : heard).forEach((call) => call(event));
   }, true);
 
   // Marks over the scene, drawn anew with each picture of it.
@@ -70,5 +81,5 @@
     if (marks.innerHTML !== drawn) marks.innerHTML = drawn;
   });
 
-  Object.assign(window.hectorscope, { pick: { places, reach, project, mark, line, listen: (call) => heard.push(call) } });
+  Object.assign(window.hectorscope, { pick: { places, reach, project, mark, line, take, release, listen: (call) => heard.push(call) } });
 })();

@@ -61,8 +61,7 @@
   addEventListener("resize", place);
   new MutationObserver(() => requestAnimationFrame(place)).observe(document.documentElement, { attributeFilter: ["data-hs-panels", "data-hs-plots"] });
   pick.listen(({ clientX, clientY }) => {
-    const takes = document.documentElement.classList.contains("hs-measuring") || hectorscope.xray?.takesClicks();
-    if (!takes) hectorscope.request("look", { at: pick.places(clientX, clientY), reach: pick.reach(clientX, clientY) });
+    hectorscope.request("look", { at: pick.places(clientX, clientY), reach: pick.reach(clientX, clientY) });
   });
 
   Object.assign(hectorscope, { closer: { show, ahead } });

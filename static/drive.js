@@ -96,19 +96,26 @@
     const open = doors.map((isOpen, door) => button(`${isOpen ? "Close" : "Open"} door ${door + 1}`, "", () => ask({ door, open: !isOpen })));
     const boxed = boxes.flatMap((there, box) => [
       button(`Box ${box + 1} ahead`, "Put it in front of the robot", () => ask({ box, at: "ahead" })),
-      button(placing === box ? "Click the map" : "Place", `Box ${box + 1}: then click where`, () => { placing = placing === box ? null : box; told.text = ""; }),
+      button(placing === box ? "Click the map" : "Place", `Box ${box + 1}: then click where`, () => place(placing === box ? null : box)),
       ...(there ? [button("Take away", `Box ${box + 1}`, () => ask({ box, at: null }))] : []),
     ]);
     things.replaceChildren(...open, ...boxed);
   }
 
-  window.addEventListener("pointerup", (event) => {
-    if (placing === null || event.target !== window.__viserMutable?.canvas) return;
-    const [at] = window.hectorscope.pick.places(event.clientX, event.clientY);
-    if (at) ask({ box: placing, at: at.slice(1) });
-    placing = null;
+  const { pick } = window.hectorscope;
+  function place(box) {
+    placing = box;
     told.text = "";
-  }, true);
+    if (box === null) pick.release("box");
+    else pick.take("box", ({ clientX, clientY }) => {
+      const [at] = pick.places(clientX, clientY);
+      if (at) ask({ box, at: at.slice(1) });
+      place(null);
+    });
+  }
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && placing !== null) place(null);
+  });
 
   // ------------------------------------------------------------------------------------------------- errors
 

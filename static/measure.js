@@ -20,7 +20,8 @@
 
   function set(next) {
     points = next;
-    document.documentElement.classList.toggle("hs-measuring", points !== null);
+    if (points === null) pick.release("measure");
+    else pick.take("measure", clicked);
     pick.mark("measure", points?.length ? drawn : null);
     hint.hidden = points === null;
     hint.textContent = HINTS[points?.length ?? 0];
@@ -28,13 +29,13 @@
     if (home && hint.parentElement !== home) home.append(hint);
   }
 
-  pick.listen(({ clientX, clientY }) => {
-    const [place] = points === null ? [] : pick.places(clientX, clientY);
+  function clicked({ clientX, clientY }) {
+    const [place] = pick.places(clientX, clientY);
     if (place) set(points.length === 1 ? [...points, place] : [place]);
-  });
+  }
   document.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && points !== null) set(null);
   });
 
-  Object.assign(window.hectorscope, { measure: { toggle: () => set(points === null ? [] : null), active: () => points !== null, points: () => points } });
+  Object.assign(window.hectorscope, { measure: { toggle: () => set(points === null ? [] : null), points: () => points } });
 })();

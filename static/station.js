@@ -44,7 +44,7 @@
 
 // The tab of the station: marks, the pose by hand, the way back, mapping, recording, and a sound while tracking is lost.
 (() => {
-  const { pick, request } = window.hectorscope;
+  const { own, pick, request } = window.hectorscope;
   const SYMBOLS = { victim: "V", hazard: "!", door: "D", note: "N" };
   const HINTS = { mark: "Click the place of the mark. Escape gives up.", pose: "Press where the robot is, and drag to where it looks. Escape gives up." };
   const BEEP = 1500; // milliseconds from one to the next
@@ -52,7 +52,8 @@
 
   let now = { marks: [], way: null, records: null, mapping: true, lost: false };
   let doing = null; // "mark" or "pose"
-  let drag = null; // [from, to]
+  let drag = null; // [from, to] of one pointer
+  let pointer = 0;
   const find = (name) => document.querySelector(`[data-hs-station${name}]`);
   const hint = Object.assign(document.createElement("p"), { className: "hs-measure-hint", hidden: true });
   hint.setAttribute("role", "status");
@@ -62,7 +63,8 @@
     drag = null;
     hint.hidden = doing === null;
     hint.textContent = HINTS[doing] ?? "";
-    document.documentElement.classList.toggle("hs-measuring", doing !== null);
+    if (doing === null) pick.release("station");
+    else pick.take("station", doing === "mark" ? mark : () => {});
     const home = window.__viserMutable?.canvas?.parentElement;
     if (home && hint.parentElement !== home) home.append(hint);
     label();
@@ -87,19 +89,19 @@
   }
   pick.mark("station", drawn);
 
-  pick.listen(({ clientX, clientY }) => {
-    const [place] = doing === "mark" ? pick.places(clientX, clientY) : [];
-    if (!place) return;
-    request("station", { mark: [find("-kind").value, place[1], place[2], find("-text").value] });
+  function mark({ clientX, clientY }) {
+    const [at] = pick.places(clientX, clientY);
+    if (!at) return;
+    request("station", { mark: [find("-kind").value, at[1], at[2], find("-text").value] });
     find("-text").value = "";
     begin("mark");
-  });
+  }
 
   // While the pose is set the camera must not turn: its listeners are on the canvas, and hear nothing then.
-  const grabbed = (event) => doing === "pose" && event.target === window.__viserMutable?.canvas;
+  const grabbed = (event) => doing === "pose" && event.isPrimary && !event.button && event.target === window.__viserMutable?.canvas;
   const place = (event) => pick.places(event.clientX, event.clientY)[0];
   function move(event) {
-    if (!drag) return;
+    if (!drag || event.pointerId !== pointer) return;
     event.stopPropagation();
     const to = place(event);
     if (to) drag[1] = to;
@@ -109,16 +111,17 @@
     const from = grabbed(event) && place(event);
     if (!from) return;
     event.stopPropagation();
-    drag = [from, from];
+    [drag, pointer] = [[from, from], event.pointerId];
   }, true);
   document.addEventListener("pointermove", move, true);
   document.addEventListener("pointerup", (event) => {
-    if (!drag) return;
+    if (!drag || event.pointerId !== pointer) return;
     move(event);
     const [[, ax, ay], [, bx, by]] = drag;
     if (Math.hypot(bx - ax, by - ay) > 0.05) request("station", { pose: [ax, ay, Math.atan2(by - ay, bx - ax)] });
     begin("pose");
   }, true);
+  document.addEventListener("pointercancel", () => drag && begin("pose"), true);
   document.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && doing) begin(doing);
   });
@@ -131,7 +134,6 @@
     way: () => request("station", { way: !now.way }),
     mapping: () => request("station", { mapping: !now.mapping }),
     record: () => request("station", { record: !now.records }),
-    sound: () => allow(),
   };
   document.addEventListener("click", (event) => acts[event.target.closest?.("[data-hs-station]")?.dataset.hsStation]?.());
 
@@ -147,8 +149,6 @@
     }
     const told = find("-recorded");
     if (told) told.textContent = now.records === null ? "" : `${now.recorded} MB recorded`;
-    const box = document.querySelector("input[data-hs-station=sound]");
-    if (box) box.checked = loud();
   }
 
   let listed = "";
@@ -172,14 +172,13 @@
 
   // ------------------------------------------------------------------------------------------------ the sound
 
-  const KEY = "hectorscope-sound";
   let audio = null;
-  const loud = () => localStorage.getItem(KEY) === "on";
-  function allow() {
-    localStorage.setItem(KEY, document.querySelector("input[data-hs-station=sound]")?.checked ? "on" : "off");
+  const loud = () => own.get("sound");
+  own.listen((name) => {
+    if (name !== "sound" || !loud()) return;
     wake();
-    if (loud()) beep();
-  }
+    beep();
+  });
   function wake() { // browsers let a page sound only once somebody has touched it
     if (!loud()) return;
     audio ??= new AudioContext();

@@ -73,6 +73,7 @@
 
   function want(name, value) {
     wanted[name] = value;
+    if (name === "lab") claim();
     dress();
     ask();
   }
@@ -90,10 +91,17 @@
     dress();
   }
 
+  // The lens is moved by clicks.
+  function claim() {
+    if (open && wanted.lab === "lens") pick.take("lens", aim);
+    else pick.release("lens");
+  }
+
   function toggle(to = !open) {
     open = to;
     card.hidden = !open;
     document.documentElement.classList.toggle("hs-looking-inside", open);
+    claim();
     if (open) {
       place();
       dress();
@@ -196,14 +204,12 @@
     pick.mark("xray", () => drawn(told.marks));
   }
 
-  pick.listen(({ clientX, clientY }) => {
-    if (!takesClicks() || hectorscope.measure.active()) return;
+  function aim({ clientX, clientY }) {
     const [at] = pick.places(clientX, clientY);
     if (at) want("at", at);
-  });
-  const takesClicks = () => open && wanted.lab === "lens";
+  }
   addEventListener("resize", () => open && place());
   new MutationObserver(() => open && requestAnimationFrame(place)).observe(document.documentElement, { attributeFilter: ["data-hs-panels", "data-hs-plots", "data-hs-sheet"] });
 
-  Object.assign(hectorscope, { xray: { show, toggle, takesClicks, want } });
+  Object.assign(hectorscope, { xray: { show, toggle, want } });
 })();

@@ -111,7 +111,7 @@ def test_it_sounds_while_tracking_is_lost_where_that_is_allowed(show: Show, open
     """In a browser that switched the sound on, and not in another one."""
     show.engine.show(live())
     loud, quiet = above(open_page(show.url)), open_page(show.url)
-    loud.locator("input[data-hs-station=sound]").check()
+    loud.locator("input[data-hs-own=sound]").check()
     before = loud.evaluate("window.hectorscope.beeps()")
     assert before == 1  # so that one hears what it is
     show.engine.show(lost())

@@ -21,4 +21,6 @@ def published(addresses: Sequence[str], source: Source | None) -> Iterator[Obser
         for address in addresses:
             buses.append(open_bus(address))
             opened.callback(buses[-1].close)
-        yield Publishing(buses, source).add
+        publishing = Publishing(buses, source)
+        opened.callback(publishing.close)
+        yield publishing.add

@@ -44,6 +44,11 @@ def uuid_of(control: Any) -> str:
     return uuid
 
 
+def keep_to_server(control: Any) -> None:
+    """What one browser gives the control is not sent to the others, as viser does by itself."""
+    control._impl.sync_cb = None
+
+
 def run_script(client: viser.ClientHandle, source: str) -> None:
     """Run JavaScript in one browser, now; nothing stays behind in the buffer that joiners are replayed."""
     try:

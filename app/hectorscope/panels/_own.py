@@ -60,7 +60,7 @@ def tools() -> str:
         (
             button("Open a recording · O", "recordings", "data-hs-do=recordings"),
             button("Lessons · E", "lessons", "data-hs-do=lessons"),
-            button("Copy a link to this view · L", "link", "data-hs-do=link"),
+            button("Copy a link to this view · C", "link", "data-hs-do=link"),
             button("Plots · G", "plots", 'data-hs-own="plots" data-hs-value=\'"off"\' data-hs-inverse'),
             button("Panels · H", "panels", 'data-hs-own="panels"'),
             button("Light theme · T", "theme", 'data-hs-own="theme" data-hs-value=\'"light"\''),

@@ -15,14 +15,20 @@ class BadRequest(ValueError):
     """A value that no script of ours sends."""
 
 
-def listen(scene: Scene, name: str, heard: Callable[[int, dict[str, Any]], None]) -> None:
-    """A hidden field for requests; static/requests.js finds it by its name.
+def listen(
+    scene: Scene, name: str, heard: Callable[[int, dict[str, Any]], None], *, for_viewers: bool = False
+) -> None:
+    """A hidden field for requests; static/requests.js finds it by its name. No other browser is told of them.
 
     heard: gets the number of the browser and what it asks for; BadRequest drops it. The callback is a coroutine,
     as these run in order, before another browser can write into the same field.
+    for_viewers: what is asked for changes nothing for anybody else.
     """
     gui = scene.server.gui
     field = gui.add_text(name, "", visible=False)
+    viser_private.keep_to_server(field)
+    if for_viewers:
+        scene.for_viewers.add(viser_private.uuid_of(field))
     gui.add_html(
         f'<i class="hs-mark" data-hs-request="{name}" data-hs-field="{viser_private.uuid_of(field)}"></i>'
     )
@@ -34,7 +40,7 @@ def listen(scene: Scene, name: str, heard: Callable[[int, dict[str, Any]], None]
             request = json.loads(event.target.value)
             if isinstance(request, dict):
                 heard(event.client_id, request)
-        except (ValueError, RecursionError):  # BadRequest is one
+        except (ValueError, OverflowError, RecursionError):  # BadRequest is a ValueError
             return
 
     field.on_update(asked)
@@ -52,6 +58,13 @@ def whole(value: Any, low: int, high: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise BadRequest
     return min(max(value, low), high)
+
+
+def words(value: Any, longest: int) -> str:
+    """A text without blanks around it, cut at `longest` characters; what is no character becomes a "?"."""
+    if not isinstance(value, str):
+        raise BadRequest
+    return value.strip()[:longest].encode("utf-8", "replace").decode()
 
 
 def items(value: Any, most: int) -> list[Any]:

@@ -27,7 +27,7 @@ class CloserPanel:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._sent: dict[int, str] = {}
-        _request.listen(scene, "look", self._look)
+        _request.listen(scene, "look", self._look, for_viewers=True)
 
     def _look(self, client: int, asked: dict[str, Any]) -> None:
         wanted = command(client, asked)
@@ -38,8 +38,8 @@ class CloserPanel:
     def draw(self, snapshot: Snapshot) -> None:
         """Send each browser what changed of its card."""
         clients = self._scene.server.get_clients()
-        for client in [client for client in self._sent if client not in snapshot.views]:
-            del self._sent[client]
+        for client in [client for client in list(self._sent) if client not in snapshot.views]:
+            self._sent.pop(client, None)  # a browser may ask meanwhile, on another thread
             if client in clients:
                 self._scene.run(CLOSED, clients[client])
         for client, view in snapshot.views.items():

@@ -51,7 +51,7 @@ class ExportPanel:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Send the archives that are new. The formats need numba: they are listed once the run has brought it."""
-        if not self._form.content:
+        if not self._form.content and snapshot.scans:
             self._form.content = form_html(self._scene.replay is not None)
         self._source = snapshot.source
         clients = self._scene.server.get_clients()
@@ -77,9 +77,10 @@ class ExportPanel:
 
 
 def _note(seconds: Any = None, words: Any = None) -> Note:
-    if not isinstance(words, str) or not words.strip():
+    said = _request.words(words, LONGEST)
+    if not said:
         raise _request.BadRequest
-    return Note(_request.number(seconds, 0.0, LAST_S), words.strip()[:LONGEST])
+    return Note(_request.number(seconds, 0.0, LAST_S), said)
 
 
 def form_html(replay: bool) -> str:

@@ -46,9 +46,9 @@ def command(asked: dict[str, Any]) -> Command:
     match asked:
         case {"mark": [kind, x, y, words]}:
             x, y = (_request.number(each, -FARTHEST, FARTHEST) for each in (x, y))
-            return PutMark(_kind(kind), x, y, _words(words))
+            return PutMark(_kind(kind), x, y, _request.words(words, LONGEST))
         case {"edit": [number, kind, words]}:
-            return EditMark(_request.whole(number, 0, MOST_NUMBERS), _kind(kind), _words(words))
+            return EditMark(_request.whole(number, 0, MOST_NUMBERS), _kind(kind), _request.words(words, LONGEST))
         case {"remove": number}:
             return RemoveMark(_request.whole(number, 0, MOST_NUMBERS))
         case {"pose": [x, y, yaw]}:
@@ -72,12 +72,6 @@ def _kind(word: Any) -> str:
     if word not in KINDS:
         raise _request.BadRequest
     return str(word)
-
-
-def _words(words: Any) -> str:
-    if not isinstance(words, str):
-        raise _request.BadRequest
-    return words[:LONGEST]
 
 
 def script_of(snapshot: Snapshot) -> str:
@@ -114,7 +108,7 @@ FORM = (
     + _button("record", "Record the stream", "Every message of the stream, in the folder of --record.")
     + '<p class="hs-station-recorded" data-hs-station-recorded></p></div>'
     '<p class="hs-scope" title="Kept in this browser.">This browser only</p><div class="hs-own">'
-    '<label class="hs-own-box"><input type="checkbox" data-hs-station="sound">Sound while tracking is lost</label>'
+    '<label class="hs-own-box"><input type="checkbox" data-hs-own="sound">Sound while tracking is lost</label>'
     "</div>"
 )
 

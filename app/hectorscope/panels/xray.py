@@ -34,7 +34,7 @@ class XrayPanel:
         self._looked_at: tuple[Any, ...] = ()
         with _workspace.tab(scene, "Live", Icon.GAUGE):
             scene.server.gui.add_html(BUTTON)
-        _request.listen(scene, "xray", self._ask)
+        _request.listen(scene, "xray", self._ask, for_viewers=True)
 
     def _ask(self, client: int, asked: dict[str, Any]) -> None:
         """{"open": false} closes, {"home": true} takes the start back, anything else is a `Wanted`."""

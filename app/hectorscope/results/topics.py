@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property, partial
+from typing import Any
 
 from hectorscope.results import ros_messages
+from hectorscope.run.map_image import MapImage
 from hectorscope.run.map_images import level_image
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_FIELDS, series_row
+from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Transform
 from slam_core.results import StepResult
 
@@ -26,16 +29,22 @@ FIGURES = ("residual", "iterations", "beams", "unexpected", "weakest_share", "fu
 COLUMNS = {name: SERIES_FIELDS.index(name) for name in FIGURES}
 
 
-class Message(NamedTuple):
-    """One for a topic. value: an object of rosbags."""
+@dataclass(frozen=True, eq=False)
+class Message:
+    """One for a topic, made where it is needed, on any thread. made: gives an object of rosbags."""
 
     topic: str
     stamp_ns: int
-    value: Any
+    made: Callable[[], Any]
 
-    @property
+    @cached_property
+    def value(self) -> Any:
+        """The object of rosbags."""
+        return self.made()
+
+    @cached_property
     def content(self) -> bytes:
-        """As CDR."""
+        """The same as CDR."""
         return bytes(ros_messages.STORE.serialize_cdr(self.value, TOPICS[self.topic]))
 
 
@@ -67,6 +76,7 @@ class ResultTopics:
     below: Below = base
     wants: Callable[[str], bool] = lambda _: True
     _last: StepResult | None = None
+    _image: MapImage | None = None
     _map_due_ns: int = 0
     _diagnostics_due_ns: int = 0
 
@@ -74,14 +84,15 @@ class ResultTopics:
         """Pose and tf of the scan; the others when they are due."""
         stamp_ns = result.stamp_ns
         if placed := self.below(result):
-            yield Message(TF, stamp_ns, ros_messages.transforms(stamp_ns, *placed))
-        yield Message(POSE, stamp_ns, ros_messages.pose_with_covariance(result))
+            yield Message(TF, stamp_ns, partial(ros_messages.transforms, stamp_ns, *placed))
+        yield Message(POSE, stamp_ns, partial(ros_messages.pose_with_covariance, result))
         changed = self._last is None or self._last.tracking != result.tracking
         if changed or stamp_ns >= self._diagnostics_due_ns:
             self._diagnostics_due_ns = stamp_ns + DIAGNOSTICS_NS
             row = series_row(result, 0.0, pipeline.slam.map.updates)
             figures = {name: row[column] for name, column in COLUMNS.items()}
-            yield Message(DIAGNOSTICS, stamp_ns, ros_messages.diagnostics(result, figures, pipeline.warnings()))
+            made = partial(ros_messages.diagnostics, result, figures, pipeline.warnings())
+            yield Message(DIAGNOSTICS, stamp_ns, made)
         self._last = result
         if stamp_ns >= self._map_due_ns:
             self._map_due_ns = stamp_ns + self.map_ns
@@ -95,6 +106,12 @@ class ResultTopics:
         if self.wants(PATH):
             trajectory = pipeline.trajectory
             thinned = trajectory[:: 1 + (len(trajectory) - 1) // self.most_poses]
-            yield Message(PATH, stamp_ns, ros_messages.path(thinned, start_ns, stamp_ns))
+            yield Message(PATH, stamp_ns, partial(ros_messages.path, thinned, start_ns, stamp_ns))
         if self.wants(MAP) and not pipeline.slam.map.empty:
-            yield Message(MAP, stamp_ns, ros_messages.occupancy(level_image(pipeline.slam.map, 0), stamp_ns))
+            yield self._map(pipeline.slam.map, stamp_ns)
+
+    def _map(self, pyramid: Pyramid, stamp_ns: int) -> Message:
+        """The map; that of the last time where nothing was written since."""
+        if self._image is None or self._image.revision != pyramid.updates:
+            self._image = level_image(pyramid, 0, pyramid.updates)
+        return Message(MAP, stamp_ns, partial(ros_messages.occupancy, self._image, stamp_ns))

@@ -1,5 +1,6 @@
 """Makes the files that a browser downloads, on a thread of its own, in a folder that goes with them."""
 
+import logging
 import threading
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -20,6 +21,8 @@ from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import LaserScan
 
+_logger = logging.getLogger("hectorscope")
+
 LARGEST = 1 << 28  # bytes of an archive: it is sent from memory
 AFTER_NS = 1_000_000_000  # of what comes behind the shown scan: the sequencer may wait for it
 
@@ -38,7 +41,7 @@ class _Task:
 
 
 class Downloads:
-    """ready: the latest archive of each browser. answer: hears from any thread how it ended."""
+    """ready: the latest archive, by the browser that it is for. answer: hears from any thread how it ended."""
 
     def __init__(self, prior_map: PriorMap | None, answer: Callable[[Answer], None]) -> None:
         self.ready: Mapping[int, Download] = {}
@@ -73,9 +76,13 @@ class Downloads:
         except (SlamError, OSError) as error:
             self._answer(Answer(f"Nothing was exported: {error}", failed=True))
             return
+        except Exception as error:  # a bug must not leave the person without an answer
+            _logger.exception("an export failed")
+            self._answer(Answer(f"Nothing was exported: {type(error).__name__}: {error}", failed=True))
+            return
         self._made += 1
         download = Download(self._made, f"{Path(task.source.name).stem or 'run'}.zip", content)
-        self.ready = {**self.ready, task.client: download}
+        self.ready = {task.client: download}  # in memory: one at a time
         names = ", ".join(each.name for each in task.formats)
         self._answer(Answer(f"Exported {names} as {download.name}"))
 

@@ -1,5 +1,6 @@
 """Examines the whole recording on a thread of its own, while the run goes on."""
 
+import logging
 import threading
 from collections.abc import Callable
 
@@ -7,6 +8,8 @@ from hectorscope.checks.doctor import examine
 from hectorscope.inputs import Examinable, Finding, Reopenable, Source
 from hectorscope.session.commands import Answer
 from slam_core.errors import SlamError
+
+_logger = logging.getLogger("hectorscope")
 
 ABSENT = "Only a recording of ROS messages or a log can be examined as a whole"
 
@@ -42,6 +45,9 @@ class Examiner:
                 opened.close()
         except SlamError as error:
             self._answer(Answer(str(error), failed=True))
+        except Exception as error:  # a bug must not leave the person without an answer
+            _logger.exception("an examination failed")
+            self._answer(Answer(f"The recording was not examined: {type(error).__name__}: {error}", failed=True))
         else:
             self._examined = source, found
             self._answer(Answer(f"Examined the whole recording: {counted(len(found))}"))

@@ -7,6 +7,7 @@ from typing import Any
 import viser
 
 MAX_TEXT = 1000  # characters in a text field
+MAX_REQUEST = 1 << 17  # and in a hidden one: what a script asks for, all notes of an export among it
 MAX_PIXELS = 100_000  # of a window, either way
 
 Find = Callable[[str], Any]
@@ -81,9 +82,9 @@ def pixels(value: Any) -> int:
     return int(clamp(value, 1, MAX_PIXELS))
 
 
-def text(value: Any) -> str:
+def text(value: Any, longest: int = MAX_TEXT) -> str:
     """A short text."""
-    words: str = require(value, isinstance(value, str) and len(value) <= MAX_TEXT)
+    words: str = require(value, isinstance(value, str) and len(value) <= longest)
     return words
 
 
@@ -104,7 +105,10 @@ def vector(control: Any, value: Any) -> list[float]:
 RULES: tuple[tuple[tuple[type, ...], Callable[[Any, Any], Any]], ...] = (
     ((viser.GuiButtonHandle,), lambda _, __: True),
     ((viser.GuiCheckboxHandle,), lambda _, value: require(value, isinstance(value, bool))),
-    ((viser.GuiTextHandle,), lambda _, value: text(value)),
+    (
+        (viser.GuiTextHandle,),
+        lambda control, value: text(value, MAX_TEXT if control.visible else MAX_REQUEST),
+    ),
     (
         (viser.GuiDropdownHandle, viser.GuiButtonGroupHandle),
         lambda control, value: require(value, value in tuple(control.options)),

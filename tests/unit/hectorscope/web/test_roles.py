@@ -11,6 +11,7 @@ import viser
 from websockets.asyncio.client import ClientConnection, connect
 
 from hectorscope.page.viser_private import uuid_of
+from hectorscope.session.commands import Inspect
 from hectorscope.session.station_commands import HandOver
 from hectorscope.web.access_control import AccessControl
 from hectorscope.web.server import PageServer, ServerError
@@ -117,7 +118,41 @@ def test_a_viewers_messages_change_nothing(station: Station) -> None:
     asyncio.run(attack())
     assert station.clicks == 1
     assert station.slider.value == 5.0
-    assert [type(command) for command in station.engine.sent] == [HandOver]
+    acted = [command for command in station.engine.sent if not isinstance(command, Inspect)]
+    assert [type(command) for command in acted] == [HandOver]  # a closer look is the viewer's own
+
+
+def test_what_a_page_asks_for_is_told_to_no_other(station: Station) -> None:
+    """Nor to one that comes later: a request may hold the key of the teacher's link, or a person's notes."""
+    secret = "the-key-of-the-teacher"
+    field = next(
+        uuid
+        for uuid, control in station.page.scene.server.gui._gui_input_handle_from_uuid.items()
+        if control.label == "export"
+    )
+    request = {"type": "GuiUpdateMessage", "uuid": field, "updates": {"value": f'{{"notes": "{secret}"}}'}}
+
+    outgoing = station.page.scene.server.gui._websock_interface
+    told, queue = [], outgoing.queue_message
+
+    def noted(message: object) -> None:
+        told.append(str(vars(message)))
+        queue(message)
+
+    async def ask() -> None:
+        async with station.socket(OPERATOR) as page:
+            await say(page, CAMERA)
+            await say(page, request)
+            await say(
+                page,
+                {"type": "GuiUpdateMessage", "uuid": uuid_of(station.slider), "updates": {"value": 7.5}},
+            )
+            await wait_for(lambda: station.slider.value == 7.5)
+
+    outgoing.queue_message = noted
+    asyncio.run(ask())
+    assert any("7.5" in message for message in told)
+    assert not any(secret in message for message in told)
 
 
 def test_one_operator_acts_at_a_time(station: Station) -> None:
