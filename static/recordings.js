@@ -3,7 +3,7 @@
 "use strict";
 
 (() => {
-  const PIECE = 60 * 1024; // bytes of a message: the server takes 64 KiB
+  const PIECE = 60 * 1024; // bytes of a message: the server takes 256 KiB
   const AHEAD = 4 * 1024 * 1024; // bytes that may wait in this browser
   const LOOK = 300; // milliseconds between two looks at the list, while it is open
 

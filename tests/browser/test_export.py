@@ -70,6 +70,17 @@ def test_chosen_formats_come_as_one_archive(page: Page, engine: Engine, tmp_path
     assert "the \\u003cend>" in archive.read("replay.html").decode()
 
 
+def test_many_long_notes_are_kept(page: Page, tmp_path: Path) -> None:
+    """As many and as long as the form takes: none gets lost on its way to the server."""
+    for box in page.locator("[data-hs-format]").all():
+        box.set_checked(box.get_attribute("data-hs-format") == "html")
+    page.evaluate("""for (let at = 0; at < 100; at += 1)
+      window.hectorscope.exporting.notes.push([at / 10, `note ${at} ` + "ö".repeat(490)])""")
+    pressed(page, "Download the results so far").save_as(tmp_path / "run.zip")
+    replay = zipfile.ZipFile(tmp_path / "run.zip").read("replay.html").decode()
+    assert all(f"note {number} " in replay for number in range(100))
+
+
 def test_a_picture_has_the_size_that_was_chosen(page: Page, tmp_path: Path) -> None:
     """The scene is drawn in it, not enlarged, and has its own size again afterwards."""
     before = page.evaluate(SIZE)

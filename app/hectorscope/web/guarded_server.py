@@ -31,7 +31,7 @@ from hectorscope.web.uploads import Uploads
 from slam_core.errors import SlamError
 
 CAMERA_PERIOD = 0.5  # seconds between camera messages that reach viser: it sends 50 a second and nobody reads them
-MAX_MESSAGE = 64 * 1024  # bytes from a browser; a slider needs a hundred
+MAX_MESSAGE = 256 * 1024  # bytes from a browser: the longest request, in letters of four bytes
 _starting = threading.Lock()
 
 Handler = Callable[[Any], Awaitable[None]]

@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 MAX_TEXT = 1000  # characters in a text field
-MAX_REQUEST = 1 << 17  # and in a hidden one: what a script asks for, all notes of an export among it
+MAX_REQUEST = 60_000  # and in a hidden one: what a script asks for, all notes of an export among it
 MAX_PIXELS = 100_000  # of a window, either way
 
 Find = Callable[[str], Any]

@@ -236,7 +236,7 @@ def test_a_message_that_is_too_long_ends_the_upload(
 ) -> None:
     """Nobody makes the server keep more than a piece in memory; nothing is printed, and it goes on."""
     with pytest.raises(ConnectionClosed):
-        upload(locked.get_port(), "run.bag", bytes(100 * 1024), piece=100 * 1024)
+        upload(locked.get_port(), "run.bag", bytes(300 * 1024), piece=300 * 1024)
     assert upload(locked.get_port(), "run.bag", bytes(9))[-1] == {"arrived": "run.bag"}
     assert not caplog.records
     assert "Traceback" not in "".join(capfd.readouterr())
