@@ -20,8 +20,6 @@ from hectorscope.sweep.sweep import sweep
 from hectorscope.sweep.table import Table, read
 from tests.sweeps import PATIENCE_S, recording, specs_of, timeless
 
-pytestmark = pytest.mark.slow
-
 pytest.importorskip("distributed")
 SIGMAS = tuple(round(0.1 + 0.05 * k, 2) for k in range(8))
 LOCAL = "127.0.0.1"
@@ -131,6 +129,7 @@ def test_a_cluster_gives_the_same_table_when_a_worker_is_killed(bag: Path, tmp_p
     assert {row["status"] for row in read(tmp_path / "remote")} == {"ok"}
 
 
+@pytest.mark.slow
 def test_after_the_scheduler_was_lost_the_rest_is_done(bag: Path, tmp_path: Path, cluster: Cluster):
     """The sweep ends with a message and keeps its rows; on a new scheduler it does those that are missing."""
     specs = specs_of(bag, sigmas=SIGMAS)
