@@ -6,8 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from hectorscope.sweep.limits import Limits
 from hectorscope.sweep.spec import RunSpec
 from hectorscope.sweep.sweep import sweep
 from hectorscope.sweep.table import Table, read
-from tests.sweeps import PATIENCE_S, recording, specs_of, timeless
+from tests.sweeps import PATIENCE_S, recording, specs_of, timeless, until
 
 pytest.importorskip("distributed")
 SIGMAS = tuple(round(0.1 + 0.05 * k, 2) for k in range(8))
@@ -82,16 +81,6 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     for process in made.processes:
         process.kill()
         process.wait()
-
-
-def until(found: Callable[[], object]) -> re.Match[str]:
-    """What `found` gives once that is something."""
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        if there := found():
-            return there  # type: ignore[return-value]
-        time.sleep(0.02)
-    raise AssertionError("never happened")
 
 
 @contextmanager
