@@ -1,16 +1,21 @@
-"""What tests of sweeps share: a short recording, specs on it, and the table without its times."""
+"""What tests of sweeps share: recordings, specs on them, the table without its times, processes and waiting."""
 
 import csv
 import os
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 from hectorscope.simulation import SimulateOptions, simulate
 from hectorscope.sweep.spec import RunSpec
 from hectorscope.sweep.table import CSV, TIMES
 
+T = TypeVar("T")
 PATIENCE_S = 300.0
+LOOK_S = 0.005
 SIGMAS = (0.1, 0.2, 0.3, 0.4)
 WITH_TRUTH = "truth.aligned_rmse_m"
 
@@ -40,3 +45,19 @@ def hectorscope(*arguments: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "hectorscope.cli.main", *map(str, arguments)]
     wide = {**os.environ, "COLUMNS": "160"}
     return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, env=wide, check=False)
+
+
+def children(process: int | str = "self") -> set[int]:
+    """The processes that one has started and that live."""
+    lists = Path(f"/proc/{process}/task").glob("*/children")
+    return {int(pid) for each in lists for pid in each.read_text().split()}
+
+
+def until(found: Callable[[], T | None]) -> T:
+    """What `found` gives once that is something."""
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        if there := found():
+            return there
+        time.sleep(LOOK_S)
+    raise AssertionError("never happened")

@@ -1,8 +1,12 @@
-"""A specimen for tests of the X-ray: a scan of a simulated drive with the run before it."""
+"""For tests of the X-ray: a scan of a simulated drive with the run before it, and where its handle is gripped."""
 
 from functools import cache
 
+import numpy as np
+from playwright.sync_api import Page
+
 from hectorscope.inputs import Item
+from hectorscope.panels._xray_scene import HANDLE_PIXELS
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.run.xray.specimen import Specimen, specimen_of
@@ -11,8 +15,10 @@ from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, with_values
 from slam_core.measurements import LaserScan
 from slam_core.results import StepResult
+from tests.scene import PROJECT
 
 SECONDS = 6.0
+ARROW = 0.8  # of the handle: a place on the arrow of an axis
 PAPER = with_values(SlamConfig.paper(), {"map.size": 512})
 
 
@@ -42,3 +48,11 @@ def specimen(config: SlamConfig = PAPER) -> Specimen:
     found = specimen_of(rework.before(Settings(config)), result, config)
     assert found is not None
     return found
+
+
+def grip(page: Page, start: np.ndarray, metres: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels of the window: on the arrow of the handle along the heading of a start, and so many metres ahead."""
+    ahead = start[:2] + metres * np.array([np.cos(start[2]), np.sin(start[2])])
+    at, aim = (np.array(page.evaluate(PROJECT, [*place.tolist(), 0.04])) for place in (start[:2], ahead))
+    begin = at + ARROW * HANDLE_PIXELS * (aim - at) / np.hypot(*(aim - at))
+    return begin, begin + (aim - at)

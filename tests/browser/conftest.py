@@ -9,15 +9,18 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect, sync_playwright
 
-from hectorscope.inputs import Source, SourceOptions
+from hectorscope.inputs import Item, Source, SourceOptions
 from hectorscope.run.warmup import load_everything
+from hectorscope.session.commands import Seek
 from hectorscope.session.engine import Engine
 from hectorscope.session.library import Library
-from hectorscope.simulation import SimulateOptions, simulate
+from hectorscope.simulation import SceneOptions, SimulateOptions, Simulation, simulate
 from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
-from tests.engines import START
+from tests import panels
+from tests.engines import START, running, until
 from tests.page import StillEngine, room_snapshot
+from tests.sources import MemoryRecording
 
 FLAGS = (
     "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
@@ -148,3 +151,45 @@ def opened(bags: Path) -> Iterator[Opened]:
     made = Opened(bags)
     yield made
     made.stop()
+
+
+@pytest.fixture(scope="module")
+def drive() -> list[Item]:
+    """Ten seconds through the simulated rooms. Kernels are compiled by then, for longer than a test waits."""
+    load_everything()
+    return list(Simulation("rooms", SceneOptions(duration=10.0, scan_rate=20.0, beams=181)).items())
+
+
+@pytest.fixture
+def run(drive: list[Item], tmp_path: Path) -> Iterator[panels.Run]:
+    """The drive, paused at two seconds; results go to the test's own folder."""
+    engine = Engine(MemoryRecording(drive), panels.START, autoplay=False, out=tmp_path)
+    server = PageServer(engine, port=0)
+    server.start()
+    engine.start()
+    made = panels.Run(engine, server.url)
+    try:
+        engine.send(Seek(min(item.stamp_ns for item in drive) + 2 * 10**9))
+        made.until(lambda s: s.maps and s.playback.state == "paused")
+        yield made
+    finally:
+        engine.stop()
+        server.stop()
+
+
+@pytest.fixture(scope="module")
+def engine(request: pytest.FixtureRequest) -> Iterator[Engine]:
+    """At rest at the end of a drive of some metres, with as many beams as BEAMS of the module says."""
+    options = SceneOptions(duration=12.0, scan_rate=10.0, beams=request.module.BEAMS)
+    with running(MemoryRecording(list(Simulation("rooms", options).items())), speed=float("inf")) as made:
+        until(made, lambda now: now.playback.state == "ended", 60.0)
+        yield made
+
+
+@pytest.fixture
+def url(engine: Engine) -> Iterator[str]:
+    """The page of that run."""
+    server = PageServer(engine, port=0)
+    server.start()
+    yield server.url
+    server.stop()

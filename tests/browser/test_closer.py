@@ -1,41 +1,19 @@
 """A closer look at a real run: beams and cells that are clicked, distances, entries of the legend."""
 
-from collections.abc import Iterator
-
 import pytest
 from playwright.sync_api import Page, expect
 
 from hectorscope.session.commands import Seek, StepBack
 from hectorscope.session.engine import Engine
-from hectorscope.simulation import SceneOptions, Simulation
-from hectorscope.web.server import PageServer
 from slam_core.geometry import transform_points
 from slam_core.results import StepResult
 from tests.browser.conftest import Open
-from tests.engines import after, running, until
+from tests.engines import after, until
 from tests.scene import PROJECT, choose_own, look
-from tests.sources import MemoryRecording
 
 pytestmark = pytest.mark.browser
+BEAMS = 181
 CARD = ".hs-closer"
-
-
-@pytest.fixture(scope="module")
-def engine() -> Iterator[Engine]:
-    """At rest at the end of a drive of some metres."""
-    drive = list(Simulation("rooms", SceneOptions(duration=12.0, scan_rate=10.0, beams=181)).items())
-    with running(MemoryRecording(drive), speed=float("inf")) as made:
-        until(made, lambda now: now.playback.state == "ended", 60.0)
-        yield made
-
-
-@pytest.fixture
-def url(engine: Engine) -> Iterator[str]:
-    """The page of that run, on one level that is seen from above."""
-    server = PageServer(engine, port=0)
-    server.start()
-    yield server.url
-    server.stop()
 
 
 def shown(engine: Engine) -> StepResult:

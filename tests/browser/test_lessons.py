@@ -22,7 +22,7 @@ from tests.conftest import ROOT
 from tests.engines import until
 from tests.scene import PROJECT, look
 
-pytestmark = [pytest.mark.browser, pytest.mark.slow]
+pytestmark = pytest.mark.browser
 LESSONS = lessons_in(ROOT / "static" / "lessons")
 LOADED = (
     "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-request=lesson]') && hectorscope.linked()"
@@ -122,13 +122,22 @@ TASKS: dict[str, Callable[[Page, School], None]] = {
 }
 
 
+def walks() -> list[Any]:
+    """A case for each lesson. All but the first and the last are slow."""
+    inner = LESSONS[1:-1]
+    return [
+        pytest.param(lesson, id=lesson.key, marks=[pytest.mark.slow] if lesson in inner else [])
+        for lesson in LESSONS
+    ]
+
+
 def test_there_are_eight_lessons_and_each_is_walked_here():
     """A lesson that is added without a walk is noticed."""
     assert [lesson.key for lesson in LESSONS] == sorted(TASKS)
     assert len(LESSONS) == 8
 
 
-@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.key)
+@pytest.mark.parametrize("lesson", walks())
 def test_a_lesson_from_start_to_end(school: School, open_page: Open, lesson: Lesson):
     """Opened by its key, it sets up its scene, is not done before its task is, and judges the answers."""
     page = open_page(school.server.url, LOADED, SIZE)
@@ -150,6 +159,7 @@ def test_a_lesson_from_start_to_end(school: School, open_page: Open, lesson: Les
     assert page.locator(".katex-error").count() == 0
 
 
+@pytest.mark.slow
 def test_answers_stay_in_this_browser(school: School, open_page: Open):
     """A page that is opened again remembers; that of another person does not."""
     page = open_page(school.server.url, LOADED)

@@ -2,51 +2,30 @@
 
 import contextlib
 import re
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from playwright.sync_api import Page, TimeoutError, expect
 
-from hectorscope.panels._xray_scene import HANDLE_PIXELS
 from hectorscope.run.xray.specimen import Specimen, specimen_of
 from hectorscope.session.commands import Seek, StepScan
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
-from hectorscope.simulation import SceneOptions, Simulation
-from hectorscope.web.server import PageServer
 from tests.browser.conftest import Open
-from tests.engines import after, running, until
+from tests.engines import after, until
 from tests.scene import PROJECT, choose_own, look
-from tests.sources import MemoryRecording
+from tests.xray import grip
 
 pytestmark = pytest.mark.browser
+BEAMS = 361
 CARD = ".hs-xray"
 WORDS = ".hs-xray-words"
-ARROW = 0.8  # of the handle: a place on the arrow of an axis
 # Millimetres from the matched pose: of the start, and of the end that the matcher reaches from there.
 OFFSETS = """() => ["start", "end"].map((name) => {
   const row = [...document.querySelectorAll(".hs-xray-words tr")].find((at) => at.textContent.startsWith(name));
   return row.querySelector("td").textContent.replaceAll("−", "-").split(", ").slice(0, 2).map(parseFloat);
 })"""
 THERE = "(name) => !!window.__viserMutable.nodeRefFromName[name]?.visible"
-
-
-@pytest.fixture(scope="module")
-def engine() -> Iterator[Engine]:
-    """At rest some metres into a drive."""
-    drive = list(Simulation("rooms", SceneOptions(duration=8.0, scan_rate=10.0, beams=361)).items())
-    with running(MemoryRecording(drive), speed=float("inf")) as made:
-        until(made, lambda now: now.playback.state == "ended", 60.0)
-        yield made
-
-
-@pytest.fixture
-def url(engine: Engine) -> Iterator[str]:
-    server = PageServer(engine, port=0)
-    server.start()
-    yield server.url
-    server.stop()
 
 
 def resting(engine: Engine) -> tuple[Snapshot, Specimen]:
@@ -80,10 +59,7 @@ def choose(page: Page, lab: str) -> None:
 
 def drag(page: Page, start: np.ndarray, metres: float) -> None:
     """Pull the arrow of the handle along the robot's heading; once more if the page was too busy to notice."""
-    ahead = start[:2] + metres * np.array([np.cos(start[2]), np.sin(start[2])])
-    at, aim = (np.array(page.evaluate(PROJECT, [*place.tolist(), 0.04])) for place in (start[:2], ahead))
-    begin = at + ARROW * HANDLE_PIXELS * (aim - at) / np.hypot(*(aim - at))
-    finish = begin + (aim - at)
+    begin, finish = grip(page, start, metres)
     for _ in range(10):
         page.mouse.move(*begin.tolist())
         page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")

@@ -1,4 +1,6 @@
-"""Kernels that are compiled, a short drive through the simulated rooms, and what the headless run makes of it."""
+"""Compiled kernels, a short drive through simulated rooms, the headless run of it, and recordings for sweeps."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import SceneOptions, Simulation
 from tests.engines import START
 from tests.sources import MemoryRecording
+from tests.sweeps import recording
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -27,3 +30,15 @@ def drive() -> list[Item]:
 def reference(drive: list[Item]) -> np.ndarray:
     """The trajectory of the headless run."""
     return run_headless(MemoryRecording(drive), START)[0].trajectory
+
+
+@pytest.fixture(scope="session")
+def short_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three seconds, whose run takes a tenth of one."""
+    return recording(tmp_path_factory.mktemp("sweep"))
+
+
+@pytest.fixture(scope="session")
+def long_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A minute and a half: long enough to be stopped."""
+    return recording(tmp_path_factory.mktemp("sweep"), "long.bag", duration=90.0)

@@ -9,8 +9,6 @@ from benchmarks.outage import ALONE, laser_fails, satellites_fail
 from hectorscope.simulation import SceneOptions
 from slam_core.config import with_value
 
-pytestmark = pytest.mark.slow
-
 FEW_BEAMS = SceneOptions(seed=2, beams=361, scan_rate=20.0)
 SEEDS = (2, 3, 4)
 
@@ -23,6 +21,7 @@ def test_nothing_jumps_when_satellites_go_and_come_back() -> None:
     assert found.jump < 0.05
 
 
+@pytest.mark.slow
 def test_satellites_and_compass_carry_the_boat_without_a_laser() -> None:
     """Ten seconds without a scan: some decimetres off from then on, where dead reckoning strays over half a metre.
 
@@ -34,11 +33,13 @@ def test_satellites_and_compass_carry_the_boat_without_a_laser() -> None:
     assert laser_fails(FEW_BEAMS, ALONE).at_return > 0.5
 
 
+@pytest.mark.slow
 def test_satellites_and_compass_carry_a_boat_that_has_no_imu() -> None:
     """The same ten seconds in the plane: within half a metre at the end, where guessing strays over ten."""
     assert laser_fails(replace(FEW_BEAMS, imu=False)).at_return < 0.5
 
 
+@pytest.mark.slow
 def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
     """Ten seconds on, next to nothing is known: it errs by what it drifted, and hardly more from there."""
     options = replace(FEW_BEAMS, seed=1)

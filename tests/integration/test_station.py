@@ -19,7 +19,7 @@ from tests.streams import Robot
 
 @pytest.fixture(scope="module")
 def drive() -> list[Item]:
-    """The first half minute of a recording that comes with the program."""
+    """The first 14 seconds of a recording that comes with the program."""
     source = open_source(str(ROOT / "demo_bags" / "arena.bag"), SourceOptions())
     items = []
     for item in source.items():

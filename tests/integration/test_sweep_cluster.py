@@ -6,8 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,9 +17,7 @@ from hectorscope.sweep.limits import Limits
 from hectorscope.sweep.spec import RunSpec
 from hectorscope.sweep.sweep import sweep
 from hectorscope.sweep.table import Table, read
-from tests.sweeps import PATIENCE_S, recording, specs_of, timeless
-
-pytestmark = pytest.mark.slow
+from tests.sweeps import PATIENCE_S, recording, specs_of, timeless, until
 
 pytest.importorskip("distributed")
 SIGMAS = tuple(round(0.1 + 0.05 * k, 2) for k in range(8))
@@ -86,16 +83,6 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
         process.wait()
 
 
-def until(found: Callable[[], object]) -> re.Match[str]:
-    """What `found` gives once that is something."""
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        if there := found():
-            return there  # type: ignore[return-value]
-        time.sleep(0.02)
-    raise AssertionError("never happened")
-
-
 @contextmanager
 def swept(folder: Path, specs: list[RunSpec], address: str = "") -> Iterator[list[Exception]]:
     """A sweep in a thread, while something else happens; it is over afterwards. Its error is in the list."""
@@ -131,6 +118,7 @@ def test_a_cluster_gives_the_same_table_when_a_worker_is_killed(bag: Path, tmp_p
     assert {row["status"] for row in read(tmp_path / "remote")} == {"ok"}
 
 
+@pytest.mark.slow
 def test_after_the_scheduler_was_lost_the_rest_is_done(bag: Path, tmp_path: Path, cluster: Cluster):
     """The sweep ends with a message and keeps its rows; on a new scheduler it does those that are missing."""
     specs = specs_of(bag, sigmas=SIGMAS)

@@ -12,8 +12,6 @@ from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, with_value
 from slam_core.kernels.bilinear import UNKNOWN
 
-pytestmark = pytest.mark.slow
-
 SWAYING = SceneOptions(scan_rate=5.0, beams=541, sway=15.0, sway_frequency=1.2, imu=False, duration=30.0)
 
 
@@ -22,6 +20,7 @@ def drive(options):
     return list(Simulation("rooms", options).items())
 
 
+@pytest.mark.slow
 def test_a_slow_laser_that_sways_is_not_lost():
     """Where a turn begins at once a match may slide elsewhere: these drives get lost without a second look."""
     lost = 0

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import foxglove
 from foxglove import Channel, Context, Schema
+from pacing import flags, paced, stay, wait_for
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_typestore
@@ -29,35 +30,18 @@ def make_channel(context: Context, reader: AnyReader, connection: Connection) ->
     return Channel(connection.topic, schema=schema, message_encoding=encoding, context=context)
 
 
-def wait_for_subscribers(channels: list[Channel]) -> None:
-    while not all(channel.has_sinks() for channel in channels):
-        time.sleep(0.005)
-
-
 def replay(reader: AnyReader, channels: dict[int, Channel], args: argparse.Namespace) -> list[str]:
-    """Send every message at its time divided by the speed; tells when each was sent."""
-    begin_ns = reader.start_time + round(args.begin * 1e9)
-    end_ns = reader.start_time + round(args.end * 1e9) if args.end else None
-    connections = [c for c in reader.connections if c.id in channels]
+    """Send every message at its time; tells when each was sent."""
     sent = []
-    origin = time.monotonic_ns()
-    for connection, stamp_ns, data in reader.messages(connections, start=begin_ns, stop=end_ns):
-        ahead_ns = origin + (stamp_ns - begin_ns) / args.speed - time.monotonic_ns()
-        if ahead_ns > 0:
-            time.sleep(ahead_ns * 1e-9)
+    connections = [c for c in reader.connections if c.id in channels]
+    for connection, stamp_ns, data in paced(reader, connections, args):
         sent.append(f"{connection.topic} {time.monotonic_ns()}")
-        channels[connection.id].log(bytes(data), log_time=stamp_ns)
+        channels[connection.id].log(data, log_time=stamp_ns)
     return sent
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("recording", type=Path)
-    parser.add_argument("--topics", nargs="+", required=True)
-    parser.add_argument("--port", type=int, default=0)
-    parser.add_argument("--speed", type=float, default=1.0)
-    parser.add_argument("--begin", type=float, default=0.0)
-    parser.add_argument("--end", type=float)
+    parser = flags()
     parser.add_argument("--backlog", type=int, default=1024)
     parser.add_argument("--stamps", type=Path)
     args = parser.parse_args()
@@ -70,13 +54,12 @@ def main() -> None:
             host="127.0.0.1", port=args.port, context=context, message_backlog_size=args.backlog
         )
         print(f"listening {server.port}", flush=True)
-        wait_for_subscribers(list(channels.values()))
+        wait_for(lambda: all(channel.has_sinks() for channel in channels.values()))
         sent = replay(reader, channels, args)
         if args.stamps:
             args.stamps.write_text("\n".join(sent))
         print("replayed", flush=True)
-        while True:
-            time.sleep(60.0)
+        stay()
 
 
 if __name__ == "__main__":

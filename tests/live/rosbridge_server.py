@@ -9,10 +9,9 @@ late is not listed when topics are asked for the first time.
 import argparse
 import json
 import threading
-import time
-from pathlib import Path
 
 import cbor2
+from pacing import flags, paced
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import denormalize_msgtype
@@ -47,25 +46,15 @@ class Bridge:
                     threading.Thread(target=self._replay, args=[connection], daemon=True).start()
 
     def _replay(self, connection: ServerConnection) -> None:
-        begin_ns = self._reader.start_time + round(self._args.begin * 1e9)
         wanted = [c for c in self._reader.connections if c.topic in self.types]
-        origin = time.monotonic_ns()
-        for topic, stamp_ns, data in self._reader.messages(wanted, start=begin_ns):
-            ahead_ns = origin + (stamp_ns - begin_ns) / self._args.speed - time.monotonic_ns()
-            if ahead_ns > 0:
-                time.sleep(ahead_ns * 1e-9)
-            raw = {"secs": stamp_ns // 10**9, "nsecs": stamp_ns % 10**9, "bytes": bytes(data)}
+        for topic, stamp_ns, data in paced(self._reader, wanted, self._args):
+            raw = {"secs": stamp_ns // 10**9, "nsecs": stamp_ns % 10**9, "bytes": data}
             connection.send(cbor2.dumps({"op": "publish", "topic": topic.topic, "msg": raw}))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("recording", type=Path)
-    parser.add_argument("--topics", nargs="+", required=True)
+    parser = flags()
     parser.add_argument("--late", nargs="+", default=[])
-    parser.add_argument("--port", type=int, default=0)
-    parser.add_argument("--speed", type=float, default=1.0)
-    parser.add_argument("--begin", type=float, default=0.0)
     args = parser.parse_args()
     with AnyReader([args.recording], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
         server = serve(Bridge(reader, args).talk, "127.0.0.1", args.port)

@@ -12,7 +12,7 @@ import pytest
 
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.sources import open_source
-from tests.live.measurements import opened, plain, recorded
+from tests.live.measurements import GIVE_UP_S, opened, plain, recorded
 
 PIECE = 4096  # bytes
 AS_PIPE = """
@@ -63,7 +63,8 @@ def test_a_file_that_does_not_grow_is_waited_for(drive: Path, tmp_path: Path) ->
         assert len(list(islice(items, 100))) == 100
         rest = threading.Thread(target=lambda: list(items))
         rest.start()
-        while not source.report.waiting:
+        ends = time.monotonic() + GIVE_UP_S
+        while not source.report.waiting and time.monotonic() < ends:
             time.sleep(0.05)
         assert source.report.waiting == f"nothing new comes from {path}: start what writes it"
         source.close()

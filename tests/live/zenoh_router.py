@@ -3,19 +3,19 @@
 Run as a program of its own, so that it can be killed like one:
     python zenoh_router.py RECORDING --topics /scan /imu [--port 7447] [--speed 4] [--begin 2]
 One session in the mode of a router stands in for the router, and publishes. It says "listening PORT", waits until
-somebody has subscribed to every topic, and replays once. What is on /tf_static is kept for who comes later.
+somebody has subscribed to every topic, and replays once. What is on /tf_static is sent before that, and
+kept for who comes later.
 """
 
-import argparse
 import json
 import socket
 import struct
-import time
-from pathlib import Path
 from typing import Any
 
 import zenoh
+from pacing import flags, paced, stay, wait_for
 from rosbags.highlevel import AnyReader
+from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_typestore
 from zenoh import ext
 
@@ -59,13 +59,7 @@ def publisher(session: zenoh.Session, topic: str, key: str) -> Any:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("recording", type=Path)
-    parser.add_argument("--topics", nargs="+", required=True)
-    parser.add_argument("--port", type=int, default=0)
-    parser.add_argument("--speed", type=float, default=1.0)
-    parser.add_argument("--begin", type=float, default=0.0)
-    args = parser.parse_args()
+    args = flags().parse_args()
     if not args.port:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
@@ -76,23 +70,20 @@ def main() -> None:
         keys = [announce(session, n, c.topic, c.msgtype) for n, c in enumerate(wanted)]
         publishers = {c.id: publisher(session, c.topic, key) for c, (key, _) in zip(wanted, keys, strict=True)}
         print(f"listening {args.port}", flush=True)
-        live = [publishers[c.id] for c in wanted if c.topic != LATCHED]
+        kept, live = ([c for c in wanted if (c.topic == LATCHED) is is_kept] for is_kept in (True, False))
         numbers = dict.fromkeys(publishers, 0)
-        begin_ns = reader.start_time + round(args.begin * 1e9)
-        origin = 0
-        for connection, stamp_ns, data in reader.messages(wanted, start=begin_ns):
-            if connection.topic != LATCHED:
-                while not all(each.matching_status.matching for each in live):
-                    time.sleep(0.01)
-                origin = origin or time.monotonic_ns()
-                ahead_ns = origin + (stamp_ns - begin_ns) / args.speed - time.monotonic_ns()
-                if ahead_ns > 0:
-                    time.sleep(ahead_ns * 1e-9)
+
+        def send(connection: Connection, stamp_ns: int, data: bytes) -> None:
             number = numbers[connection.id] = numbers[connection.id] + 1
             attachment = struct.pack("<qq", number, stamp_ns) + IDENTITY
-            publishers[connection.id].put(bytes(data), attachment=attachment)
-        while True:
-            time.sleep(60.0)
+            publishers[connection.id].put(data, attachment=attachment)
+
+        for message in paced(reader, kept, args):
+            send(*message)
+        wait_for(lambda: all(publishers[c.id].matching_status.matching for c in live))
+        for message in paced(reader, live, args):
+            send(*message)
+        stay()
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 
-from benchmarks.figures import Drawing, footprint, four_cells, map_panel, sheet, with_lines
+from benchmarks.figures import footprint, four_cells
+from benchmarks.svg import Drawing, map_panel, sheet, with_lines
 from hectorscope.run.map_image import MapImage
 from hectorscope.simulation.worlds import box
 from slam_core.reference.occupancy_grid import OccupancyGrid
