@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hectorscope.inputs import Item, SourceOptions
-from hectorscope.session.commands import Configure, Save, Undo
+from hectorscope.session.commands import Configure, Fork, Restart, Save, Seek, Undo
 from hectorscope.session.station_commands import EditMark, PutMark, RemoveMark, SetPose, ShowReturn
 from hectorscope.sources import open_source
 from tests.conftest import ROOT
-from tests.engines import running
-from tests.sources import MemoryStream
+from tests.engines import after, running
+from tests.sources import MemoryRecording, MemoryStream
 from tests.streams import Robot
 
 
@@ -112,3 +112,14 @@ def test_the_way_back_leads_to_the_start(robot: Robot) -> None:
     assert np.allclose(way[-1], now.trajectory[0, 1:3])
     assert np.allclose(way[0], now.trajectory[-1, 1:3], atol=0.5)
     assert robot.after(ShowReturn(on=False)).station.way_back is None
+
+
+def test_marks_stay_with_a_recording(drive: list[Item]) -> None:
+    """When another setting runs it again, when it is restarted, and when another run of it is shown."""
+    with running(MemoryRecording(drive), autoplay=False) as engine:
+        after(engine, Seek(drive[0].stamp_ns + 6 * 10**9))
+        (mark,) = after(engine, PutMark("victim", 1.0, 2.0)).station.annotations
+        assert after(engine, Configure("map.resolution", 0.1)).station.annotations == (mark,)
+        assert after(engine, Restart()).station.annotations == (mark,)
+        forked = after(engine, Fork("b"))
+        assert forked.station.annotations == (mark,)

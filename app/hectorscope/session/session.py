@@ -128,6 +128,8 @@ class Session:
         now_ns = self.run.pipeline.time_ns or None
         slot = self.run.slot if slot is None else slot
         run = self._new_run(self.source, settings, now_ns, slot)  # may want more memory than there is
+        if not self.source.live:  # marks stay with a recording, whatever run of it is shown
+            run.annotations = self.run.annotations
         self._put_aside(what)
         self._begin(run)
 
@@ -142,6 +144,7 @@ class Session:
         """Another run of the list and of the recording takes the place of the present one, which stays there."""
         run = self._new_run(self.source, settings, None, slot)
         run.checkpoints = self.run.checkpoints.until(first_difference(self.run.settings, settings))
+        run.annotations = self.run.annotations
         self._put_aside("")
         self.undone.forget_values()
         self._begin(run)
