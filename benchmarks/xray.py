@@ -1,9 +1,10 @@
 """How long the laboratories of the X-ray take on a scan of 1081 beams: medians, and the slowest.
 
-    python -m benchmarks.xray [--seconds 10] [--repeats 50]
+    python -m benchmarks.xray [--seconds 10] [--repeats 50] [--browser]
 
 A drag is measured from a new start to the picture that a browser is sent, on the thread of the page that works for
-browsers, one start after another.
+browsers, one start after another. --browser: how often the card of a real Chromium follows instead, whose own
+drawing in software is counted.
 """
 
 import argparse
@@ -14,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks import xray_drag
 from benchmarks.tables import table
 from hectorscope.panels._xray_bench import Bench, Subject
 from hectorscope.panels._xray_shown import Shown
@@ -102,8 +104,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--repeats", type=int, default=50)
+    parser.add_argument("--browser", action="store_true", help="how often the card of a browser follows a drag")
     chosen = parser.parse_args()
     load_everything()
+    if chosen.browser:
+        print(xray_drag.measure(chosen.seconds, BEAMS))
+        return
     rework, result, settings = scanned(chosen.seconds)
     specimen = specimen_of(rework.before(settings), result, settings.start)
     assert specimen is not None
