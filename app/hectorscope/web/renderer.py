@@ -17,22 +17,24 @@ from hectorscope.session.snapshot import Snapshot
 log = logging.getLogger(__name__)
 
 RATE = 25.0  # Hz; a view or panel may ask for less by an attribute `rate`
+FAILURES = 3  # in a row; then a view or panel is left out
 IDLE_RATE = 2.0  # Hz, while no browser looks
 BUDGET = 0.4 / RATE  # seconds a tick may draw; the rest waits for the next one, the longest waiting first
 
 
 @dataclass(slots=True)
 class Item:
-    """A view or panel: drawn every `period` seconds, next at `due`."""
+    """A view or panel: drawn every `period` seconds, next at `due`. failed: how often in a row."""
 
     title: str
     draw: Callable[[Snapshot], None]
     period: float
     due: float = 0.0
+    failed: int = 0
 
 
 class Renderer:
-    """Draws `items` (views and panels) until stopped. One that raises is left out and named on the page."""
+    """Draws `items` (views and panels) until stopped. One that keeps raising is left out and named on the page."""
 
     def __init__(self, scene: Scene, mailbox: Mailbox[Snapshot], items: Iterable[Any]) -> None:
         self._scene = scene
@@ -83,9 +85,15 @@ class Renderer:
         try:
             item.draw(snapshot)
         except Exception as error:  # one broken view must not take the others away
+            item.failed += 1
+            if item.failed < FAILURES:  # a connection may have come or gone in this moment
+                log.warning("%s was not drawn: %s", item.title, error)
+                return
             log.exception("%s cannot be drawn any more", item.title)
             self._items.remove(item)
             self._scene.failures[item.title] = type(error).__name__
+        else:
+            item.failed = 0
 
 
 def jumps(snapshot: Snapshot) -> tuple[int, int]:

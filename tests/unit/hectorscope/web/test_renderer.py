@@ -39,13 +39,24 @@ def make(
 
 
 def test_one_that_fails_is_left_out_and_named(server: viser.ViserServer) -> None:
-    """The others go on; the broken one is drawn once and never again."""
+    """The others go on; the broken one is tried three times and never again."""
     good, bad = Item("good"), Item("bad", act=fail)
     thread, scene = make(server, bad, good)
-    for now in (0.0, 1.0, 2.0):
-        thread.tick(now)
-    assert (good.drawn, bad.drawn) == (3, 1)
+    for now in range(5):
+        thread.tick(float(now))
+    assert (good.drawn, bad.drawn) == (5, 3)
     assert scene.failures == {"bad": "ValueError"}
+
+
+def test_one_that_fails_now_and_then_stays(server: viser.ViserServer) -> None:
+    """A browser that comes or goes in the wrong moment takes no panel from the others."""
+    item = Item("sometimes")
+    item.act = lambda: fail() if item.drawn % 3 else None
+    thread, scene = make(server, item)
+    for now in range(9):
+        thread.tick(float(now))
+    assert item.drawn == 9
+    assert scene.failures == {}
 
 
 class Unmade(Item):
