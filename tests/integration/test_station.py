@@ -9,10 +9,11 @@ import pytest
 
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.session.commands import Configure, Save, Undo
-from hectorscope.session.station_commands import EditMark, PutMark, RemoveMark, SetPose, ShowReturn
+from hectorscope.session.station import Station
+from hectorscope.session.station_commands import EditMark, PutMark, Record, RemoveMark, SetPose, ShowReturn
 from hectorscope.sources import open_source
 from tests.conftest import ROOT
-from tests.engines import running
+from tests.engines import running, until
 from tests.sources import MemoryStream
 from tests.streams import Robot
 
@@ -112,3 +113,15 @@ def test_the_way_back_leads_to_the_start(robot: Robot) -> None:
     assert np.allclose(way[-1], now.trajectory[0, 1:3])
     assert np.allclose(way[0], now.trajectory[-1, 1:3], atol=0.5)
     assert robot.after(ShowReturn(on=False)).station.way_back is None
+
+
+def test_a_stream_that_cannot_be_heard_is_not_said_to_be_recorded(tmp_path: Path) -> None:
+    """The page is told why, and the switch stays off."""
+    stream = MemoryStream()
+    with running(stream, station=Station(tmp_path)) as engine:  # type: ignore[arg-type]
+        engine.send(Record(on=False))
+        engine.send(Record(on=True))
+        now = until(engine, lambda now: now.obeyed == 2)
+        stream.close()
+    assert "Only a stream can be recorded" in now.log[-1].text
+    assert now.station.records is False
