@@ -19,7 +19,7 @@ from hectorscope.run.settings import Settings
 from hectorscope.session import checkpoint_file, journal_files
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.checkpoint_file import read_checkpoint, write_checkpoint
-from hectorscope.session.commands import Agree, Configure, Pause, Seek
+from hectorscope.session.commands import Agree, Configure, Decline, Pause, Seek
 from hectorscope.session.engine import Engine
 from hectorscope.session.journal import Journal, resumed
 from hectorscope.session.journal_files import CHECKPOINT, CLOSED, JournalError
@@ -204,6 +204,18 @@ def test_a_run_is_offered_until_somebody_answers(tmp_path: Path) -> None:
     again.give_up_past()
     again.close()
     assert Journal(tmp_path, "a", reopen).past is None
+
+
+def test_who_declines_is_not_asked_again(tmp_path: Path) -> None:
+    """The next start does not offer the run; this one can still go on with it."""
+    past = left(tmp_path, "20200101T000000Z-1")
+    with running(MemoryStream(), station=Station(journal=Journal(tmp_path, "a", reopen))) as engine:
+        asked = until(engine, lambda now: now.question is not None)
+        assert asked.question is not None
+        engine.send(Decline(asked.question.number))
+        now = until(engine, lambda now: now.obeyed == 1)
+    assert now.station.past
+    assert (past / CLOSED).exists()
 
 
 def test_the_oldest_journals_give_way_to_their_size(tmp_path: Path) -> None:
