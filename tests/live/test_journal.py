@@ -219,13 +219,14 @@ def test_who_declines_is_not_asked_again(tmp_path: Path) -> None:
 
 
 def test_the_oldest_journals_give_way_to_their_size(tmp_path: Path) -> None:
-    """Neither the one to be offered nor the present one does."""
+    """Neither those to be offered do, whatever their address, nor the present one."""
+    other = left(tmp_path, "20191231T000000Z-1", "c", size=3000)
     offered = left(tmp_path, "20200101T000000Z-1", size=3000)
     closed = [left(tmp_path, f"2020010{number}T000000Z-1", "b", size=3000) for number in (2, 3)]
     for folder in closed:
         journal_files.mark_closed(folder)
-    journal = Journal(tmp_path, "a", reopen, kept_bytes=7000)
-    assert journal_files.journals(tmp_path) == [offered, closed[1], journal.folder]
+    journal = Journal(tmp_path, "a", reopen, kept_bytes=10_000)
+    assert journal_files.journals(tmp_path) == [other, offered, closed[1], journal.folder]
     journal.close()
 
 
