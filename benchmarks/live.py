@@ -28,8 +28,8 @@ from hectorscope.sources._live import LiveSource
 from hectorscope.sources.bag import BagSource, open_bag
 from hectorscope.sources.foxglove import FoxgloveWire
 from slam_core.measurements import LaserScan
+from tests.conftest import ROOT
 
-SERVER = Path(__file__).parents[1] / "tests" / "live" / "replay_server.py"
 SILENCE_S = 3.0
 
 
@@ -82,14 +82,14 @@ def main() -> None:
     parser.add_argument("recording", type=Path, nargs="?")
     parser.add_argument("--speed", type=float, default=1.0)
     args = parser.parse_args()
-    recording = args.recording or demo_bag("arena")
-    bag = open_bag(Path(recording), SourceOptions())
+    recording = Path(args.recording or demo_bag("arena")).resolve()
+    bag = open_bag(recording, SourceOptions())
     topics, stamps = sorted(bag.roles.topics()), scan_stamps(bag)
     load_everything()
     with tempfile.TemporaryDirectory() as folder:
         sent_file = Path(folder) / "sent"
-        command = [sys.executable, SERVER, recording, "--speed", str(args.speed), "--stamps", sent_file]
-        server = subprocess.Popen([*command, "--topics", *topics], stdout=subprocess.PIPE, text=True)
+        command = [sys.executable, "-m", "tests.live.replay_server", recording, "--speed", str(args.speed), "--stamps", sent_file]
+        server = subprocess.Popen([*command, "--topics", *topics], cwd=ROOT, stdout=subprocess.PIPE, text=True)
         assert server.stdout is not None
         try:
             port = server.stdout.readline().split()[1]

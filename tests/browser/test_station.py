@@ -11,7 +11,7 @@ from playwright.sync_api import Page, ViewportSize, expect
 from hectorscope.run.annotations import Annotation
 from hectorscope.session.commands import Command
 from hectorscope.session.snapshot import Snapshot
-from hectorscope.session.station_commands import HandOver, PutMark, SetPose
+from hectorscope.session.station_commands import HandOver, PutMark, Resume, SetPose
 from hectorscope.session.station_state import StationState
 from hectorscope.web.server import PageServer
 from slam_core.results import Verdict
@@ -41,6 +41,17 @@ def live(**station: Any) -> Snapshot:
         playback=replace(still.playback, live=True, end_ns=None, state="playing"),
         station=StationState(**station),
     )
+
+
+def test_the_run_before_is_offered_by_a_button(show: Show, open_page: Open) -> None:
+    """As long as there is one that can be gone on with, whatever became of the question."""
+    show.engine.show(live())
+    page = above(open_page(show.url))
+    button = page.get_by_role("button", name="Go on with the run before")
+    expect(button).to_have_count(0)
+    show.engine.show(replace(live(past=True), sequence=9))
+    button.click()
+    assert sent(page, show.engine, Resume) == Resume()
 
 
 def lost() -> Snapshot:

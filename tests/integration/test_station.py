@@ -9,10 +9,11 @@ import pytest
 
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.session.commands import Configure, Fork, Restart, Save, Seek, Undo
-from hectorscope.session.station_commands import EditMark, PutMark, RemoveMark, SetPose, ShowReturn
+from hectorscope.session.station import Station
+from hectorscope.session.station_commands import EditMark, PutMark, Record, RemoveMark, SetPose, ShowReturn
 from hectorscope.sources import open_source
 from tests.conftest import ROOT
-from tests.engines import after, running
+from tests.engines import after, running, until
 from tests.sources import MemoryRecording, MemoryStream
 from tests.streams import Robot
 
@@ -123,3 +124,15 @@ def test_marks_stay_with_a_recording(drive: list[Item]) -> None:
         assert after(engine, Restart()).station.annotations == (mark,)
         forked = after(engine, Fork("b"))
         assert forked.station.annotations == (mark,)
+
+
+def test_a_stream_that_cannot_be_heard_is_not_said_to_be_recorded(tmp_path: Path) -> None:
+    """The page is told why, and the switch stays off."""
+    stream = MemoryStream()
+    with running(stream, station=Station(tmp_path)) as engine:  # type: ignore[arg-type]
+        engine.send(Record(on=False))
+        engine.send(Record(on=True))
+        now = until(engine, lambda now: now.obeyed == 2)
+        stream.close()
+    assert "Only a stream can be recorded" in now.log[-1].text
+    assert now.station.records is False

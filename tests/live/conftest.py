@@ -14,8 +14,9 @@ from websockets.sync.server import ServerConnection, serve
 from websockets.typing import Subprotocol
 
 from hectorscope.simulation import SimulateOptions, simulate
+from tests.conftest import ROOT
 
-SERVERS = {"ws": "replay_server.py", "rosbridge": "rosbridge_server.py", "zenoh": "zenoh_router.py"}
+SERVERS = {"ws": "replay_server", "rosbridge": "rosbridge_server", "zenoh": "zenoh_router"}
 
 
 @dataclass
@@ -51,8 +52,8 @@ def replay() -> Iterator[Callable[..., Replay]]:
     running: list[Replay] = []
 
     def start(recording: Path, *arguments: str, scheme: str = "ws") -> Replay:
-        command = [sys.executable, str(Path(__file__).with_name(SERVERS[scheme])), str(recording), *arguments]
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        command = [sys.executable, "-m", f"tests.live.{SERVERS[scheme]}", str(recording), *arguments]
+        process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
         assert process.stdout is not None
         greeting = process.stdout.readline().split()
         assert greeting[:1] == ["listening"], "the replay server did not start"

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from itertools import count, islice
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -19,21 +20,30 @@ from hectorscope.session.station_commands import Record
 from tests.engines import running, until
 from tests.live.conftest import Replay
 from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, recorded
-from tests.live.test_replay import poses
+from tests.live.test_replay import poses, wait_for
 
-FULL = """
-import resource, signal, sys, threading
+FIRST = 200  # messages that meet the full disk
+FULL = f"""
+import resource, signal, sys
 from pathlib import Path
-from random import Random
 from hectorscope.inputs import Message
 from hectorscope.ros.stream_recorder import StreamRecorder
+from tests.live.test_recording import sent, wait_for
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-recorder = StreamRecorder(Path(sys.argv[1]))
-resource.setrlimit(resource.RLIMIT_FSIZE, (50000, 50000))
-for number in range(200):
-    recorder.take(Message("/a", "cdr", "a/msg/A", "", "msg", number, Random(number).randbytes(4000)))
-recorder.close()
+recorder = StreamRecorder(Path(sys.argv[1]), again_s=0.2)
+def take(numbers):
+    for number in numbers:
+        recorder.take(Message("/a", "cdr", "a/msg/A", "", "msg", number, sent(number)))
+_, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+resource.setrlimit(resource.RLIMIT_FSIZE, (50000, most))
+take(range({FIRST}))
+wait_for(lambda: recorder.failed)
 print(recorder.warning)
+resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+take(range({FIRST}, {FIRST} + 20))
+wait_for(lambda: not recorder.failed)
+print(recorder.warning or "no warning")
+recorder.close()
 """
 
 
@@ -171,15 +181,45 @@ def test_a_file_that_was_just_begun_is_left_out(
         assert [plain(item) for item in islice(source.items(), 300)] == [plain(item) for item in received]
 
 
+def sent(number: int) -> bytes:
+    """What a message of the run on a full disk holds."""
+    return Random(number).randbytes(4000)
+
+
+def read_back(part: Path) -> list[bytes]:
+    """The messages of a file, as far as it goes."""
+    from hectorscope.sources._mcap_scan import scan_mcap  # noqa: PLC0415
+
+    return [bytes(raw.data) for raw in scan_mcap(part)]
+
+
 @pytest.mark.skipif(not hasattr(resource, "RLIMIT_FSIZE"), reason="needs a limit that stands for a full disk")
-def test_a_full_disk_ends_the_recording_with_a_warning(tmp_path: Path) -> None:
-    """The recorder says so and takes no more; nothing is raised into the stream, and what was written is read."""
+def test_a_full_disk_is_told_and_recording_goes_on_once_there_is_room(tmp_path: Path) -> None:
+    """Nothing is raised into the stream, what was written is read, and the next file holds what comes then."""
     result = subprocess.run(
         [sys.executable, "-c", FULL, str(tmp_path)], capture_output=True, text=True, check=True
     )
-    assert "is not recorded any more" in result.stdout
-    assert "File too large" in result.stdout
-    assert parts(tmp_path)[0].stat().st_size > 0
+    full, again = result.stdout.splitlines()
+    assert "is not recorded at this moment" in full
+    assert "File too large): make room" in full
+    assert again == "no warning"
+    before = read_back(parts(tmp_path)[0])
+    assert 0 < len(before) < FIRST
+    assert before == [sent(number) for number in range(len(before))]
+    assert read_back(parts(tmp_path)[-1]) == [sent(number) for number in range(FIRST, FIRST + 20)]
+
+
+def test_a_message_that_cannot_be_written_costs_its_file_only(tmp_path: Path) -> None:
+    """A time before 1970, which the format cannot hold, is told; the recording goes on in another file."""
+    recorder = StreamRecorder(tmp_path, again_s=0.01)
+    recorder.take(message(1, -5))
+    wait_for(lambda: recorder.failed)
+    assert "is not recorded at this moment" in recorder.warning
+    recorder.take(message(2, size=50_000))
+    wait_for(lambda: not recorder.failed)
+    assert recorder.warning == ""
+    recorder.close()
+    assert read_back(parts(tmp_path)[-1]) == [bytes([2]) * 50_000]
 
 
 def test_a_folder_that_cannot_be_had_is_refused(tmp_path: Path) -> None:

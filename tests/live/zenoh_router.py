@@ -1,7 +1,7 @@
 """Replays a recording by Zenoh, as a robot with rmw_zenoh and its router would serve it.
 
 Run as a program of its own, so that it can be killed like one:
-    python zenoh_router.py RECORDING --topics /scan /imu [--port 7447] [--speed 4] [--begin 2]
+    python -m tests.live.zenoh_router RECORDING --topics /scan /imu [--port 7447] [--speed 4] [--begin 2]
 One session in the mode of a router stands in for the router, and publishes. It says "listening PORT", waits until
 somebody has subscribed to every topic, and replays once. What is on /tf_static is sent before that, and
 kept for who comes later.
@@ -13,7 +13,7 @@ import struct
 from typing import Any
 
 import zenoh
-from pacing import flags, paced, stay, wait_for
+from tests.live.pacing import flags, paced, stay, wait_for
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_typestore

@@ -14,6 +14,7 @@ import re
 import shutil
 import stat
 import tempfile
+from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -109,7 +110,17 @@ def cache_places() -> list[Path]:
 
 def fingerprint() -> str:
     """A name for the text of every compiled function."""
-    sources = [path for package in PACKAGES for path in sorted(package.rglob("*.py"))]
-    texts = (path.read_bytes() for path in sources)
-    compiled = (text for text in texts if COMPILED.search(text))
-    return hashlib.sha256(b"".join(compiled)).hexdigest()[:16]
+    return _named(text for text in _texts() if COMPILED.search(text))
+
+
+def version() -> str:
+    """A name for the text of the whole program, as it lies on the disk."""
+    return _named(_texts())
+
+
+def _texts() -> Iterator[bytes]:
+    return (path.read_bytes() for package in PACKAGES for path in sorted(package.rglob("*.py")))
+
+
+def _named(texts: Iterable[bytes]) -> str:
+    return hashlib.sha256(b"".join(texts)).hexdigest()[:16]

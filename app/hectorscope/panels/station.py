@@ -11,12 +11,23 @@ from hectorscope.panels import _request, _workspace
 from hectorscope.run.annotations import KINDS, LONGEST, MOST
 from hectorscope.session.commands import Command, Configure
 from hectorscope.session.snapshot import Snapshot
-from hectorscope.session.station_commands import EditMark, PutMark, Record, RemoveMark, SetPose, ShowReturn
+from hectorscope.session.station_commands import (
+    EditMark,
+    PutMark,
+    Record,
+    RemoveMark,
+    Resume,
+    SetPose,
+    ShowReturn,
+)
 
 FARTHEST = 1e6  # metres from the map's start
 TURN = 7.0  # rad
 REPEAT_S = 1.0  # so that a page that has just been opened hears it too
 MOST_NUMBERS = 1 << 31
+RESUME_HINT = (
+    "It ended without being closed. Its map takes the place of this one, which can be brought back for a minute."
+)
 
 
 class StationPanel:
@@ -31,10 +42,16 @@ class StationPanel:
         self._sent: tuple[str, float] = "", 0.0
         with _workspace.tab(scene, self.title, Icon.MAP_PIN):
             scene.server.gui.add_html(FORM)
+            self._resume = scene.server.gui.add_button(
+                "Go on with the run before", hint=RESUME_HINT, visible=False
+            )
+        self._resume.on_click(lambda _: scene.send(Resume()))
         _request.listen(scene, "station", lambda _, asked: scene.send(command(asked)))
 
     def draw(self, snapshot: Snapshot) -> None:
         """Tell every page."""
+        if self._resume.visible != snapshot.station.past:
+            self._resume.visible = snapshot.station.past
         script, now = script_of(snapshot), monotonic()
         if script != self._sent[0] or now - self._sent[1] >= REPEAT_S:
             self._sent = script, now

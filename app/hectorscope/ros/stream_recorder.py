@@ -10,7 +10,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from mcap.exceptions import McapError
 from mcap.writer import CompressionType, Writer
 
 from hectorscope.common.paths import exists
@@ -21,6 +20,7 @@ PART = re.compile(r"stream_(\d{4,})\.mcap")
 PART_BYTES, PART_S = 256 * 2**20, 600.0
 CHUNK = 16 * 1024  # bytes: of a slow laser some seconds
 FLUSH_S, SYNC_S = 0.5, 5.0  # to the system, which outlives us; to the disk, which outlives the system
+AGAIN_S = 5.0  # seconds from a failure to the next file
 MOST_WAITING = 64 * 2**20  # bytes of messages, while the disk is busy
 SCHEMAS = {("cdr", "msg"): "ros2msg", ("ros1", "msg"): "ros1msg", ("cdr", "idl"): "ros2idl"}
 
@@ -39,7 +39,8 @@ class StreamRecorder:
     """A `Tap` that keeps every message in `folder`, until `close`. What goes wrong there never stops the stream.
 
     Times are those of the other side; one that went back is recorded as the last, so that files keep the order of
-    arrival. part_bytes, part_s: the largest and the longest file. written: bytes so far.
+    arrival. part_bytes, part_s: the largest and the longest file. again_s: seconds from a failure to the
+    next file. written: bytes so far. failed: whether the last attempt to write failed.
     """
 
     def __init__(
@@ -48,11 +49,12 @@ class StreamRecorder:
         *,
         part_bytes: int = PART_BYTES,
         part_s: float = PART_S,
+        again_s: float = AGAIN_S,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """RecordError if the folder cannot be had. One that holds parts already gets more of them."""
-        self.folder, self.warning, self.written = folder, "", 0
-        self._part_bytes, self._part_s, self._clock = part_bytes, part_s, clock
+        self.folder, self.warning, self.written, self.failed = folder, "", 0, False
+        self._part_bytes, self._part_s, self._again_s, self._clock = part_bytes, part_s, again_s, clock
         self._waiting: deque[Message] = deque()
         self._bytes_waiting = 0
         self._lock = threading.Lock()
@@ -88,22 +90,31 @@ class StreamRecorder:
         self._thread.join()
 
     def _run(self) -> None:
+        while not self._closing:
+            self._wake.wait(self._again_s if self.failed else FLUSH_S)
+            self._try(self._write)
+        self._try(self._write)
+        self._try(self._end)
+
+    def _try(self, act: Callable[[], None]) -> None:
+        """Whatever goes wrong ends the file, and is told: the next attempt begins another file."""
         try:
-            while not self._closing:
-                self._wake.wait(FLUSH_S)
-                self._write()
-            self._write()
-            self._end()
-        except (OSError, McapError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
+            act()
+        except Exception as error:  # a full disk, or a message that the format cannot hold
+            reason = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
+            remedy = "make room, " if isinstance(error, OSError) else ""
+            self.failed = True
             self.warning = (
-                f"the stream is not recorded any more ({self.folder}: {reason}): make room, then record again"
+                f"the stream is not recorded at this moment ({self.folder}: {reason}): {remedy}it is tried again"
             )
-            with self._lock:
-                self._closing = True
-                self._waiting.clear()
+            self._drop()
+
+    def _drop(self) -> None:
+        """Let go of a file that cannot be written on; what it holds stays."""
+        part, self._part = self._part, None
+        if part is not None:
             with suppress(OSError, ValueError):
-                self._part and self._part.file.close()
+                part.drop()
 
     def _write(self) -> None:
         with self._lock:
@@ -115,8 +126,10 @@ class StreamRecorder:
                 part = self._begin()
             self._last_ns = max(self._last_ns, message.received_ns)
             part.write(message, self._last_ns)
-        if self._part is not None:
-            self.written += self._part.flush(self._clock())
+        more = self._part.flush(self._clock()) if self._part is not None else 0
+        self.written += more
+        if self.failed and more:
+            self.failed, self.warning = False, ""
 
     def _begin(self) -> "_Part":
         self._number += 1
@@ -180,3 +193,11 @@ class _Part:
         self.file.close()
         if not self._channels:
             Path(self.file.name).unlink()
+
+    def drop(self) -> None:
+        """Close the file as it is; one without a byte is removed."""
+        with suppress(OSError):  # what was not written still is not
+            self.file.close()
+        path = Path(self.file.name)
+        if not path.stat().st_size:
+            path.unlink()

@@ -80,7 +80,7 @@ class Control:
         self.probes = Probes()
         self.beside = beside
         self.station: Obeys | None = None
-        self._session, self._library, self._opening = session, library, opening
+        self._session, self._library, self.opening = session, library, opening
         self._following = Following(session, library, opening)
         self._runs = RunCommands(session, library, self._following)
         self._transport = session.transport
@@ -190,13 +190,13 @@ class Control:
         except SlamError as error:
             self._refuse(str(error))
         finally:
-            self._opening("")
+            self.opening("")
 
     def _open(self, key: str) -> None:
         if run := self._library.kept_run(key):
             self._following.follow_kept(run)
             return
-        self._opening(f"Opening {self._library.name(key)}")
+        self.opening(f"Opening {self._library.name(key)}")
         self._session.open(*self._library.open(key))
 
     def _answer(self, command: Undo | Agree | Decline | Inspect) -> None:
@@ -207,11 +207,13 @@ class Control:
                 self.questions.withdraw()  # it was asked about another run
                 self._session.undo()
             case Agree(number):
-                held = self.questions.agreed(number)
-                if held is not None:
-                    self._do(held)
+                self._do_if(self.questions.agreed(number))
             case Decline(number):
-                self.questions.declined(number)
+                self._do_if(self.questions.declined(number))
+
+    def _do_if(self, command: Command | None) -> None:
+        if command is not None:
+            self._do(command)
 
     def _pause(self) -> None:
         """Rest, in a recording after one more scan: what it was before that scan is kept for changed settings."""

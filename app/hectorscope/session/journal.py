@@ -1,10 +1,9 @@
 """The journal of a live run: its messages, its newest checkpoint and its actions are on the disk at all times."""
 
 import json
-import os
-import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,144 +15,192 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.session import journal_files
 from hectorscope.session.active_run import ActiveRun
-from hectorscope.session.journal_files import Hold, JournalError, Position, Saved
+from hectorscope.session.checkpoint_file import Position, Saved, behind, our_version, read_checkpoint
+from hectorscope.session.journal_files import KEPT_BYTES, Hold, JournalError
+from hectorscope.session.journal_writer import JournalWriter
+from hectorscope.session.transport import PAUSED
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
+from slam_core.measurements import LaserScan
 
 CHECKPOINT_S = 60.0
 BURST, BURST_S = 60, 10.0  # so many keyframes more are worth a checkpoint of their own, but not more often
+WANTED_S = 1.0  # nor does a slider that is dragged ask for more than one in such a time
 NOWHERE = Place(0, None)
+TOLD = 100  # scans from one word on the progress to the next
 
 
 class Resumed(NamedTuple):
-    """A run that is gone on with. again: scans that were processed again for that."""
+    """A run that is gone on with. again: scans that were processed again for that.
+
+    left_out: why its checkpoint was not used; empty if it was, or if there is none.
+    """
 
     pipeline: Pipeline
     again: int
     annotations: Annotations
+    left_out: str = ""
 
 
 class Journal:
     """Belongs to the engine's thread. What goes wrong is told by `warning`, and the run goes on.
 
     reopen: opens the messages of an earlier run. past: the folder of the run of this address that ended badly.
+    wanted: something changed that a checkpoint has to hold.
     """
 
-    def __init__(self, root: Path, address: str, reopen: Callable[[Path], Source]) -> None:
-        """JournalError if nothing can be written there."""
-        self._root, self._reopen = root, reopen
-        self.past = journal_files.ended_badly(root, address)
-        self._held = Hold(self.past) if self.past else None
+    def __init__(
+        self, root: Path, address: str, reopen: Callable[[Path], Source], *, kept_bytes: int = KEPT_BYTES
+    ) -> None:
+        """kept_bytes: of all journals. JournalError if nothing can be written there."""
+        our_version()
+        self._root, self._address, self._reopen = root, address, reopen
+        self.past: Path | None = None
+        self._held: Hold | None = None
+        self._find_past()
+        self._replaced: tuple[Path, Hold] | None = None
         self.folder = journal_files.begin(root, address)
         self._hold = Hold(self.folder)
-        journal_files.forget_old(root)
-        self.warning = ""
+        journal_files.forget_old(root, kept_bytes)
+        self._unrecorded = ""
+        self.wanted = False
         self._last: Checkpoint | None = None
         self._kept_at, self._kept_updates = 0.0, 0
-        self._thread: threading.Thread | None = None
+        self._writer = JournalWriter(self.folder)
         try:
             self._recorder: StreamRecorder | None = StreamRecorder(self.folder)
         except RecordError as error:
-            self._recorder, self.warning = None, str(error)
+            self._recorder, self._unrecorded = None, str(error)
+
+    @property
+    def warning(self) -> str:
+        """What cannot be written, with the remedy; empty while all is well."""
+        return "; ".join(filter(None, (self._unrecorded, self._writer.warning)))
 
     def listen(self, source: Source) -> None:
         """Keep what a stream brings from now on."""
         if isinstance(source, Tappable) and self._recorder is not None:
             source.tap(self._recorder)
 
-    def keep(self, run: ActiveRun, last: Item, *, now: bool = False) -> None:
-        """Write a checkpoint beside the run if it is time; last: the item that it had last."""
-        pipeline = run.pipeline
-        if not pipeline.scans or (self._thread is not None and self._thread.is_alive()):
-            return
-        age, updates = time.monotonic() - self._kept_at, pipeline.slam.map.updates
-        burst = updates - self._kept_updates >= BURST and age >= BURST_S
-        if not (now or burst or age >= CHECKPOINT_S):
-            return
-        self._kept_at, self._kept_updates = time.monotonic(), updates
-        self._last = Checkpoint(pipeline, NOWHERE, self._last)
-        saved = Saved(self._last, run.settings, Position.of(last), run.annotations)
-        self._thread = threading.Thread(target=self._write, args=(saved,), name="journal")
-        self._thread.start()
+    def keep(self, run: ActiveRun, last: Item, *, paused: bool = False) -> None:
+        """Write a checkpoint beside the run if it is time; last: the item that it had last.
 
-    def _write(self, saved: Saved) -> None:
-        try:
-            journal_files.write_checkpoint(self.folder, saved)
-            self.warning = ""
-        except OSError as error:
-            self.warning = (
-                f"the journal cannot be kept ({self.folder}: {error.strerror}): make room, it is tried again"
-            )
+        paused: whether its scans are let go by.
+        """
+        updates = run.pipeline.slam.map.updates
+        if not run.pipeline.scans or self._writer.busy or not self._is_due(updates):
+            return
+        self._kept_at, self._kept_updates, self.wanted = time.monotonic(), updates, False
+        self._last = Checkpoint(run.pipeline, NOWHERE, self._last)
+        saved = Saved(self._last, run.settings, Position.of(last), run.annotations, paused)
+        self._writer.write(saved, self._close_replaced if self._replaced else lambda: None)
+
+    def _is_due(self, updates: int) -> bool:
+        age = time.monotonic() - self._kept_at
+        soon = updates - self._kept_updates >= BURST or self._writer.failed
+        return age >= CHECKPOINT_S or (soon and age >= BURST_S) or (self.wanted and age >= WANTED_S)
 
     def log(self, entry: dict[str, Any]) -> None:
-        """Append an action, and have it on the disk."""
-        line = json.dumps(entry, default=str, ensure_ascii=False) + "\n"
-        try:
-            with (self.folder / journal_files.ACTIONS).open("a", encoding="utf-8") as file:
-                file.write(line)
-                file.flush()
-                os.fsync(file.fileno())
-        except OSError as error:
-            self.warning = f"actions cannot be logged ({self.folder}: {error.strerror}): make room"
+        """Append an action; a moment later it is on the disk."""
+        self._writer.log(json.dumps(entry, default=str, ensure_ascii=False) + "\n")
 
-    def resumed(self, settings: Settings, prior_map: PriorMap | None) -> "Resumed":
-        """The run that ended badly: its checkpoint and what came then.
+    def resumed(
+        self, settings: Settings, prior_map: PriorMap | None, told: Callable[[str], None] = lambda _: None
+    ) -> "Resumed":
+        """The run that ended badly: its checkpoint and what came then; an older one if that holds no scan.
 
-        settings, prior_map: for a run without a checkpoint. JournalError if nothing can be read.
+        settings, prior_map: for a run without a checkpoint. told: hears how far it is. JournalError without any.
         """
-        if self.past is None:
-            raise JournalError("There is no run that could be gone on with")
-        return resumed(self.past, self._reopen, settings, prior_map)
+        passed_over: list[str] = []
+        while self.past is not None:
+            try:
+                found = resumed(self.past, self._reopen, settings, prior_map, told)
+                return found._replace(left_out="; ".join(filter(None, (*passed_over, found.left_out))))
+            except JournalError as error:
+                passed_over.append(str(error))
+                self.forget_past()
+                self._close_replaced()
+                self._find_past()
+        raise JournalError("; ".join((*passed_over, "There is no run that could be gone on with")))
+
+    def _find_past(self) -> None:
+        self.past = journal_files.ended_badly(self._root, self._address)
+        self._held = Hold(self.past) if self.past else None
+
+    def give_up_past(self) -> None:
+        """The next start does not offer the earlier run; until then it can still be gone on with."""
+        if self.past is not None:
+            journal_files.mark_closed(self.past)
 
     def forget_past(self) -> None:
-        """The earlier run is gone on with or given up."""
-        if self._held is not None and self.past is not None:
-            _mark_closed(self.past)
-            self._held.release()
+        """The earlier run is gone on with: it is closed once a checkpoint of that is on the disk."""
+        if self.past is not None and self._held is not None:
+            self._replaced = self.past, self._held
         self.past = self._held = None
+        self.wanted = True
+
+    def _close_replaced(self) -> None:
+        replaced, self._replaced = self._replaced, None
+        if replaced is not None:
+            journal_files.mark_closed(replaced[0])
+            replaced[1].release()
 
     def close(self) -> None:
         """The run ended in order."""
         if self._recorder is not None:
             self._recorder.close()
-        if self._thread is not None:
-            self._thread.join()
-        _mark_closed(self.folder)
+        self._writer.close()
+        self._close_replaced()
+        journal_files.mark_closed(self.folder)
         self._hold.release()
         if self._held is not None:
             self._held.release()
 
 
-def _mark_closed(folder: Path) -> None:
-    try:
-        journal_files.write_durably(folder / journal_files.CLOSED, b"")
-    except OSError:  # it is offered once more: better than lost
-        return
-
-
 def resumed(
-    folder: Path, reopen: Callable[[Path], Source], settings: Settings, prior_map: PriorMap | None
+    folder: Path,
+    reopen: Callable[[Path], Source],
+    settings: Settings,
+    prior_map: PriorMap | None,
+    told: Callable[[str], None] = lambda _: None,
 ) -> Resumed:
-    """The run as it was when a journal ended."""
-    try:
-        saved = journal_files.read_checkpoint(folder)
-    except JournalError:
-        saved = None
+    """The run as it was when a journal ended. told: hears how far it is. JournalError if it holds no scan."""
+    saved, left_out = _checkpoint(folder)
     if saved is not None:
-        pipeline = saved.checkpoint.pipeline(saved.settings)
+        pipeline, marks = saved.checkpoint.pipeline(saved.settings), saved.annotations
     else:
-        pipeline = Pipeline(settings, None, prior_map, live=True)
-    scans, marks = pipeline.scans, saved.annotations if saved else Annotations()
+        pipeline, marks = Pipeline(settings, None, prior_map, live=True), Annotations()
+    scans = pipeline.scans
     try:
         source = reopen(folder)
     except SlamError as error:
         if saved is None:
             raise JournalError(f"{folder} holds nothing that could be gone on with ({error})") from error
-        return Resumed(pipeline, 0, marks)
+        return Resumed(pipeline, 0, marks, left_out)
+    with closing(source):
+        _process(pipeline, source, saved, told)
+    if not pipeline.scans:
+        raise JournalError(f"{folder} holds no scan that could be gone on with")
+    return Resumed(pipeline, pipeline.scans - scans, marks, left_out)
+
+
+def _checkpoint(folder: Path) -> tuple[Saved | None, str]:
+    """The one of a journal, and why it is left out."""
     try:
-        for item in journal_files.behind(source.items(), saved.position if saved else None):
-            for measurement in pipeline.admit(item):
-                pipeline.step(measurement)
-    finally:
-        source.close()
-    return Resumed(pipeline, pipeline.scans - scans, marks)
+        return read_checkpoint(folder), ""
+    except JournalError as error:
+        return None, str(error)
+
+
+def _process(pipeline: Pipeline, source: Source, saved: Saved | None, told: Callable[[str], None]) -> None:
+    """What came behind a checkpoint. Scans that a pause let go by are let go by again."""
+    processed = 0
+    for item in behind(source.items(), saved.position if saved else None):
+        for measurement in pipeline.admit(item):
+            if saved is not None and saved.paused and isinstance(measurement, LaserScan):
+                pipeline.skip(PAUSED)
+                continue
+            pipeline.step(measurement)
+            processed += isinstance(measurement, LaserScan)
+            if isinstance(measurement, LaserScan) and processed % TOLD == 0:
+                told(f"Processing the run before again: {processed} scans")

@@ -1,63 +1,29 @@
 """The files of a journal: what a live run leaves on the disk while it goes on, and how it is found again.
 
 A folder for each run: the messages of the stream (ros/stream_recorder.py), the newest checkpoint, the actions,
-and `closed` once the run ended in order. A checkpoint is a pickle, so a folder or file that others could write is
-never read.
+and `closed` once the run ended in order or was gone on with.
 """
 
-import hashlib
 import json
 import os
-import pickle
-import stat
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-from hectorscope.common.kernel_cache import fingerprint
 from hectorscope.common.paths import exists
-from hectorscope.inputs import Item
-from hectorscope.run.annotations import Annotations
-from hectorscope.run.checkpoints import Checkpoint
-from hectorscope.run.settings import Settings
+from hectorscope.ros.stream_recorder import parts
 from slam_core.errors import SlamError
 
 if sys.platform != "win32":
     import fcntl
 
 ABOUT, CHECKPOINT, CLOSED, ACTIONS = "about.json", "checkpoint", "closed", "actions.jsonl"
-KEPT = 5  # journals of runs; older ones are removed
-MAGIC = "hectorscope-checkpoint"
+KEPT, KEPT_BYTES = 5, 4 * 2**30  # journals of runs, and all together; the oldest ones are removed
 
 
 class JournalError(SlamError):
     """A journal cannot be kept or read."""
-
-
-@dataclass(frozen=True, slots=True)
-class Position:
-    """The last item that a checkpoint has had, by its kind and time: a stream has no numbers."""
-
-    kind: str
-    stamp_ns: int
-
-    @classmethod
-    def of(cls, item: Item) -> "Position":
-        """That of an item."""
-        return cls(type(item).__name__, item.stamp_ns)
-
-
-@dataclass(frozen=True, slots=True)
-class Saved:
-    """What a checkpoint file holds."""
-
-    checkpoint: Checkpoint
-    settings: Settings
-    position: Position
-    annotations: Annotations
 
 
 def journal_folder() -> Path | None:
@@ -105,18 +71,26 @@ def begin(root: Path, address: str) -> Path:
 
 
 def ended_badly(root: Path, address: str) -> Path | None:
-    """The newest journal of an address that was not closed and that no running program writes; None without."""
-    for folder in reversed(journals(root)):
-        try:
-            about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue
-        if not isinstance(about, dict) or about.get("address") != address:
-            continue
-        if exists(folder / CLOSED) or not _is_free(folder) or not _has_content(folder):
-            return None  # there is a newer one than any that ended badly
-        return folder
-    return None
+    """The newest journal of an address that holds something, was not closed, and that no running program writes.
+
+    None without any. One that was offered and not answered is found again.
+    """
+    found = (folder for folder in reversed(journals(root)) if _address(folder) == address and _is_open(folder))
+    return next(found, None)
+
+
+def _address(folder: Path) -> str | None:
+    """Of its stream; None if that cannot be read."""
+    try:
+        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    address = about.get("address") if isinstance(about, dict) else None
+    return address if isinstance(address, str) else None
+
+
+def _is_open(folder: Path) -> bool:
+    return not exists(folder / CLOSED) and _has_content(folder) and _is_free(folder)
 
 
 def journals(root: Path) -> list[Path]:
@@ -136,14 +110,38 @@ def _is_free(folder: Path) -> bool:
 
 
 def _has_content(folder: Path) -> bool:
-    return exists(folder / CHECKPOINT) or any(folder.glob("stream_*.mcap"))
+    """A run leaves an empty file at once, before anything has come."""
+    return exists(folder / CHECKPOINT) or any(part.stat().st_size for part in parts(folder))
 
 
-def forget_old(root: Path) -> None:
-    """Remove all but the newest ones."""
-    for folder in journals(root)[:-KEPT]:
-        if _is_free(folder):
+def forget_old(root: Path, most_bytes: int = KEPT_BYTES) -> None:
+    """Remove the oldest ones while there are too many or they are too large; none that is still to be offered."""
+    kept = journals(root)
+    addresses = {address for folder in kept if (address := _address(folder)) is not None}
+    offered = {ended_badly(root, address) for address in addresses}
+    sizes = {folder: _size(folder) for folder in kept}
+    for folder in kept:
+        if len(sizes) <= KEPT and sum(sizes.values()) <= most_bytes:
+            return
+        if folder not in offered and _is_free(folder):
             _remove(folder)
+            del sizes[folder]
+
+
+def _size(folder: Path) -> int:
+    """Bytes of its files."""
+    try:
+        return sum(path.stat().st_size for path in folder.iterdir())
+    except OSError:
+        return 0
+
+
+def mark_closed(folder: Path) -> None:
+    """It is not offered any more."""
+    try:
+        write_durably(folder / CLOSED, b"")
+    except OSError:  # it is offered once more: better than lost
+        return
 
 
 def _remove(folder: Path) -> None:
@@ -170,47 +168,9 @@ def write_durably(path: Path, content: bytes) -> None:
         os.close(handle)
 
 
-def write_checkpoint(folder: Path, saved: Saved) -> None:
-    """OSError if there is no room."""
-    content = pickle.dumps(saved, pickle.HIGHEST_PROTOCOL)
-    head = f"{MAGIC} {fingerprint()} {hashlib.sha256(content).hexdigest()}\n"
-    write_durably(folder / CHECKPOINT, head.encode() + content)
-
-
-def read_checkpoint(folder: Path) -> Saved | None:
-    """None if there is none, or one of another version. JournalError for one that is damaged or not one's own."""
-    path = folder / CHECKPOINT
-    try:
-        for place in (folder, path):
-            _check_owner(place)
-        head, _, content = path.read_bytes().partition(b"\n")
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise JournalError(f"{path} cannot be read ({error.strerror}): check its permissions") from error
-    magic, version, digest = (*head.decode("ascii", "replace").split(), "", "", "")[:3]
-    if magic != MAGIC or digest != hashlib.sha256(content).hexdigest():
-        raise JournalError(f"{path} is damaged: the run is made again from its messages")
-    if version != fingerprint():
-        return None
-    saved = pickle.loads(content)  # of a file that only we can write
-    assert isinstance(saved, Saved)
-    return saved
-
-
-def _check_owner(path: Path) -> None:
-    """JournalError for a file that others can write: what is loaded from it is run."""
-    found = path.stat()
-    if hasattr(os, "getuid") and found.st_uid != os.getuid():
-        raise JournalError(f"{path} belongs to somebody else: it is not read")
-    if os.name == "posix" and found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-        raise JournalError(f"{path} can be written by others: it is not read")
-
-
-def behind(items: Iterator[Item], position: Position | None) -> Iterator[Item]:
-    """The items behind the one at a position; all without one, and none where it is not found."""
-    if position is not None:
-        for item in items:
-            if type(item).__name__ == position.kind and item.stamp_ns == position.stamp_ns:
-                break
-    yield from items
+def append_durably(folder: Path, lines: list[str]) -> None:
+    """Add lines to the log of actions; they are on the disk then. OSError if there is no room."""
+    with (folder / ACTIONS).open("a", encoding="utf-8") as file:
+        file.writelines(lines)
+        file.flush()
+        os.fsync(file.fileno())

@@ -9,15 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from hectorscope.inputs import Item, Tappable
+from hectorscope.inputs import Item, Source, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
 from hectorscope.run.annotations import AnnotationError
-from hectorscope.session.commands import Command, Inspect
+from hectorscope.session.commands import Command, Export, GoLive, Inspect, ListRecordings, Seek
 from hectorscope.session.control import Control
 from hectorscope.session.journal import Journal
 from hectorscope.session.session import Session
 from hectorscope.session.station_commands import (
     EditMark,
+    GiveUpPast,
     HandOver,
     PutMark,
     Record,
@@ -32,11 +33,12 @@ from hectorscope.session.undo import KeptMarks
 from hectorscope.session.way_back import WayBack
 from slam_core.config import SlamConfig, leaves
 from slam_core.errors import SlamError
+from slam_core.geometry import heading
 from slam_core.results import PlanarGaussian
 
 POSE_SIGMAS = (0.3, 0.3, 0.2)  # m, m, rad: of a pose that a hand shows
 OFFERED_S = 600.0  # seconds that an earlier run is offered
-UNLOGGED = (Inspect,)  # a look changes nothing
+UNLOGGED = (Inspect, Seek, GoLive, ListRecordings, Export)  # a look changes nothing
 
 
 class Station:
@@ -52,6 +54,7 @@ class Station:
         """RecordError if the folder is of no use."""
         self._folder, self._journal, self._resumes = record, journal, resume
         self._recorder = StreamRecorder(record) if record else None
+        self._tapped: Tappable | None = None
         self._last: Item | None = None
         self._way_back = WayBack()
 
@@ -66,7 +69,7 @@ class Station:
         if not session.source.live:
             return
         if self._recorder is not None:
-            self._listen(self._recorder)
+            self._listen(self._recorder, tappable(session.intake.source))
         if self._journal is None:
             return
         self._journal.listen(session.intake.source)
@@ -82,12 +85,13 @@ class Station:
                 "Go on with the map",
                 "Keep the new map",
                 patience_s=OFFERED_S,
+                otherwise=GiveUpPast(),
             )
 
     @property
     def state(self) -> StationState:
         """For the page."""
-        records = None if self._folder is None else self._recorder is not None and not self._recorder.warning
+        records = None if self._folder is None else self._recorder is not None and not self._recorder.failed
         told = (self._journal.warning if self._journal else "",)
         run = self._session.run
         return StationState(
@@ -96,6 +100,7 @@ class Station:
             records=records,
             recorded=self._recorder.written if self._recorder else 0,
             warnings=tuple(filter(None, told)),
+            past=self._journal is not None and self._journal.past is not None,
         )
 
     def keep(self) -> None:
@@ -105,7 +110,7 @@ class Station:
         if self._journal is None or session.past.front or not session.source.live:
             self._last = None
         elif self._last is not None and session.run.waiting is None:
-            self._journal.keep(session.run, self._last)
+            self._journal.keep(session.run, self._last, paused=session.transport.unwanted)
 
     def admitted(self, item: Item) -> None:
         """The run has had this item."""
@@ -129,20 +134,28 @@ class Station:
                 "changed": changed,
             }
         )
-        if self._last is not None and changed:
-            self._journal.keep(self._session.run, self._last, now=True)
+        self._journal.wanted |= bool(changed)
 
     def _seen(self) -> dict[str, Any]:
         session, transport = self._session, self._session.transport
         return {
             **values(session.run.settings.at(session.now_ns)),
             "run": session.run.number,
+            "pose": self._pose(),
             "running": transport.running,
             "speed": transport.speed,
             "records": self.state.records,
             "marks": [mark.told(0) for mark in session.run.annotations.marks],
             "question": self._control.questions.open is not None,
         }
+
+    def _pose(self) -> list[float] | None:
+        """x, y [m] and heading [rad] in the map, as known now; None before the first scan."""
+        slam = self._session.newest.pipeline.slam
+        if slam.now_ns is None:
+            return None
+        motion = slam.motion_at([slam.now_ns])[0]
+        return [*motion[:2].tolist(), heading(motion[3:7])]
 
     def obey(self, command: StationCommand) -> None:
         """Carry a command of the station out; what cannot be done is told in the log of the page."""
@@ -154,6 +167,9 @@ class Station:
                     self._session.log(f"The operator at {address} is in control")
                 case Resume():
                     self._resume()
+                case GiveUpPast():
+                    if self._journal is not None:
+                        self._journal.give_up_past()
                 case PutMark() | EditMark() | RemoveMark():
                     self._mark(command)
                 case SetPose():
@@ -193,35 +209,40 @@ class Station:
     def _record(self, on: bool) -> None:
         if self._folder is None:
             raise RecordError("There is no folder for recordings: start the program with --record DIR")
+        source = tappable(self._session.intake.source) if on else None
+        recorder = StreamRecorder(self._folder) if on else None
         if self._recorder is not None:
-            source = self._session.intake.source
-            if isinstance(source, Tappable):
-                source.untap(self._recorder)
+            if self._tapped is not None:
+                self._tapped.untap(self._recorder)
             self._recorder.close()
-            self._recorder = None
-        if on:
-            self._recorder = StreamRecorder(self._folder)
-            self._listen(self._recorder)
+        self._recorder = self._tapped = None
+        if recorder is not None and source is not None:
+            self._listen(recorder, source)
         self._session.log(
             f"The stream is {'' if on else 'no longer '}recorded in {self._folder.name}", answer=True
         )
 
-    def _listen(self, recorder: StreamRecorder) -> None:
-        source = self._session.intake.source
-        if not isinstance(source, Tappable):
-            raise RecordError("Only a stream can be recorded: a recording is one already")
+    def _listen(self, recorder: StreamRecorder, source: Tappable) -> None:
         source.tap(recorder)
+        self._recorder, self._tapped = recorder, source
 
     def _resume(self) -> None:
         if self._journal is None:
             raise SlamError("There is no journal: start the program without --journal off")
-        session = self._session
-        pipeline, again, marks = self._journal.resumed(session.run.settings, session.prior_map)
-        session.adopt(pipeline, "going on with the run before")
-        session.run.annotations = marks
+        session, told = self._session, self._control.opening
+        told("Processing the run before again")
+        try:
+            found = self._journal.resumed(session.run.settings, session.prior_map, told)
+        finally:
+            told("")
+        session.adopt(found.pipeline, "going on with the run before")
+        session.run.annotations = found.annotations
         self._journal.forget_past()
+        if found.left_out:
+            session.log(found.left_out, "warning")
         session.log(
-            f"Goes on with the map of {pipeline.scans} scans; {again} of them were processed again", answer=True
+            f"Goes on with the map of {found.pipeline.scans} scans; {found.again} of them were processed again",
+            answer=True,
         )
 
     def close(self) -> None:
@@ -230,6 +251,13 @@ class Station:
             self._recorder.close()
         if self._journal is not None:
             self._journal.close()
+
+
+def tappable(source: Source) -> Tappable:
+    """RecordError for a source that is no stream."""
+    if not isinstance(source, Tappable):
+        raise RecordError("Only a stream can be recorded: a recording is one already")
+    return source
 
 
 def values(config: SlamConfig) -> dict[str, Any]:

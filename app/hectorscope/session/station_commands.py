@@ -21,6 +21,11 @@ class Resume(StationCommand):
 
 
 @dataclass(frozen=True, slots=True)
+class GiveUpPast(StationCommand):
+    """Do not offer that run at the next start again."""
+
+
+@dataclass(frozen=True, slots=True)
 class HandOver(StationCommand):
     """A browser of an operator has got control. Sent by the server only. address: of its machine."""
 

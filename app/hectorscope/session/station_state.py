@@ -13,7 +13,7 @@ class StationState:
     """records: whether the stream is recorded; None if there is no folder for that. recorded: bytes so far.
 
     annotations: marks that a person set. way_back: (n, 2) to the start; None while it is not shown.
-    warnings: what cannot be written, with the remedies.
+    warnings: what cannot be written, with the remedies. past: whether a run before can be gone on with.
     """
 
     annotations: tuple[Annotation, ...] = ()
@@ -21,3 +21,4 @@ class StationState:
     records: bool | None = None
     recorded: int = 0
     warnings: tuple[str, ...] = ()
+    past: bool = False

@@ -14,6 +14,7 @@ from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdr
 TOPICS = "topics"  # the id of the request for topics
 MOST_TOPICS = 10_000
 NANOSECONDS = 1_000_000_000
+LATEST_NS = 2**63  # times are signed numbers of 64 bits
 
 
 def ask_topics() -> str:
@@ -63,9 +64,12 @@ class Conversation:
             seconds, nanoseconds, data = raw["secs"], raw["nsecs"], raw["bytes"]  # type: ignore[index]
         except (TypeError, KeyError):
             return Malformed("message without its raw bytes: the bridge has to know cbor-raw")
-        if not (isinstance(seconds, int) and isinstance(nanoseconds, int) and isinstance(data, bytes)):
+        if not (type(seconds) is type(nanoseconds) is int and isinstance(data, bytes)):  # True is no number
             return Malformed("message with fields of the wrong type")
-        return Payload(number, seconds * NANOSECONDS + nanoseconds, data)
+        received_ns = seconds * NANOSECONDS + nanoseconds
+        if not 0 <= received_ns < LATEST_NS:
+            return Malformed("message with a time that is none")
+        return Payload(number, received_ns, data)
 
     def _topics(self, said: dict[str, Any]) -> list[Event]:
         """What is new since the last answer, and what is gone."""

@@ -37,6 +37,13 @@ def test_a_changed_kernel_has_another_folder(sources: Path):
     assert kernel_cache.fingerprint() != changed
 
 
+def test_any_changed_module_is_another_version(sources: Path):
+    """What is pickled depends on classes that are not compiled."""
+    before = kernel_cache.version()
+    (sources / "hectorscope/plain.py").write_text("x = 2\n")
+    assert kernel_cache.version() != before
+
+
 def test_the_environment_s_choice_is_kept(sources: Path, monkeypatch: pytest.MonkeyPatch):
     """Who set NUMBA_CACHE_DIR keeps it."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", "elsewhere")

@@ -61,6 +61,9 @@ def test_a_bridge_without_rosapi_is_told(changes: dict[str, Any]) -> None:
         {"op": "publish", "topic": "/scan", "msg": {"ranges": []}},
         {"op": "publish", "topic": "/scan", "msg": {"secs": "0", "nsecs": 0, "bytes": b""}},
         {"op": "publish", "topic": "/scan", "msg": {"secs": 0, "nsecs": 0, "bytes": "text"}},
+        {"op": "publish", "topic": "/scan", "msg": {"secs": -1, "nsecs": 0, "bytes": b""}},
+        {"op": "publish", "topic": "/scan", "msg": {"secs": 2**34, "nsecs": 0, "bytes": b""}},
+        {"op": "publish", "topic": "/scan", "msg": {"secs": True, "nsecs": 0, "bytes": b""}},
     ],
 )
 def test_a_broken_message_is_named(message: dict[str, Any]) -> None:
