@@ -88,8 +88,9 @@ def main() -> None:
     load_everything()
     with tempfile.TemporaryDirectory() as folder:
         sent_file = Path(folder) / "sent"
-        command = [sys.executable, "-m", "tests.live.replay_server", recording, "--speed", str(args.speed), "--stamps", sent_file]
-        server = subprocess.Popen([*command, "--topics", *topics], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        server_of = [sys.executable, "-m", "tests.live.replay_server", str(recording)]
+        command = [*server_of, "--speed", str(args.speed), "--stamps", str(sent_file), "--topics", *topics]
+        server = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
         assert server.stdout is not None
         try:
             port = server.stdout.readline().split()[1]

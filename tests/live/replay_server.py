@@ -1,7 +1,8 @@
 """Replays a recording on a real Foxglove server, as the bridge of a robot would serve it.
 
 Run as a program of its own, so that it can be killed like one:
-    python -m tests.live.replay_server RECORDING --topics /scan /imu [--port 8765] [--speed 4] [--begin 2] [--end 8]
+    python -m tests.live.replay_server RECORDING --topics /scan /imu [--port 8765] [--speed 4]
+        [--begin 2] [--end 8]
 It says "listening PORT", waits until somebody has subscribed to every topic, and replays once. With --stamps each
 message's topic and the monotonic time at which it was sent are written to that file.
 """
@@ -12,11 +13,12 @@ from pathlib import Path
 
 import foxglove
 from foxglove import Channel, Context, Schema
-from tests.live.pacing import flags, paced, stay, wait_for
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import denormalize_msgtype
+
+from tests.live.pacing import flags, paced, stay, wait_for
 
 
 def make_channel(context: Context, reader: AnyReader, connection: Connection) -> Channel:

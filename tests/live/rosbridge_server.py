@@ -1,7 +1,8 @@
 """Replays a recording as a rosbridge server would: its protocol, with topics from rosapi and messages in CBOR.
 
 Run as a program of its own, so that it can be killed like one:
-    python -m tests.live.rosbridge_server RECORDING --topics /scan /imu [--port 9090] [--speed 4] [--begin 2] [--late /imu]
+    python -m tests.live.rosbridge_server RECORDING --topics /scan /imu [--port 9090] [--speed 4]
+        [--begin 2] [--late /imu]
 It says "listening PORT", waits until somebody has subscribed to every topic, and replays once. A topic that is
 late is not listed when topics are asked for the first time.
 """
@@ -11,11 +12,12 @@ import json
 import threading
 
 import cbor2
-from tests.live.pacing import flags, paced
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.msg import denormalize_msgtype
 from websockets.sync.server import ServerConnection, serve
+
+from tests.live.pacing import flags, paced
 
 
 class Bridge:

@@ -13,11 +13,12 @@ import struct
 from typing import Any
 
 import zenoh
-from tests.live.pacing import flags, paced, stay, wait_for
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_typestore
 from zenoh import ext
+
+from tests.live.pacing import flags, paced, stay, wait_for
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 LATCHED = "/tf_static"
