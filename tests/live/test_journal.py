@@ -5,6 +5,7 @@ import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from hectorscope.inputs import Source, SourceOptions
 from hectorscope.run.headless import run_headless
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
+from hectorscope.run.warmup import load_everything
 from hectorscope.session import checkpoint_file, journal_files
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.checkpoint_file import read_checkpoint, write_checkpoint
@@ -53,7 +55,11 @@ def reopen(folder: Path) -> Source:
 
 
 def run_for_ever(uri: str, root: Path) -> None:
-    """A live run with a journal, to be killed; tells each scan, and leaves checkpoints often."""
+    """A live run with a journal, to be killed; tells each scan, and leaves checkpoints often.
+
+    A run that compiles its kernels while the robot speaks drops scans; they are loaded first.
+    """
+    load_everything()
     with (
         opened(uri) as source,
         running(source, Settings(), station=Station(journal=Journal(root, uri, reopen))) as engine,
@@ -72,13 +78,17 @@ def killed(uri: str, root: Path, scans: int) -> tuple[Path, int]:
     command = [sys.executable, "-c", RUN, uri, str(root)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
-    last_ns = 0
+    watch = threading.Timer(3 * GIVE_UP_S, process.kill)  # where kernels are compiled first
+    watch.start()
+    count, last_ns = 0, 0
     for line in process.stdout:
         count, last_ns = map(int, line.split())
         if count >= scans:
             break
+    watch.cancel()
     process.send_signal(signal.SIGKILL)
     process.wait()
+    assert count >= scans, "the run got fewer scans than it should"
     (folder,) = journal_files.journals(root)
     return folder, last_ns
 
