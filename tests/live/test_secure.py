@@ -1,7 +1,5 @@
 """wss:// against the real server: trusted certificates only."""
 
-import shutil
-import subprocess
 import threading
 from itertools import islice
 from pathlib import Path
@@ -14,20 +12,13 @@ from hectorscope.inputs import LinkOptions, SourceError
 from hectorscope.sources._foxglove_wire import SUBPROTOCOLS
 from hectorscope.sources._websocket import Link
 from hectorscope.sources.foxglove import PEER
+from tests.certificates import self_signed
 
 
 @pytest.fixture(scope="module")
 def certificate(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """A certificate that this machine signed for itself, and its key."""
-    openssl = shutil.which("openssl")
-    if openssl is None:
-        pytest.skip("no openssl on the path to make a certificate")
-    folder = tmp_path_factory.mktemp("tls")
-    certificate, key = folder / "certificate.pem", folder / "key.pem"
-    command = [openssl, "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
-    names = ["-subj", "/CN=127.0.0.1", "-addext", "subjectAltName=IP:127.0.0.1", "-days", "2"]
-    subprocess.run([*command, *names, "-keyout", key, "-out", certificate], check=True, capture_output=True)
-    return certificate, key
+    return self_signed(tmp_path_factory.mktemp("tls"))
 
 
 def test_only_a_trusted_server_is_talked_to(

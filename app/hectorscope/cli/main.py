@@ -14,11 +14,9 @@ import tyro
 from hectorscope.cli.interruption import delivered_later, ended_by_interruption
 from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, get_ready, opened
 from hectorscope.cli.options import (
-    AddressArgs,
     ExportArg,
     MapArgs,
     NoteArg,
-    PageArgs,
     PublishArg,
     RelationsArg,
     SettingArgs,
@@ -28,6 +26,7 @@ from hectorscope.cli.options import (
     source_flags,
     source_options,
 )
+from hectorscope.cli.page_flags import AddressArgs, PageArgs
 from hectorscope.cli.station_flags import StationArgs
 from hectorscope.cli.sweep_flags import SweepArgs
 from hectorscope.common.kernel_cache import cache_places, keep_compiled

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from hectorscope.cli.interruption import undisturbed
 from hectorscope.cli.opening import demos, get_ready, reserved_folder
-from hectorscope.cli.options import MapFlags, PageFlags, SettingFlags
+from hectorscope.cli.options import MapFlags, SettingFlags
+from hectorscope.cli.page_flags import PageFlags
 from hectorscope.cli.publishing import published
 from hectorscope.cli.station_flags import NOTHING_ABOARD, Aboard
 from hectorscope.common.recent import Recent, recent_file
@@ -51,6 +52,8 @@ def show(
         token=page.secret(),
         upload_limit=page.uploads(),
         viewer_token=aboard.viewer_token,
+        certificate=page.proof(),
+        public=page.public_url,
         teacher=secrets.token_urlsafe(KEY_BYTES) if page.classroom else None,
     )
     with reserved_folder(page.out), published(aboard.publish, source) as observer:

@@ -6,7 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hectorscope.cli.options import AddressFlags, SettingFlags, source_options
+from hectorscope.cli.options import SettingFlags, source_options
+from hectorscope.cli.page_flags import AddressFlags
 from hectorscope.cli.report import show_sweep, sweep_summary
 from hectorscope.cli.sweep_flags import SweepFlags
 from hectorscope.exporters import OutputError, reserved

@@ -2,7 +2,8 @@
 
 viser serves one HTML file, in which its style sheet and script are packed as text that a script unpacks. As files
 of their own, browsers unpack them faster, compile them while they arrive, and do not ask again. The script is
-changed in one place: it begins without lights, shadows and reflections, which the scene replaces at once.
+changed in two places: it begins without lights, shadows and reflections, which the scene replaces at once, and it
+does not write the address of its server into that of the page, as it does below a path.
 """
 
 import gzip
@@ -34,9 +35,14 @@ UNLIT = (
     b"background:!1,background_blurriness:0,background_intensity:1,background_wxyz:[1,0,0,0],environment_intensity:1,"
     b"environment_wxyz:[1,0,0,0]}"
 )
-# viser takes the part behind "#" from the address, and may come before the scripts that look for it.
+NAMING = b"n&&t.has(`websocket`)?t.delete(d7):n||t.set(d7,e)"
+CHANGES = ((LIT, UNLIT), (NAMING, b"t.delete(d7)"))
+# viser takes the part behind "#" from the address, and may come before the scripts that look for it. A proxy may
+# offer the page at an address without its last slash, from which no file of it is found.
 START = (
     '<link rel="stylesheet" href="{style}"><link rel="modulepreload" href="{script}"><script>'
+    "if(!/\\/(index\\.html)?$/.test(location.pathname))"
+    'location.replace(location.pathname+"/"+location.search+location.hash);'
     "window.hectorscope={{asked:location.hash}};"
     'WebAssembly.compileStreaming(fetch("{decoder}")).then((made)=>{{'
     'globalThis.__viserZstdWasm=made;return import("./{script}")}})</script>'
@@ -59,9 +65,11 @@ def unpacked(index: bytes) -> Client:
     except (ValueError, OSError, zstandard.ZstdError) as error:
         log.warning("the client of this viser is served as it is: %s", error)
         return Client(index, {})
+    for before, after in CHANGES:
+        script = script.replace(before, after, 1)
     named = {
         "style": File("text/css; charset=utf-8", style, lasting=True),
-        "script": File("text/javascript; charset=utf-8", script.replace(LIT, UNLIT, 1), lasting=True),
+        "script": File("text/javascript; charset=utf-8", script, lasting=True),
         "decoder": File("application/wasm", decoder, lasting=True),
     }
     paths = {name: f"client/{name}-{zlib.crc32(file.content):08x}" for name, file in named.items()}

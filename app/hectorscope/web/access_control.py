@@ -49,14 +49,17 @@ class AccessControl:
 
     token: None lets everybody in who can reach a loopback address. viewer_token: lets in who may only look; None
     lets nobody in so. answers: makes what changes, by path, for a role. any_host: the server is reachable by names
-    that it cannot know, so the Host header is not checked (the token then is what protects it). uploads: whether
-    recordings are taken.
+    that it cannot know, so the Host header is not checked (the token then is what protects it). public_host: the
+    name, with its port, by which browsers come through a reverse proxy. encrypted: they come by https, so that the
+    cookie is for that alone. uploads: whether recordings are taken.
     """
 
     files: Mapping[str, File]
     token: str | None = None
     cookie: str = "hectorscope"
     any_host: bool = False
+    public_host: str = ""
+    encrypted: bool = False
     uploads: bool = False
     viewer_token: str | None = None
     answers: Mapping[str, Callable[[Role], File]] = field(default_factory=dict)
@@ -100,7 +103,7 @@ class AccessControl:
     def is_our_host(self, host: str) -> bool:
         """Whether the Host header names this machine; a foreign name is another site's, bound to our address."""
         name = host_name(host)
-        return name is not None and (self.any_host or is_loopback(name))
+        return name is not None and (self.any_host or is_loopback(name) or host.lower() == self.public_host)
 
     def role(self, cookies: str) -> Role | None:
         """What the token in the cookie allows; None: nothing at all."""
@@ -124,7 +127,7 @@ class AccessControl:
         """Token for cookie: the token leaves the address bar, and scripts cannot read the cookie."""
         if self._role_of(token) is None:
             return plain(HTTPStatus.UNAUTHORIZED, NO_TOKEN)
-        cookie = f"{self.cookie}={token}; HttpOnly; SameSite=Lax; Path=/"
+        cookie = f"{self.cookie}={token}; HttpOnly; SameSite=Lax; Path=/" + ("; Secure" if self.encrypted else "")
         return Reply(HTTPStatus.SEE_OTHER, {"Location": "./", "Set-Cookie": cookie, **guards("")})
 
     def _made(self, file: File) -> Reply:

@@ -6,6 +6,7 @@ viser is pinned exactly; tests pin each of these uses. A page that cannot be gua
 import contextlib
 import io
 import socket
+import ssl
 import threading
 import time
 from collections.abc import Awaitable, Callable
@@ -42,11 +43,15 @@ class UnguardedError(SlamError):
 
 
 def open_server(
-    listener: socket.socket, access: AccessControl, uploads: Uploads | None = None, roles: Roles | None = None
+    listener: socket.socket,
+    access: AccessControl,
+    uploads: Uploads | None = None,
+    roles: Roles | None = None,
+    tls: ssl.SSLContext | None = None,
 ) -> viser.ViserServer:
     """A viser server that accepts on `listener` only, behind the access control. Takes over the socket.
 
-    uploads: takes the recordings that browsers send; None refuses them.
+    uploads: takes the recordings that browsers send; None refuses them. tls: encrypts all connections; None none.
     """
     host, port = listener.getsockname()[:2]
     guarded: list[bool] = []
@@ -62,6 +67,7 @@ def open_server(
             "create_connection": listening(find, access, roles or Roles()),
             "max_size": MAX_MESSAGE,
             "server_header": None,
+            "ssl": tls,
             "logger": silent_logger("hectorscope.web.websockets"),
         }
         return websockets.asyncio.server.serve(routed(handler, uploads), sock=listener, **options)

@@ -26,8 +26,9 @@ from hectorscope.session.publisher import change_of_tracking
 from hectorscope.session.snapshot import LogEntry, Snapshot
 from hectorscope.views import view_classes
 from hectorscope.web.access_control import AccessControl
+from hectorscope.web.address import listen
 from hectorscope.web.guarded_server import open_server, stop_server
-from hectorscope.web.server import listen, made
+from hectorscope.web.server import made
 from hectorscope.web.shared_replay import NAME
 from slam_core.results import StepResult
 

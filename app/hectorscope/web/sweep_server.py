@@ -10,7 +10,7 @@ from typing import Any
 from hectorscope.exporters import OutputError
 from hectorscope.sweep.table import CSV
 from hectorscope.web.access_control import NO_SOCKET, AccessControl, Reply, guards, is_loopback, plain
-from hectorscope.web.server import check_address, listen, url_of
+from hectorscope.web.address import Address, listen
 from hectorscope.web.sweep_files import JSON, SweepFiles
 from hectorscope.web.viewers import Viewers
 from slam_core.errors import SlamError
@@ -26,24 +26,23 @@ class SweepServer:
     def __init__(self, folder: Path, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None):
         if not (folder / CSV).is_file():
             raise OutputError(f"{folder} has no {CSV}: give a folder that hectorscope sweep --out left")
-        check_address(host, port, token)
-        self._folder, self._host, self._port, self._token = folder, host, port, token
+        self._folder, self._port, self._address = folder, port, Address(host, port, token)
         self._viewers = Viewers(folder, host, token)
 
     @property
     def url(self) -> str:
         """What to open in a browser."""
-        return url_of(self._host, self._port, self._token)
+        return self._address.url(self._port, self._address.token)
 
     def start(self) -> None:
         """Take the port; returns at once."""
-        listener = listen(self._host, self._port)
+        listener = listen(self._address.host, self._port)
         self._port = listener.getsockname()[1]
         access = AccessControl(
             SweepFiles(self._folder),
-            self._token,
+            self._address.token,
             f"hectorscope_{self._port}",
-            any_host=not is_loopback(self._host),
+            any_host=not is_loopback(self._address.host),
         )
         self._server = ThreadingHTTPServer(listener.getsockname()[:2], handler(access, self._viewers), False)
         self._server.socket.close()

@@ -7,8 +7,8 @@ import viser
 
 from hectorscope.page.scene import Scene
 from hectorscope.web.access_control import AccessControl
+from hectorscope.web.address import listen
 from hectorscope.web.guarded_server import open_server, stop_server
-from hectorscope.web.server import listen
 
 
 @pytest.fixture(scope="module")

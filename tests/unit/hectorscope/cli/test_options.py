@@ -6,7 +6,8 @@ from typing import get_args
 import pytest
 
 from hectorscope.cli.main import MISTAKE, main
-from hectorscope.cli.options import TOKEN, ExportArg, PageFlags, TokenError
+from hectorscope.cli.options import ExportArg
+from hectorscope.cli.page_flags import TOKEN, PageFlags, TokenError
 from hectorscope.exporters import chosen
 from hectorscope.run.checkpoints import BUDGET_MB
 from hectorscope.session.engine import LOOK_BACK_S
@@ -100,3 +101,13 @@ def test_what_the_page_cannot_open_is_named(flags: list[str], words: str, capsys
     """Before it is served."""
     assert main(["view", *flags]) == MISTAKE
     assert words in capsys.readouterr().err
+
+
+def test_a_certificate_needs_its_key() -> None:
+    """And the other way round; both together prove a name."""
+    files = Path("certificate.pem"), Path("key.pem")
+    assert PageFlags().proof() is None
+    assert PageFlags(certificate=files[0], key=files[1]).proof() == files
+    for flags in (PageFlags(certificate=files[0]), PageFlags(key=files[1])):
+        with pytest.raises(SlamError, match="give both --certificate and --key"):
+            flags.proof()

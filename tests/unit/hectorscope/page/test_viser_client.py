@@ -29,8 +29,9 @@ def test_style_script_and_decoder_are_found() -> None:
 def test_the_scene_begins_unlit() -> None:
     """The lights and reflections that viser's client begins with are in its script, and are taken out."""
     script = next(file.content for path, file in unpacked(INDEX.read_bytes()).files.items() if "script" in path)
-    assert viser_client.LIT not in script
-    assert script.count(viser_client.UNLIT) == 1
+    for before, after in viser_client.CHANGES:
+        assert before not in script
+        assert script.count(after) == 1
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,8 @@ from websockets.typing import Subprotocol
 
 from hectorscope.page.static_files import File
 from hectorscope.web.access_control import AccessControl
+from hectorscope.web.address import listen
 from hectorscope.web.guarded_server import open_server, stop_server
-from hectorscope.web.server import listen
 from hectorscope.web.uploads import Uploads
 
 TOKEN = "open-sesame"

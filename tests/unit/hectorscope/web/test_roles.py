@@ -14,7 +14,8 @@ from hectorscope.page.viser_private import uuid_of
 from hectorscope.session.commands import Inspect
 from hectorscope.session.station_commands import HandOver
 from hectorscope.web.access_control import AccessControl
-from hectorscope.web.server import PageServer, ServerError
+from hectorscope.web.address import ServerError
+from hectorscope.web.server import PageServer
 from tests.page import StillEngine, room_snapshot
 from tests.unit.hectorscope.web.test_guarded_server import CAMERA
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from hectorscope.web.server import PageServer, ServerError
+from hectorscope.web.address import ServerError
+from hectorscope.web.server import PageServer
 from tests.page import StillEngine, room_snapshot
 
 

@@ -12,7 +12,7 @@ from hectorscope.exporters import OutputError
 from hectorscope.run.settings_file import read_toml, to_toml
 from hectorscope.sweep.spec import RunSpec, RunSummary
 from hectorscope.sweep.table import Table, write_details
-from hectorscope.web.server import ServerError
+from hectorscope.web.address import ServerError
 from hectorscope.web.sweep_files import SweepFiles
 from hectorscope.web.sweep_server import SweepServer
 from hectorscope.web.viewers import ViewerError, spec_of, view_arguments
