@@ -21,6 +21,7 @@ IMPORTED_AS = {
     "ruamel.yaml": "ruamel",
     "kiss-icp": "kiss_icp",
     "eclipse-zenoh": "zenoh",
+    "protobuf": "google",
 }
 OURS = {"hectorscope", "slam_core", "tests", "benchmarks"}
 FOLDERS = {

@@ -1,43 +1,111 @@
-"""foxglove.LaserScan in JSON, as the ROS message that it stands for."""
+"""foxglove.LaserScan in JSON or protobuf, as the ROS message that it stands for."""
 
+import base64
 import json
 import math
 import struct
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from google.protobuf.message import DecodeError
 from rosbags.typesys import Stores, get_typestore
 
+from hectorscope.ros.decode import BadDefinition
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.roles import SCAN
 
 SCHEMA = "foxglove.LaserScan"
+ENCODINGS = ("json", "protobuf")
 MOST_BEAMS = 1 << 20
 NEAREST = 0.01  # m: the schema has no limits; 0 is no distance
-HOME = {"x": 0.0, "y": 0.0, "z": 0.0}
+AXES = ("x", "y", "z")
+WRONG = (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, struct.error, DecodeError)
 _store = get_typestore(Stores.ROS2_HUMBLE)
 
+ToCdr = Callable[[bytes | memoryview], bytes]
 
-def to_cdr(data: bytes | memoryview) -> bytes:
-    """The same scan as sensor_msgs/LaserScan, serialised; BadMessage for what is none."""
+
+class _Scan(NamedTuple):
+    """offset: the parts of the pose of the laser in its frame that must be 0. ranges: as they came."""
+
+    sec: int
+    nanosec: int
+    frame: str
+    offset: tuple[float, ...]
+    first: float
+    last: float
+    ranges: Any
+
+
+def to_cdr(encoding: str, schema: str) -> ToCdr:
+    """A function that gives a scan as sensor_msgs/LaserScan, serialised, and raises BadMessage for what is none.
+
+    schema: of protobuf, its descriptors in base 64; BadDefinition for one that does not define the scan.
+    """
+    read = _json if encoding == "json" else _protobuf(schema)
+
+    def convert(data: bytes | memoryview) -> bytes:
+        try:
+            return _serialised(read(bytes(data)))
+        except BadMessage:
+            raise
+        except WRONG as error:
+            raise BadMessage(f"{encoding} that is no {SCHEMA}") from error
+
+    return convert
+
+
+def _json(data: bytes) -> _Scan:
+    said = json.loads(data)
+    stamp, pose = said["timestamp"], said.get("pose") or {}
+    parts = (pose.get("position") or {}, pose.get("orientation") or {})
+    offset = tuple(float(part.get(axis, 0.0)) for part in parts for axis in AXES)
+    ranges = [math.nan if each is None else each for each in said["ranges"]]
+    return _Scan(
+        int(stamp["sec"]),
+        int(stamp["nsec"]),
+        str(said["frame_id"]),
+        offset,
+        said["start_angle"],
+        said["end_angle"],
+        ranges,
+    )
+
+
+def _protobuf(schema: str) -> Callable[[bytes], _Scan]:
+    pool = descriptor_pool.DescriptorPool()
     try:
-        said = json.loads(bytes(data))
-        return _serialised(said)
-    except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, struct.error) as error:
-        raise BadMessage(f"JSON that is no {SCHEMA}") from error
+        for file in descriptor_pb2.FileDescriptorSet.FromString(base64.b64decode(schema)).file:
+            pool.Add(file)
+        message = message_factory.GetMessageClass(pool.FindMessageTypeByName(SCHEMA))
+    except (ValueError, TypeError, KeyError, DecodeError) as error:
+        raise BadDefinition(f"its definition does not define {SCHEMA}") from error
+
+    def read(data: bytes) -> _Scan:
+        said: Any = message.FromString(data)
+        parts = (said.pose.position, said.pose.orientation)
+        offset = tuple(float(getattr(part, axis)) for part in parts for axis in AXES)
+        stamp = said.timestamp
+        return _Scan(
+            stamp.seconds, stamp.nanos, said.frame_id, offset, said.start_angle, said.end_angle, said.ranges
+        )
+
+    return read
 
 
-def _serialised(said: Any) -> bytes:
-    if _is_moved(said.get("pose") or {}):
+def _serialised(scan: _Scan) -> bytes:
+    if not all(abs(part) <= 1e-6 for part in scan.offset):
         raise BadMessage("scan with a pose of its own in its frame: publish the mount by tf")
-    ranges = np.array([math.nan if each is None else each for each in said["ranges"]], np.float32)
+    ranges = np.array(scan.ranges, np.float32)
     if ranges.ndim != 1 or not 0 < len(ranges) <= MOST_BEAMS:
         raise ValueError("no beams")
-    first, last = float(said["start_angle"]), float(said["end_angle"])
-    types, stamp = _store.types, said["timestamp"]
-    time = types["builtin_interfaces/msg/Time"](sec=int(stamp["sec"]), nanosec=int(stamp["nsec"]))
+    first, last = float(scan.first), float(scan.last)
+    types = _store.types
+    stamp = types["builtin_interfaces/msg/Time"](sec=scan.sec, nanosec=scan.nanosec)
     message = types[SCAN](
-        header=types["std_msgs/msg/Header"](stamp=time, frame_id=str(said["frame_id"])),
+        header=types["std_msgs/msg/Header"](stamp=stamp, frame_id=scan.frame),
         angle_min=first,
         angle_max=last,
         angle_increment=(last - first) / max(1, len(ranges) - 1),
@@ -49,9 +117,3 @@ def _serialised(said: Any) -> bytes:
         intensities=np.empty(0, np.float32),
     )
     return bytes(_store.serialize_cdr(message, SCAN))
-
-
-def _is_moved(pose: Any) -> bool:
-    """Whether the laser is anywhere but at the origin of its frame."""
-    at, turn = pose.get("position") or HOME, pose.get("orientation") or HOME
-    return any(abs(float(part.get(axis, 0.0))) > 1e-6 for part in (at, turn) for axis in HOME)

@@ -6,7 +6,7 @@ from typing import Any
 
 from hectorscope.inputs import Message, SourceError, SourceOptions
 from hectorscope.ros.decode import LONGEST_DEFINITION, BadDefinition, Decode, Generation, decoder
-from hectorscope.ros.foxglove_scan import SCHEMA, to_cdr
+from hectorscope.ros.foxglove_scan import ENCODINGS, SCHEMA, ToCdr, to_cdr
 from hectorscope.ros.roles import ROLE_TYPES, SCAN, TF_TYPES, Roles, Topic, check_overrides, choose_roles
 from hectorscope.sources._offers import Offer, Payload
 
@@ -32,6 +32,7 @@ class Channels:
         self._offers: dict[int, Offer] = {}
         self._decoders: dict[int, tuple[str, str, Decode]] = {}
         self._prepared: dict[int, Offer] = {}
+        self._to_cdr: dict[int, ToCdr] = {}
         self._seen: set[int] = set()
 
     def add(self, offer: Offer) -> None:
@@ -61,11 +62,11 @@ class Channels:
     def message(self, payload: Payload) -> Message:
         """What came over a channel that was asked for, with all that it takes to read it later.
 
-        A scan in JSON becomes the ROS message that it stands for; BadMessage if it is none.
+        A scan of Foxglove's schema becomes the ROS message that it stands for; BadMessage if it is none.
         """
         offer = self._prepared[payload.subscription]
-        if is_json_scan(offer):
-            return Message(offer.topic, "cdr", SCAN, "", "msg", payload.received_ns, to_cdr(payload.data))
+        if convert := self._to_cdr.get(offer.id):
+            return Message(offer.topic, "cdr", SCAN, "", "msg", payload.received_ns, convert(payload.data))
         return Message(
             offer.topic,
             offer.encoding,
@@ -90,8 +91,10 @@ class Channels:
         if len(offer.schema) > LONGEST_DEFINITION:
             raise ChannelError(f"its definition of {offer.schema_name} is too long to be one")
         generation: Generation = "ros1" if offer.encoding == "ros1" else "ros2"
-        definition = "" if is_json_scan(offer) else offer.schema
+        definition = "" if is_foxglove_scan(offer) else offer.schema
         try:
+            if is_foxglove_scan(offer):
+                self._to_cdr[offer.id] = to_cdr(offer.encoding, offer.schema)
             decode = decoder(generation, message_type(offer), definition, offer.form)
         except BadDefinition as reason:
             raise ChannelError(str(reason)) from reason
@@ -125,14 +128,14 @@ class Channels:
         return [Topic(offer.topic, name) for offer in offers if (name := message_type(offer))]
 
 
-def is_json_scan(offer: Offer) -> bool:
+def is_foxglove_scan(offer: Offer) -> bool:
     """Whether its messages are scans of Foxglove's own schema."""
-    return offer.encoding == "json" and offer.schema_name == SCHEMA
+    return offer.encoding in ENCODINGS and offer.schema_name == SCHEMA
 
 
 def message_type(offer: Offer) -> str:
     """The ROS 2 style name of a channel's messages; empty for what is no ROS message."""
-    if is_json_scan(offer):
+    if is_foxglove_scan(offer):
         return SCAN
     name = _TYPE_NAME.fullmatch(offer.schema_name)
     return f"{name[1]}/msg/{name[2]}" if name and offer.encoding in ("cdr", "ros1") else ""
