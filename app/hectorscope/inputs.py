@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
+from hectorscope.common.robot_link import RobotLink
 from slam_core.errors import SlamError
 from slam_core.measurements import Float32s, Measurement, Transform, TruthPose
 
@@ -112,7 +113,7 @@ class SourceReport:
     origin: latitude and longitude in degrees, altitude over the ellipsoid in metres, from which the positions of
     the satellites count; None before the first.
     notes: sentences on what was found or assumed (a mount, a choice among topics, a cut file). warnings: sentences
-    on what is wrong, with the remedies.
+    on what is wrong, with the remedies. link: of a stream whose clock runs beside ours.
     """
 
     read: Mapping[str, int] = field(default_factory=dict)
@@ -128,6 +129,7 @@ class SourceReport:
     repaired: tuple[Finding, ...] = ()
     sensors: Mapping[str, OptionValue] = field(default_factory=dict)
     origin: tuple[float, float, float] | None = None
+    link: RobotLink | None = None
 
 
 class Stamped(NamedTuple):

@@ -104,7 +104,7 @@ def test_after_a_kill_the_run_is_there_again(
     drive: Path, replay: Callable[..., Replay], tmp_path: Path, number: int
 ) -> None:
     """Whenever it was killed: the poses are those of the run, and of the last two seconds at most are missing."""
-    scans = random.Random(SEED + number).randint(15, 50)
+    scans = random.Random(SEED + number).randint(15, 40)
     folder, last_ns = killed(replay(drive, *TOPICS, "--speed", "1").uri, tmp_path, scans)
     again, *_ = resumed(folder, reopen, Settings(), None)
     with opened(drive) as source:

@@ -1,6 +1,7 @@
 """The live source against the real server: recordings replayed by it are taken as from the file."""
 
 import threading
+import time
 from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
@@ -101,6 +102,20 @@ def test_a_live_run_gives_the_trajectory_of_the_file(drive: Path, replay: Callab
     assert poses(live.playback.start_ns, live.trajectory[:rows]) == poses(
         pipeline.start_ns or 0, pipeline.trajectory[:rows]
     )
+
+
+def test_the_clock_of_the_robot_may_be_years_off(drive: Path, replay: Callable[..., Replay]) -> None:
+    """How far is told, with rate and latency of each topic; the run is not disturbed."""
+    with opened(replay(drive, *TOPICS, "--speed", "1").uri) as source, running(source, Settings()) as engine:
+        live = until(engine, lambda now: now.scans >= 20, GIVE_UP_S)
+        here_s = time.time()
+    link = live.report.link
+    assert link is not None and link.clock_offset_s is not None
+    assert link.clock_offset_s == pytest.approx(live.playback.time_ns / 1e9 - here_s, abs=5.0)
+    assert abs(link.clock_offset_s) > 1e6
+    assert {"/scan", "/imu/data_raw"} <= set(link.topics)
+    assert link.topics["/scan"].rate_hz == pytest.approx(10.0, abs=3.0)
+    assert all(topic.latency_s >= 0.0 for topic in link.topics.values())
 
 
 def test_the_map_survives_a_killed_server(drive: Path, replay: Callable[..., Replay]) -> None:

@@ -6,6 +6,20 @@ _SIGMAS = "Shown as one standard deviation."
 _THREE = "Three standard deviations: the true value lies within in 99.7 % of all cases."
 
 HINTS: Mapping[str, str] = {
+    # the link to a robot, in the tab Station
+    "clock of the robot": (
+        "How far it is from the clock of this computer, if the fastest message of the last minute needed half of "
+        "the round trip. Stamps are used as they are: no cause for worry here, but other programs may mind."
+    ),
+    "round trip": "Of the last ping over the link. Worry above 200 ms: what you see is older then.",
+    "topic rate": "Messages a second. Worry if it is below what the sensor should give.",
+    "latency": (
+        "From the stamp of a message to its arrival, the median of the last 64, with the clock of the robot put "
+        "right. A scan is stamped at its first beam. Worry if it grows: then the link is too slow."
+    ),
+    "age": "Time since the last message. Worry above a second.",
+    "topic live": "Messages come. No cause for worry.",
+    "topic silent": "Nothing came for a while. Worry if it stays so: look at the link and the sensor.",
     # the bar at the top
     "source": "What is shown: a recording, or the address of a robot. No cause for worry.",
     "server": (

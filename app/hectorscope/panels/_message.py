@@ -57,7 +57,7 @@ def _of_stream(snapshot: Snapshot) -> Iterator[Message]:
     elif playback.state == "waiting":
         detail = f"The robot is connected, but nothing comes from {awaited}."
         yield Message("warning", "Waiting for the first scan", detail)
-    elif playback.state == "loading" and report.skipped:
+    elif playback.state == "loading" and report.skipped and not snapshot.scans:
         reason = max(report.skipped.items(), key=lambda item: item[1])[0]
         yield Message("warning", "Waiting for the first scan that can be used", reason)
 

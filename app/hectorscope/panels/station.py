@@ -8,6 +8,8 @@ from viser import Icon
 
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _request, _workspace
+from hectorscope.panels._handles import put
+from hectorscope.panels._link import link_html
 from hectorscope.run.annotations import KINDS, LONGEST, MOST
 from hectorscope.session.commands import Command, Configure
 from hectorscope.session.snapshot import Snapshot
@@ -41,6 +43,7 @@ class StationPanel:
         self._scene = scene
         self._sent: tuple[str, float] = "", 0.0
         with _workspace.tab(scene, self.title, Icon.MAP_PIN):
+            self._link = scene.server.gui.add_html("")
             scene.server.gui.add_html(FORM)
             self._resume = scene.server.gui.add_button(
                 "Go on with the run before", hint=RESUME_HINT, visible=False
@@ -50,6 +53,7 @@ class StationPanel:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Tell every page."""
+        put(self._link, link_html(snapshot.report.link))
         if self._resume.visible != snapshot.station.past:
             self._resume.visible = snapshot.station.past
         script, now = script_of(snapshot), monotonic()

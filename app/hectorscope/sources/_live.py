@@ -1,15 +1,18 @@
 """A robot's live topics, whatever the protocol: which are wanted, and how they become measurements."""
 
 import threading
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
 from hectorscope.inputs import Item, SourceOptions, SourceReport, Tap
+from hectorscope.ros import messages
 from hectorscope.ros.converter import Converter
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.mounts import BASE_NAMES
 from hectorscope.sources._channels import ChannelError, Channels
+from hectorscope.sources._link_delays import LinkDelays
 from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
 from hectorscope.sources._taps import Taps
 from slam_core.measurements import Transform
@@ -20,6 +23,10 @@ class Wire(Protocol):
 
     @property
     def status(self) -> str: ...
+
+    @property
+    def round_trip_s(self) -> float | None:
+        """Of the link; 0 where that is not measured, None where messages do not come as they are made."""
 
     def connections(self) -> Iterator[Iterator[Sequence[Event]]]:
         """What is said over one connection after another, until `close` or the end of the stream."""
@@ -46,20 +53,23 @@ class LiveSource:
         self._channels = Channels(options)
         self._converter = Converter(self._channels.roles, options)
         self._taps = Taps()
+        self._delays = LinkDelays()
+        self._is_heard = False
         self._lock = threading.Lock()  # `report` is asked for by another thread than the one in `items`
 
     @property
     def report(self) -> SourceReport:
         """Counters so far; `waiting` while the connection or the laser is missing."""
         with self._lock:
-            status = self._wire.status
+            status, round_trip_s = self._wire.status, self._wire.round_trip_s
             report = self._converter.report
             return replace(
                 report,
                 warnings=(*report.warnings, *self._taps.warnings),
-                waiting=status or self._channels.missing(),
+                waiting=status or (self._channels.missing() if self._is_heard else ""),
                 connected=not status,
                 scan_topic=self._channels.roles.scan or "",
+                link=None if round_trip_s is None else self._delays.link(time.time_ns(), round_trip_s),
             )
 
     def items(self) -> Iterator[Item]:
@@ -67,6 +77,7 @@ class LiveSource:
         for batches in self._wire.connections():
             with self._lock:
                 self._channels.reset()
+                self._is_heard = True
             for events in batches:
                 with self._lock:
                     items = self._take(events)
@@ -127,10 +138,14 @@ class LiveSource:
         try:
             message = self._channels.message(payload)
             self._taps.hear(message)
-            return self._converter.convert(topic, msgtype, decode(message.data), payload.received_ns)
+            decoded = decode(message.data)
+            items = self._converter.convert(topic, msgtype, decoded, payload.received_ns)
         except BadMessage as reason:
             self._converter.skip(topic, str(reason))
             return []
+        if stamp_ns := messages.stamp_ns(decoded, 0):
+            self._delays.note(topic, stamp_ns, time.time_ns())
+        return items
 
     def _subscribe(self) -> None:
         wanted: list[Offer] = []

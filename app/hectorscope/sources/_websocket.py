@@ -94,6 +94,11 @@ class Link:
                 raise SourceError(self._explain(error)) from error
             self.status = self._explain(error)
 
+    @property
+    def round_trip_s(self) -> float:
+        """Of the last ping over the connection; 0 before the first."""
+        return self._connection.latency if self._connection else 0.0
+
     def connections(self) -> Iterator[Iterator[str | bytes]]:
         """The frames of every connection that is made; between two of them the pauses grow up to a limit."""
         pause = 0.0

@@ -29,6 +29,11 @@ class FoxgloveWire:
         """Why nothing flows right now; empty while connected."""
         return self._link.status
 
+    @property
+    def round_trip_s(self) -> float:
+        """Of the connection."""
+        return self._link.round_trip_s
+
     def connections(self) -> Iterator[Iterator[Sequence[Event]]]:
         """The events of each connection, frame by frame."""
         return (map(parse, frames) for frames in self._link.connections())

@@ -80,6 +80,11 @@ class McapWire:
         silent = time.monotonic() - self._input.heard > SILENT_S
         return f"nothing new comes from {self._name}: start what writes it" if silent else ""
 
+    @property
+    def round_trip_s(self) -> float | None:
+        """What comes may have been recorded long ago."""
+        return None
+
     def connections(self) -> Iterator[Iterator[Sequence[Event]]]:
         """One, from the beginning to the end of the MCAP."""
         yield self._events()

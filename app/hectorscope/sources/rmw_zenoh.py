@@ -59,6 +59,11 @@ class ZenohWire:
         remedy = f"no Zenoh router answers at {self._uri}: start it there (rmw_zenohd)"
         return "" if self._is_reached else remedy
 
+    @property
+    def round_trip_s(self) -> float:
+        """Zenoh does not tell."""
+        return 0.0
+
     def connections(self) -> Iterator[Iterator[Sequence[Event]]]:
         """One, which outlives the loss of its router."""
         while not self._is_closed and self._session is None:

@@ -31,6 +31,11 @@ class RosbridgeWire:
         """Why nothing flows right now; empty while connected."""
         return self._link.status or self._conversation.failure
 
+    @property
+    def round_trip_s(self) -> float:
+        """Of the connection."""
+        return self._link.round_trip_s
+
     def connections(self) -> Iterator[Iterator[Sequence[Event]]]:
         """The events of each connection, frame by frame."""
         for frames in self._link.connections():

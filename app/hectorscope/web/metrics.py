@@ -51,6 +51,11 @@ def families(now: Snapshot, browsers: int) -> Iterator[tuple[str, str, str, Iter
     yield "last_scan_timestamp_seconds", "gauge", "Stamp of the last scan.", [({}, playback.time_ns / 1e9)]
     if report.connected is not None:
         yield "robot_connected", "gauge", "Whether there is a link to the robot.", [({}, report.connected)]
+    if (link := report.link) is not None and link.clock_offset_s is not None:
+        ahead = "How far the clock of the robot is ahead."
+        yield "robot_clock_offset_seconds", "gauge", ahead, [({}, link.clock_offset_s)]
+        late = [({"topic": name}, topic.latency_s) for name, topic in link.topics.items()]
+        yield "topic_latency_seconds", "gauge", "From the stamp of a message to its arrival, the median.", late
     yield "warnings", "gauge", "What is wrong at this moment.", [({}, len(now.warnings))]
     yield "recorded_bytes_total", "counter", "Recorded of the stream.", [({}, now.station.recorded)]
     yield "state", "gauge", "1 for the state of the run.", one_hot(get_args(PlaybackState), playback.state)

@@ -68,8 +68,9 @@ def test_a_lost_pose_is_told_with_its_reason() -> None:
 
 
 def test_nothing_is_told_while_all_is_well() -> None:
-    """A recording may rest, and its end is no trouble."""
+    """A recording may rest, its end is no trouble, and a stream may compile while its scans are drawn."""
     for snapshot in (
+        stream("loading", replace(UP, skipped={"all NaN": 3}), scans=1),
         room_snapshot(),
         Snapshot(),
         stream("playing", scans=9),

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hectorscope.common.robot_link import RobotLink, TopicLink
+from hectorscope.panels._link import link_html
 from hectorscope.panels._request import BadRequest
 from hectorscope.panels.station import FARTHEST, command, script_of
 from hectorscope.run.annotations import LONGEST, Annotation
@@ -58,3 +60,15 @@ def test_the_page_is_told_in_json() -> None:
     told = json.loads(script.removeprefix("window.hectorscope?.station?.(").removesuffix(")"))
     assert told["marks"] == [[1, "note", 1.0, 2.0, '</script>"\\']]
     assert (told["way"], told["records"], told["recorded"], told["lost"]) == ([[0.0, 0.0]], True, 2.0, False)
+
+
+def test_the_link_is_a_table_of_topics() -> None:
+    """With a word for a topic that is silent; names from outside stay text; nothing without a link."""
+    topics = {"/<scan>": TopicLink(40.0, 0.0123, 0.02), "/imu": TopicLink(100.0, 0.5, 4.0)}
+    html = link_html(RobotLink(-7200.0, 0.004, topics))
+    assert "2.0 h behind" in html
+    assert "4 ms" in html
+    assert "/&lt;scan&gt;" in html and "<scan>" not in html
+    assert "12 ms" in html and "40.0" in html
+    assert html.count("<small>silent</small>") == 1
+    assert link_html(None) == link_html(RobotLink()) == ""
