@@ -113,6 +113,14 @@
   new MutationObserver(() => apply("theme")).observe(root, { attributeFilter: ["data-mantine-color-scheme"] });
   Object.keys(DEFAULTS).forEach(apply);
 
+  // -------------------------------------------------------------------------------------------- elements
+
+  function element(tag, values = {}, ...inside) {
+    const made = Object.assign(document.createElement(tag), values);
+    made.append(...inside);
+    return made;
+  }
+
   // --------------------------------------------------------------------------------------------- drawing
 
   // Functions that are called before each drawing of the scene, once what the server sent is in it.
@@ -128,5 +136,5 @@
   document.addEventListener("DOMContentLoaded", () => setInterval(hook, 200)); // every script of ours is there then
 
   const own = { get, set, toggle: (key) => set(key, !chosen[key]), listen: (call) => heard.push(call), layers, layerShown };
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing });
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing, element });
 })();

@@ -9,10 +9,9 @@ from hectorscope.run.xray import Plane
 
 Lab = Literal["steps", "landscape", "lens", "covariance"]
 Show = Literal["heat", "surface", "basin"]
-MOST_STEPS, MOST_LEVELS = 10_000, 32
+MOST_STEPS = 10_000
 SPAN, YAW = (0.1, 5.0), math.radians(30.0)
 OMEGA, NOISE = (0.001, 0.999), (0.001, 0.2)
-FARTHEST = 1e6  # metres from the map's start
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +39,12 @@ def wanted_of(asked: dict[str, Any]) -> Wanted:
     return Wanted(
         lab=_word(asked.get("lab"), Lab),
         step=whole(asked.get("step"), 0, MOST_STEPS),
-        level=whole(asked.get("level"), 0, MOST_LEVELS),
+        level=whole(asked.get("level"), 0, _request.MOST_LEVELS - 1),
         plane=_word(asked.get("plane"), Plane),
         span=number(asked.get("span"), *SPAN),
         yaw=number(asked.get("yaw"), -YAW, YAW),
         show=_word(asked.get("show"), Show),
-        at=_place(asked.get("at")),
+        at=None if asked.get("at") is None else _request.place(asked["at"]),
         omega=number(asked.get("omega"), *OMEGA),
         noise=number(asked.get("noise"), *NOISE),
     )
@@ -55,13 +54,3 @@ def _word(value: Any, words: Any) -> Any:
     if value not in get_args(words):
         raise _request.BadRequest
     return value
-
-
-def _place(value: Any) -> tuple[int, float, float] | None:
-    if value is None:
-        return None
-    parts = _request.items(value, 3)
-    if len(parts) != 3:
-        raise _request.BadRequest
-    x, y = (_request.number(part, -FARTHEST, FARTHEST) for part in parts[1:])
-    return _request.whole(parts[0], 0, MOST_LEVELS), x, y

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hectorscope.panels._request import BadRequest
+from hectorscope.panels._request import FARTHEST, MOST_LEVELS, BadRequest
 from hectorscope.panels._xray_scene import surface
 from hectorscope.panels._xray_shown import ellipse
-from hectorscope.panels._xray_wanted import FARTHEST, MOST_LEVELS, MOST_STEPS, OMEGA, SPAN, YAW, Wanted, wanted_of
+from hectorscope.panels._xray_wanted import MOST_STEPS, OMEGA, SPAN, YAW, Wanted, wanted_of
 from hectorscope.panels._xray_work import Workshop
 from hectorscope.run.xray.landscape import SIDE
 from tests.xray import specimen
@@ -31,8 +31,8 @@ def test_requests_are_brought_into_their_ranges():
     """Whatever the numbers are."""
     wild = {"step": -5, "level": 99, "span": 1e9, "yaw": -9.0, "at": [77, 1e12, 0.0], "omega": 2, "noise": -1.0}
     found = wanted_of(ASKED | wild)
-    assert (found.step, found.level, found.span, found.yaw) == (0, MOST_LEVELS, SPAN[1], -YAW)
-    assert found.at == (MOST_LEVELS, FARTHEST, 0.0)
+    assert (found.step, found.level, found.span, found.yaw) == (0, MOST_LEVELS - 1, SPAN[1], -YAW)
+    assert found.at == (MOST_LEVELS - 1, FARTHEST, 0.0)
     assert found.omega == OMEGA[1]
     assert wanted_of(ASKED | {"step": 10**9}).step == MOST_STEPS
 
