@@ -10,7 +10,7 @@
   const LEGIBLE = 48; // pixels of a cell that has its name in it
   const NARROW = 280; // pixels: less room beside the scene than this, and the card lies over it
   const LABS = { steps: "Steps", landscape: "Landscape", lens: "Lens", covariance: "Covariance" };
-  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02 };
+  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02, keep: false };
   let open = false;
   let steps = 0;
   let levels = 0;
@@ -23,6 +23,7 @@
   const group = (name, options) => `<span class="hs-group" role="group">${Object.entries(options).map(([value, text]) => `<button type="button" data-hs-xray="${name}" data-hs-to="${value}">${text}</button>`).join("")}</span>`;
   const range = (name, text, low, high, step) => `<label>${text}<input type="range" data-hs-xray="${name}" min="${low}" max="${high}" step="${step}" aria-label="${text}"><output></output></label>`;
   card.innerHTML = `<header><h2>Inside the matcher</h2><button type="button" class="hs-tool" data-hs-xray="close" title="Close · I" aria-label="Close the X-ray"><svg viewBox="0 0 24 24"><path d="M6 6l12 12M18 6 6 18"/></svg></button></header>
+    <p class="hs-xray-scan"><span></span><button type="button" data-hs-xray="keep" title="The run may go on without it; each browser keeps its own">Keep this scan</button></p>
     ${group("lab", LABS)}
     <div data-hs-lab="steps"><span class="hs-group"><button type="button" data-hs-xray="by" data-hs-to="-1" aria-label="Iteration before">‹</button><button type="button" data-hs-xray="play">Play</button><button type="button" data-hs-xray="by" data-hs-to="1" aria-label="Next iteration">›</button></span>${range("step", "Iteration", 0, 0, 1)}
       <p class="hs-xray-legend">Beams by residual 0<i class="hs-ramp"></i>1 · lines: ∇M · drag the handle to start elsewhere</p></div>
@@ -119,6 +120,7 @@
     play,
     by: (to) => (stop(), want("step", Math.min(Math.max(wanted.step + Number(to), 0), Math.max(steps - 1, 0)))),
     home: () => hectorscope.request("xray", { home: true }),
+    keep: () => want("keep", !wanted.keep),
     lab: (to) => (stop(), want("lab", to)),
     level: (to) => want("level", Number(to)),
     plane: (to) => want("plane", to),
@@ -169,6 +171,7 @@
     card.querySelector(".hs-of-cost").hidden = wanted.show === "basin";
     card.querySelector(".hs-of-basin").hidden = wanted.show !== "basin";
     card.querySelector("[data-hs-xray=yaw]").closest("label").hidden = wanted.plane !== "xy";
+    card.querySelector("[data-hs-xray=keep]").setAttribute("aria-pressed", String(wanted.keep));
     card.querySelector(".hs-xray-home").hidden = !["steps", "landscape"].includes(wanted.lab);
   }
 
@@ -193,6 +196,8 @@
   function show(told) {
     if (!open) return;
     if (words.innerHTML !== told.words) words.innerHTML = told.words;
+    card.querySelector(".hs-xray-scan").hidden = told.scan === null;
+    if (told.scan !== null) card.querySelector(".hs-xray-scan span").textContent = `Scan at ${told.scan.toFixed(2)} s`;
     if (told.levels !== levels || told.steps && told.steps !== steps) {
       [levels, steps] = [told.levels, told.steps || steps];
       wanted.step = Math.min(wanted.step, Math.max(steps - 1, 0));

@@ -11,6 +11,7 @@ from hectorscope.run.xray.specimen import Specimen, specimen_of
 from hectorscope.session.commands import Seek, StepScan
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
+from hectorscope.web.server import PageServer
 from tests.browser.conftest import Open
 from tests.engines import after, until
 from tests.scene import PROJECT, choose_own, look
@@ -20,6 +21,7 @@ pytestmark = pytest.mark.browser
 BEAMS = 361
 CARD = ".hs-xray"
 WORDS = ".hs-xray-words"
+SCAN = ".hs-xray-scan span"
 # Millimetres from the matched pose: of the start, and of the end that the matcher reaches from there.
 OFFSETS = """() => ["start", "end"].map((name) => {
   const row = [...document.querySelectorAll(".hs-xray-words tr")].find((at) => at.textContent.startsWith(name));
@@ -113,6 +115,36 @@ def test_each_browser_looks_at_what_it_wants(engine: Engine, url: str, open_page
         "Object.keys(window.__viserMutable.nodeRefFromName).every((name) => !name.includes('xray'))"
     )
     expect(three.locator(CARD)).to_be_hidden()
+
+
+def test_who_only_looks_keeps_a_scan_and_drags_its_start(engine: Engine, url: str, open_page: Open) -> None:
+    """The operator steps on: the own page follows the run; the viewer's scan, step and start stay its own."""
+    _, found = resting(engine)
+    server = PageServer(engine, port=0, token="operator-1234", viewer_token="viewer-5678")
+    server.start()
+    try:
+        operator, viewer = (looking_inside(open_page, address) for address in (server.url, server.viewers_url))
+        first = operator.locator(SCAN).inner_text()
+        for page in (operator, viewer):
+            choose(page, "Landscape")
+            expect(page.locator(WORDS)).to_contain_text("ends at ξ*")
+        viewer.get_by_role("button", name="Keep this scan").click()
+        viewer.wait_for_function("() => !!window.__viserMutable.nodeRefFromName['/floor/xray_start']")
+        drag(viewer, found.start, 1.5)
+        viewer.wait_for_function(f"() => Math.hypot(...({OFFSETS})()[0]) > 1400")  # the end of the drag
+        start = viewer.evaluate(OFFSETS)[0]
+        assert np.hypot(*operator.evaluate(OFFSETS)[0]) < 900.0
+        operator.keyboard.press(".")
+        expect(operator.locator(SCAN)).not_to_have_text(first)
+        choose(viewer, "1")
+        expect(viewer.locator(WORDS)).to_contain_text("Level 1")
+        expect(operator.locator(WORDS)).to_contain_text("Level 0")
+        expect(viewer.locator(SCAN)).to_have_text(first)
+        np.testing.assert_allclose(viewer.evaluate(OFFSETS)[0], start, atol=0.01)
+        viewer.get_by_role("button", name="Keep this scan").click()
+        expect(viewer.locator(SCAN)).to_have_text(operator.locator(SCAN).inner_text())
+    finally:
+        server.stop()
 
 
 def test_the_landscape_shows_the_cost_of_each_level(engine: Engine, url: str, open_page: Open) -> None:

@@ -19,6 +19,7 @@ class Wanted:
     """step: of the iterations, from 0. span: of the landscape, metres to each side; yaw: radians it is turned by.
 
     at: level, x, y that the lens looks at. omega: of the fusion. noise: of ranges in the cloud, metres.
+    keep: whether the scan stays while the run goes on.
     """
 
     lab: Lab = "steps"
@@ -31,6 +32,7 @@ class Wanted:
     at: tuple[int, float, float] | None = None
     omega: float = 0.5
     noise: float = 0.02
+    keep: bool = False
 
 
 def wanted_of(asked: dict[str, Any]) -> Wanted:
@@ -47,6 +49,7 @@ def wanted_of(asked: dict[str, Any]) -> Wanted:
         at=None if asked.get("at") is None else _request.place(asked["at"]),
         omega=number(asked.get("omega"), *OMEGA),
         noise=number(asked.get("noise"), *NOISE),
+        keep=asked.get("keep") is True,
     )
 
 
