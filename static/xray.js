@@ -10,7 +10,7 @@
   const LEGIBLE = 48; // pixels of a cell that has its name in it
   const NARROW = 280; // pixels: less room beside the scene than this, and the card lies over it
   const LABS = { steps: "Steps", landscape: "Landscape", lens: "Lens", covariance: "Covariance" };
-  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02, keep: false };
+  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02, of: "scan", keep: false };
   let open = false;
   let steps = 0;
   let levels = 0;
@@ -31,7 +31,7 @@
       ${range("span", "Reach, m", 0.1, 5, 0.1)}${range("yaw", "Turned, °", -30, 30, 0.5)}
       <p class="hs-xray-legend"><span class="hs-of-cost">Bright: low cost. </span><span class="hs-of-basin">Green: ends at ξ*; red: elsewhere. </span>Drag the handle to start elsewhere.</p></div>
     <div data-hs-lab="lens"><p class="hs-xray-legend">Click a place of the map, on any level.</p></div>
-    <div data-hs-lab="covariance">${range("omega", "ω", 0.001, 0.999, 0.001)}${range("noise", "Noise, mm", 1, 200, 1)}</div>
+    <div data-hs-lab="covariance"><p>Of ${group("of", { scan: "this scan", places: "room, corridor, water" })}</p>${range("omega", "ω", 0.001, 0.999, 0.001)}${range("noise", "Noise, mm", 1, 200, 1)}</div>
     <p><button type="button" class="hs-xray-home" data-hs-xray="home">Start as the run did</button></p>
     <div class="hs-xray-words" aria-live="off"></div>`;
   document.body.append(card);
@@ -124,6 +124,7 @@
     lab: (to) => (stop(), want("lab", to)),
     level: (to) => want("level", Number(to)),
     plane: (to) => want("plane", to),
+    of: (to) => want("of", to),
     show: (to) => want("show", to),
   };
   card.addEventListener("click", ({ target }) => {
@@ -172,6 +173,7 @@
     card.querySelector(".hs-of-basin").hidden = wanted.show !== "basin";
     card.querySelector("[data-hs-xray=yaw]").closest("label").hidden = wanted.plane !== "xy";
     card.querySelector("[data-hs-xray=keep]").setAttribute("aria-pressed", String(wanted.keep));
+    card.querySelector("[data-hs-xray=omega]").closest("label").hidden = wanted.of === "places";
     card.querySelector(".hs-xray-home").hidden = !["steps", "landscape"].includes(wanted.lab);
   }
 

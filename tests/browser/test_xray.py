@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, TimeoutError, expect
 
+from hectorscope.panels._xray_places import along_axes, compare
 from hectorscope.run.xray.specimen import Specimen, specimen_of
 from hectorscope.session.commands import Seek, StepScan
 from hectorscope.session.engine import Engine
@@ -182,6 +183,26 @@ def test_the_start_is_dragged_by_its_handle(engine: Engine, url: str, open_page:
     latest = engine.mailbox.latest
     assert latest is not None
     np.testing.assert_array_equal(latest.trajectory, now.trajectory)
+
+
+def test_covariances_of_three_places_are_compared(engine: Engine, url: str, open_page: Open) -> None:
+    """A click simulates a room, a corridor and open water; the figures on the card are those of the core."""
+    resting(engine)
+    page = looking_inside(open_page, url)
+    choose(page, "Covariance")
+    choose(page, "room, corridor, water")
+    words = page.locator(WORDS)
+    expect(words.locator(".hs-xray-place")).to_have_count(3)
+    expect(words.locator("h3", has_text="cloud of 400")).to_have_count(3)
+    expected = compare("corridor", 0.02)
+    while not expected.cloud.whole:
+        expected.cloud.try_next()
+    rows = words.locator(".hs-xray-table").nth(1).locator("tr:has(td)")
+    shown = [[float(cell) for cell in row.locator("td").all_inner_texts()] for row in rows.all()]
+    figures = [[1e3 * u, 1e3 * v, np.degrees(psi)] for u, v, psi in along_axes(expected.covariances).values()]
+    np.testing.assert_allclose(shown, figures, atol=0.006)
+    choose(page, "this scan")
+    expect(words).to_contain_text("scan R (15)")
 
 
 def test_a_click_looks_at_a_cell_through_the_lens(engine: Engine, url: str, open_page: Open) -> None:

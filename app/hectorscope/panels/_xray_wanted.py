@@ -9,6 +9,7 @@ from hectorscope.run.xray import Plane
 
 Lab = Literal["steps", "landscape", "lens", "covariance"]
 Show = Literal["heat", "surface", "basin"]
+Of = Literal["scan", "places"]
 MOST_STEPS = 10_000
 SPAN, YAW = (0.1, 5.0), math.radians(30.0)
 OMEGA, NOISE = (0.001, 0.999), (0.001, 0.2)
@@ -19,6 +20,7 @@ class Wanted:
     """step: of the iterations, from 0. span: of the landscape, metres to each side; yaw: radians it is turned by.
 
     at: level, x, y that the lens looks at. omega: of the fusion. noise: of ranges in the cloud, metres.
+    of: the covariances of the scan, or of a room, a corridor and open water.
     keep: whether the scan stays while the run goes on.
     """
 
@@ -32,6 +34,7 @@ class Wanted:
     at: tuple[int, float, float] | None = None
     omega: float = 0.5
     noise: float = 0.02
+    of: Of = "scan"
     keep: bool = False
 
 
@@ -49,6 +52,7 @@ def wanted_of(asked: dict[str, Any]) -> Wanted:
         at=None if asked.get("at") is None else _request.place(asked["at"]),
         omega=number(asked.get("omega"), *OMEGA),
         noise=number(asked.get("noise"), *NOISE),
+        of=_word(asked.get("of"), Of),
         keep=asked.get("keep") is True,
     )
 

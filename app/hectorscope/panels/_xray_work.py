@@ -9,6 +9,7 @@ import numpy as np
 from hectorscope.page.theme import SENT
 from hectorscope.panels import _xray_words as words
 from hectorscope.panels._format import number
+from hectorscope.panels._xray_places import compared
 from hectorscope.panels._xray_shown import Dots, Heat, Mark, Shown, ellipse, line, outline, robot
 from hectorscope.panels._xray_wanted import Wanted
 from hectorscope.run.xray.covariances import Cloud, fusion
@@ -171,6 +172,10 @@ def _lens(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
 
 
 def _covariance(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+    if wanted.of == "places":
+        for text in compared(shop.keep, wanted.noise, SLICE_S):
+            yield Shown(text, levels=len(shop.specimen.grids))
+        return
     specimen, levels = shop.specimen, len(shop.specimen.grids)
     cloud: Cloud = shop.keep(("cloud", wanted.noise), lambda: Cloud(specimen, wanted.noise))
     found = shop.keep(("fusion", wanted.omega), lambda: fusion(specimen, wanted.omega))

@@ -18,7 +18,7 @@ from tests.xray import specimen
 
 ASKED: dict[str, Any] = {
     "lab": "steps", "step": 0, "level": 0, "plane": "xy", "span": 1.0, "yaw": 0.0, "show": "heat", "at": None,
-    "omega": 0.5, "noise": 0.02,
+    "omega": 0.5, "noise": 0.02, "of": "scan",
 }  # fmt: skip
 
 
@@ -41,7 +41,7 @@ def test_requests_are_brought_into_their_ranges():
     "wrong",
     [
         {"lab": "kitchen"}, {"plane": 3}, {"show": None}, {"show": []}, {"step": 1.5}, {"span": math.nan},
-        {"at": [0, 1.0]}, {"at": {"x": 1}}, {"at": [0, "1", 2]}, {"omega": None}, {"noise": True},
+        {"at": [0, 1.0]}, {"at": {"x": 1}}, {"at": [0, "1", 2]}, {"omega": None}, {"of": "moon"}, {"noise": True},
     ],
 )  # fmt: skip
 def test_what_no_script_of_ours_sends_is_refused(wrong: dict[str, Any]):
@@ -139,3 +139,13 @@ def test_covariances_come_with_a_growing_cloud(shop: Workshop):
     assert len(first.dots.points) == 0 < len(second.dots.points)
     again = next(iter(shop.shown(replace(wanted, omega=0.2), None)))
     assert again.dots is not None and len(again.dots.points) >= len(second.dots.points)  # it is kept
+
+
+def test_room_corridor_and_water_are_compared(shop: Workshop):
+    """One after another, each with its table once the cloud begins, until every cloud is whole."""
+    pictures = [shown.words for shown in shop.shown(Wanted(lab="covariance", of="places"), None)]
+    assert pictures[0].count("<svg") == 0
+    last = pictures[-1]
+    assert [last.count(each) for each in ("<svg", "cloud of 400", "Share of")] == [3, 3, 1]
+    for title in ("Room", "Corridor", "Open water"):
+        assert f"<h3>{title}" in last
