@@ -130,11 +130,21 @@
     const scene = pages()?.scene;
     if (scene && scene.onBeforeRender !== before) scene.onBeforeRender = before;
   }
+  // Pixels of the scene on the page, also while a larger picture of it is drawn (picture.js). To ask the page instead
+  // costs a layout of it in every drawing.
+  const size = {
+    width: 0,
+    height: 0,
+    set(...pixels) {
+      [size.width, size.height] = pixels.map((each) => each / (window.hectorscope.enlarged ?? 1));
+    },
+  };
   function before(renderer, scene, camera) {
+    renderer.getSize(size);
     for (const draw of drawing) draw(pages(), scene, camera, renderer);
   }
   document.addEventListener("DOMContentLoaded", () => setInterval(hook, 200)); // every script of ours is there then
 
   const own = { get, set, toggle: (key) => set(key, !chosen[key]), listen: (call) => heard.push(call), layers, layerShown };
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing, element });
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing, element, size });
 })();
