@@ -40,6 +40,7 @@ INSIDES = (
     Inside("lens", "equation", {"lab": "lens", "at": [0, 7.0, 1.835]}, distance=CLOSER),
     Inside("covariance", "cloud of 400", {"lab": "covariance", "omega": 0.3}),
     Inside("places", "Open water · 139 beams · cloud of 400", {"lab": "covariance", "of": "places"}),
+    Inside("attitude", "by a quaternion", {"lab": "attitude", "pitch": 1.309}),
 )
 
 

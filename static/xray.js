@@ -9,8 +9,8 @@
   const SOON = 60; // milliseconds between two requests of a slider
   const LEGIBLE = 48; // pixels of a cell that has its name in it
   const NARROW = 280; // pixels: less room beside the scene than this, and the card lies over it
-  const LABS = { steps: "Steps", landscape: "Landscape", lens: "Lens", covariance: "Covariance" };
-  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02, of: "scan", keep: false };
+  const LABS = { steps: "Steps", landscape: "Landscape", lens: "Lens", covariance: "Covariance", attitude: "Attitude" };
+  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02, of: "scan", pitch: 0, keep: false };
   let open = false;
   let steps = 0;
   let levels = 0;
@@ -32,11 +32,12 @@
       <p class="hs-xray-legend"><span class="hs-of-cost">Bright: low cost. </span><span class="hs-of-basin">Green: ends at ξ*; red: elsewhere. </span>Drag the handle to start elsewhere.</p></div>
     <div data-hs-lab="lens"><p class="hs-xray-legend">Click a place of the map, on any level.</p></div>
     <div data-hs-lab="covariance"><p>Of ${group("of", { scan: "this scan", places: "room, corridor, water" })}</p>${range("omega", "ω", 0.001, 0.999, 0.001)}${range("noise", "Noise, mm", 1, 200, 1)}</div>
+    <div data-hs-lab="attitude">${range("pitch", "Pitch θ, °", 0, 90, 0.5)}</div>
     <p><button type="button" class="hs-xray-home" data-hs-xray="home">Start as the run did</button></p>
     <div class="hs-xray-words" aria-live="off"></div>`;
   document.body.append(card);
   const words = card.querySelector(".hs-xray-words");
-  const FACTORS = { yaw: Math.PI / 180, noise: 0.001 };
+  const FACTORS = { yaw: Math.PI / 180, pitch: Math.PI / 180, noise: 0.001 };
 
   // What the run itself draws at the robot would lie over what is drawn here.
   const INSIDE = /\/xray\/(heat|surface|gradients|points)$/;

@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Page, TimeoutError, expect
 
 from hectorscope.panels._xray_places import along_axes, compare
+from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.specimen import Specimen, specimen_of
 from hectorscope.session.commands import Seek, StepScan
 from hectorscope.session.engine import Engine
@@ -203,6 +204,20 @@ def test_covariances_of_three_places_are_compared(engine: Engine, url: str, open
     np.testing.assert_allclose(shown, figures, atol=0.006)
     choose(page, "this scan")
     expect(words).to_contain_text("scan R (15)")
+
+
+def test_eq_1_is_looked_at_up_to_90_degrees(engine: Engine, url: str, open_page: Open) -> None:
+    """The slider puts its pitch into the equation."""
+    resting(engine)
+    page = looking_inside(open_page, url)
+    choose(page, "Attitude")
+    slider = page.get_by_label("Pitch θ, °")
+    for degrees in (60, 75):
+        slider.fill(str(degrees))
+        found = passage(np.radians(degrees))
+        expect(page.locator(WORDS)).to_contain_text(f"{np.degrees(found.by_angles):.3f}")
+    slider.fill("90")
+    expect(page.locator(WORDS)).to_contain_text("10¹⁶")
 
 
 def test_a_click_looks_at_a_cell_through_the_lens(engine: Engine, url: str, open_page: Open) -> None:

@@ -7,11 +7,12 @@ from typing import Any, Literal, get_args
 from hectorscope.panels import _request
 from hectorscope.run.xray import Plane
 
-Lab = Literal["steps", "landscape", "lens", "covariance"]
+Lab = Literal["steps", "landscape", "lens", "covariance", "attitude"]
 Show = Literal["heat", "surface", "basin"]
 Of = Literal["scan", "places"]
 MOST_STEPS = 10_000
 SPAN, YAW = (0.1, 5.0), math.radians(30.0)
+PITCH = (0.0, math.pi / 2)
 OMEGA, NOISE = (0.001, 0.999), (0.001, 0.2)
 
 
@@ -20,7 +21,7 @@ class Wanted:
     """step: of the iterations, from 0. span: of the landscape, metres to each side; yaw: radians it is turned by.
 
     at: level, x, y that the lens looks at. omega: of the fusion. noise: of ranges in the cloud, metres.
-    of: the covariances of the scan, or of a room, a corridor and open water.
+    of: the covariances of the scan, or of a room, a corridor and open water. pitch: of eq. (1), radians.
     keep: whether the scan stays while the run goes on.
     """
 
@@ -35,6 +36,7 @@ class Wanted:
     omega: float = 0.5
     noise: float = 0.02
     of: Of = "scan"
+    pitch: float = 0.0
     keep: bool = False
 
 
@@ -53,6 +55,7 @@ def wanted_of(asked: dict[str, Any]) -> Wanted:
         omega=number(asked.get("omega"), *OMEGA),
         noise=number(asked.get("noise"), *NOISE),
         of=_word(asked.get("of"), Of),
+        pitch=number(asked.get("pitch"), *PITCH),
         keep=asked.get("keep") is True,
     )
 

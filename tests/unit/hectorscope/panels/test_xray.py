@@ -13,12 +13,13 @@ from hectorscope.panels._xray_scene import surface
 from hectorscope.panels._xray_shown import ellipse
 from hectorscope.panels._xray_wanted import MOST_STEPS, OMEGA, SPAN, YAW, Wanted, wanted_of
 from hectorscope.panels._xray_work import Workshop
+from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.landscape import SIDE
 from tests.xray import specimen
 
 ASKED: dict[str, Any] = {
     "lab": "steps", "step": 0, "level": 0, "plane": "xy", "span": 1.0, "yaw": 0.0, "show": "heat", "at": None,
-    "omega": 0.5, "noise": 0.02, "of": "scan",
+    "omega": 0.5, "noise": 0.02, "of": "scan", "pitch": 0.0,
 }  # fmt: skip
 
 
@@ -41,7 +42,8 @@ def test_requests_are_brought_into_their_ranges():
     "wrong",
     [
         {"lab": "kitchen"}, {"plane": 3}, {"show": None}, {"show": []}, {"step": 1.5}, {"span": math.nan},
-        {"at": [0, 1.0]}, {"at": {"x": 1}}, {"at": [0, "1", 2]}, {"omega": None}, {"of": "moon"}, {"noise": True},
+        {"at": [0, 1.0]}, {"at": {"x": 1}}, {"at": [0, "1", 2]}, {"omega": None}, {"noise": True},
+        {"of": "moon"}, {"pitch": "up"},
     ],
 )  # fmt: skip
 def test_what_no_script_of_ours_sends_is_refused(wrong: dict[str, Any]):
@@ -149,3 +151,14 @@ def test_room_corridor_and_water_are_compared(shop: Workshop):
     assert [last.count(each) for each in ("<svg", "cloud of 400", "Share of")] == [3, 3, 1]
     for title in ("Room", "Corridor", "Open water"):
         assert f"<h3>{title}" in last
+
+
+def test_the_equation_of_the_attitude_has_its_numbers(shop: Workshop):
+    """The secant of the pitch, and both errors; at 90 degrees a number of no use."""
+    (shown,) = shop.shown(Wanted(lab="attitude", pitch=math.radians(60.0)), None)
+    assert "<td>2</td>" in shown.words
+    found = passage(math.radians(60.0))
+    for error in (found.by_angles, found.by_quaternion):
+        assert f"<td>{math.degrees(error):.3f}</td>" in shown.words
+    (pole,) = shop.shown(Wanted(lab="attitude", pitch=math.pi / 2), None)
+    assert "10¹⁶" in pole.words
