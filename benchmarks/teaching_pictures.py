@@ -17,13 +17,15 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from benchmarks.screenshots import FLAGS, LOOK_MS, NOTICE, SIZES
 from hectorscope.cli.opening import demos
 from hectorscope.inputs import SourceOptions
+from hectorscope.run.settings import Settings
 from hectorscope.run.warmup import load_everything
 from hectorscope.session.engine import Engine
 from hectorscope.session.library import Library
 from hectorscope.simulation.drive_source import DriveSource
 from hectorscope.sources import open_source
-from hectorscope.steering import PutBox, SetFault, Steer
+from hectorscope.steering import PutBox, Request, SetFault, Steer
 from hectorscope.web.server import PageServer
+from slam_core.config import SlamConfig, with_values
 from tests.conftest import ROOT, chromium_path
 from tests.engines import until
 
@@ -33,6 +35,12 @@ PATIENCE_MS, PATIENCE_S = 180_000, 180.0
 COLOURS = 64  # of a picture in the documents
 LESSON = "2-between-cells"
 AT_REST_S, DRIVEN_S = 3.0, 14.0
+# Pictures of the driven robot: settings of the run, requests to the robot, and whether it is seen from above.
+DRIVES: tuple[tuple[str, dict[str, bool], tuple[Request, ...], bool], ...] = (
+    ("drive", {}, (SetFault("gyro_bias", 0.5), PutBox(0, (3.0, 1.5))), False),
+    ("stabilised", {}, (SetFault("sway", 15.0),), True),
+    ("smeared", {"scan.stabilise": False}, (SetFault("sway", 15.0),), True),
+)
 
 
 @contextmanager
@@ -76,17 +84,19 @@ def lesson(browser: Browser, server: PageServer, size: str, theme: str) -> bytes
     return finished(page)
 
 
-def driven(browser: Browser, server: PageServer, size: str, theme: str) -> bytes:
+def driven(browser: Browser, server: PageServer, size: str, theme: str, *, above: bool) -> bytes:
     """The card of the robot, with its sliders."""
     page = opened(browser, server.url, size, theme)
     page.wait_for_function(DRAWN, timeout=PATIENCE_MS)
     page.evaluate("document.querySelector('.hs-drive details').open = true")
+    if above:
+        page.evaluate("hectorscope.own.set('layout', 'one'); hectorscope.camera('top')")
     return finished(page)
 
 
-def drive_a_little(engine: Engine, source: DriveSource) -> None:
+def drive_a_little(engine: Engine, source: DriveSource, *requests: Request) -> None:
     """A curve, so that there is a map to see."""
-    for request in (SetFault("gyro_bias", 0.5), PutBox(0, (3.0, 1.5))):
+    for request in requests:
         source.drive(request)
 
     def elapsed(seconds: float) -> None:
@@ -119,12 +129,13 @@ def take(browser: Browser, folder: Path, docs: bool) -> Iterator[Path]:
     with served(engine) as server:
         for size, theme in wanted(docs):
             yield kept("lesson", size, theme, lesson(browser, server, size, theme))
-    source = DriveSource("rooms")
-    engine = Engine(source)
-    with served(engine) as server:
-        drive_a_little(engine, source)
-        for size, theme in wanted(docs):
-            yield kept("drive", size, theme, driven(browser, server, size, theme))
+    for name, settings, requests, above in DRIVES:
+        source = DriveSource("rooms")
+        engine = Engine(source, Settings(with_values(SlamConfig(), settings)))
+        with served(engine) as server:
+            drive_a_little(engine, source, *requests)
+            for size, theme in wanted(docs):
+                yield kept(name, size, theme, driven(browser, server, size, theme, above=above))
 
 
 def main() -> None:

@@ -39,6 +39,8 @@ INSIDES = (
     Inside("basin", "3721 of 3721", {"lab": "landscape", "show": "basin", "span": 2.0}),
     Inside("lens", "equation", {"lab": "lens", "at": [0, 7.0, 1.835]}, distance=CLOSER),
     Inside("covariance", "cloud of 400", {"lab": "covariance", "omega": 0.3}),
+    Inside("places", "Open water · 139 beams · cloud of 400", {"lab": "covariance", "of": "places"}),
+    Inside("attitude", "by a quaternion", {"lab": "attitude", "pitch": 1.309}),
 )
 
 

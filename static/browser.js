@@ -113,6 +113,14 @@
   new MutationObserver(() => apply("theme")).observe(root, { attributeFilter: ["data-mantine-color-scheme"] });
   Object.keys(DEFAULTS).forEach(apply);
 
+  // -------------------------------------------------------------------------------------------- elements
+
+  function element(tag, values = {}, ...inside) {
+    const made = Object.assign(document.createElement(tag), values);
+    made.append(...inside);
+    return made;
+  }
+
   // --------------------------------------------------------------------------------------------- drawing
 
   // Functions that are called before each drawing of the scene, once what the server sent is in it.
@@ -122,11 +130,21 @@
     const scene = pages()?.scene;
     if (scene && scene.onBeforeRender !== before) scene.onBeforeRender = before;
   }
+  // Pixels of the scene on the page, also while a larger picture of it is drawn (picture.js). To ask the page instead
+  // costs a layout of it in every drawing.
+  const size = {
+    width: 0,
+    height: 0,
+    set(...pixels) {
+      [size.width, size.height] = pixels.map((each) => each / (window.hectorscope.enlarged ?? 1));
+    },
+  };
   function before(renderer, scene, camera) {
+    renderer.getSize(size);
     for (const draw of drawing) draw(pages(), scene, camera, renderer);
   }
   document.addEventListener("DOMContentLoaded", () => setInterval(hook, 200)); // every script of ours is there then
 
   const own = { get, set, toggle: (key) => set(key, !chosen[key]), listen: (call) => heard.push(call), layers, layerShown };
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing });
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing, element, size });
 })();

@@ -33,10 +33,11 @@
 
   // A place on a level in pixels of the scene; null behind the camera.
   function project(level, x, y) {
-    const [{ camera, canvas }, at] = [page() ?? {}, window.hectorscope.levels().places[level]];
+    const [{ camera }, { size, levels }] = [page() ?? {}, window.hectorscope];
+    const at = levels().places[level];
     if (!camera || !at || !floor()) return null;
     const point = camera.position.clone().set(x + at.x, y + at.y, at.z).applyMatrix4(floor().matrixWorld).project(camera);
-    return point.z < 1 ? [((point.x + 1) / 2) * canvas.clientWidth, ((1 - point.y) / 2) * canvas.clientHeight] : null;
+    return point.z < 1 ? [((point.x + 1) / 2) * size.width, ((1 - point.y) / 2) * size.height] : null;
   }
 
   // A click goes to whoever took clicks last, and has not given them back; to those who listen if nobody has.

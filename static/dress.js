@@ -29,12 +29,17 @@
   const vec = (colour) => `vec3(${colour.map((c) => c.toFixed(5)).join(",")})`;
   const list = (style, name) => style.getPropertyValue(`--hs-${name}`).trim().split(/\s+/);
 
+  // To ask for a style costs as much as to style the page: each colour is asked for once a theme.
   function colours() {
-    if (palette?.theme === own.get("theme")) return palette;
+    const theme = document.documentElement.dataset.mantineColorScheme;
+    if (palette?.worn === theme && palette.theme === own.get("theme")) return palette;
     const style = getComputedStyle(document.documentElement);
+    const known = new Map();
+    const asked = (name) => known.set(name, rgb(list(style, name)[0])).get(name);
     palette = {
+      worn: theme,
       theme: own.get("theme"),
-      of: (name) => rgb(list(style, name)[0]),
+      of: (name) => known.get(name) ?? asked(name),
       ramp: list(style, "ramps").map(rgb),
       sentRamp: list(style, "sent-ramps").map(rgb),
       veil: list(style, "veil").map(Number),

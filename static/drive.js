@@ -84,11 +84,7 @@
 
   // ---------------------------------------------------------------------------------------- doors and boxes
 
-  const element = (tag, values, ...inside) => {
-    const made = Object.assign(document.createElement(tag), values);
-    made.append(...inside);
-    return made;
-  };
+  const { element, pick } = window.hectorscope;
   const button = (words, hint, act) => element("button", { type: "button", textContent: words, title: hint, onclick: act });
   let placing = null; // the number of the box that the next click puts somewhere
 
@@ -102,7 +98,6 @@
     things.replaceChildren(...open, ...boxed);
   }
 
-  const { pick } = window.hectorscope;
   function place(box) {
     placing = box;
     told.text = "";

@@ -65,9 +65,9 @@
     if (element.textContent !== text) element.textContent = text;
     const point = camera.position.clone().set(box.x - box.width / 2 + at.x, box.y + box.height / 2 + at.y, at.z);
     point.applyMatrix4(page().nodeRefFromName["/floor"].matrixWorld).project(camera);
-    const { clientWidth, clientHeight } = page().canvas;
-    const [left, top] = [((point.x + 1) / 2) * clientWidth, ((1 - point.y) / 2) * clientHeight];
-    const seen = at.shown && point.z < 1 && left > -40 && left < clientWidth && top > 0 && top < clientHeight + 20;
+    const { width, height } = window.hectorscope.size;
+    const [left, top] = [((point.x + 1) / 2) * width, ((1 - point.y) / 2) * height];
+    const seen = at.shown && point.z < 1 && left > -40 && left < width && top > 0 && top < height + 20;
     element.style.transform = `translate(${Math.round(Math.max(4, left))}px, ${Math.round(Math.max(24, top))}px) translateY(-100%)`;
     element.hidden = !seen;
   }

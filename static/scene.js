@@ -33,7 +33,7 @@
     const robot = page.nodeRefFromName[ROBOT];
     if (!robot) return;
     const reach = size(minus(page.camera.position, column(robot.matrixWorld, 3)));
-    const metresPerPixel = (2 * reach * Math.tan((page.camera.fov * Math.PI) / 360)) / page.canvas.clientHeight;
+    const metresPerPixel = (2 * reach * Math.tan((page.camera.fov * Math.PI) / 360)) / window.hectorscope.size.height;
     const scale = Math.max(1, (ROBOT_PIXELS * metresPerPixel) / ROBOT_LENGTH);
     for (const name of MAGNIFIED) page.nodeRefFromName[name]?.scale.setScalar(scale);
   }

@@ -9,8 +9,8 @@
   const SOON = 60; // milliseconds between two requests of a slider
   const LEGIBLE = 48; // pixels of a cell that has its name in it
   const NARROW = 280; // pixels: less room beside the scene than this, and the card lies over it
-  const LABS = { steps: "Steps", landscape: "Landscape", lens: "Lens", covariance: "Covariance" };
-  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02 };
+  const LABS = { steps: "Steps", landscape: "Landscape", lens: "Lens", covariance: "Covariance", attitude: "Attitude" };
+  const wanted = { lab: "steps", step: 0, level: 0, plane: "xy", span: 1, yaw: 0, show: "heat", at: null, omega: 0.5, noise: 0.02, of: "scan", pitch: 0, keep: false };
   let open = false;
   let steps = 0;
   let levels = 0;
@@ -23,6 +23,7 @@
   const group = (name, options) => `<span class="hs-group" role="group">${Object.entries(options).map(([value, text]) => `<button type="button" data-hs-xray="${name}" data-hs-to="${value}">${text}</button>`).join("")}</span>`;
   const range = (name, text, low, high, step) => `<label>${text}<input type="range" data-hs-xray="${name}" min="${low}" max="${high}" step="${step}" aria-label="${text}"><output></output></label>`;
   card.innerHTML = `<header><h2>Inside the matcher</h2><button type="button" class="hs-tool" data-hs-xray="close" title="Close · I" aria-label="Close the X-ray"><svg viewBox="0 0 24 24"><path d="M6 6l12 12M18 6 6 18"/></svg></button></header>
+    <p class="hs-xray-scan"><span></span><button type="button" data-hs-xray="keep" title="The run may go on without it; each browser keeps its own">Keep this scan</button></p>
     ${group("lab", LABS)}
     <div data-hs-lab="steps"><span class="hs-group"><button type="button" data-hs-xray="by" data-hs-to="-1" aria-label="Iteration before">‹</button><button type="button" data-hs-xray="play">Play</button><button type="button" data-hs-xray="by" data-hs-to="1" aria-label="Next iteration">›</button></span>${range("step", "Iteration", 0, 0, 1)}
       <p class="hs-xray-legend">Beams by residual 0<i class="hs-ramp"></i>1 · lines: ∇M · drag the handle to start elsewhere</p></div>
@@ -30,12 +31,13 @@
       ${range("span", "Reach, m", 0.1, 5, 0.1)}${range("yaw", "Turned, °", -30, 30, 0.5)}
       <p class="hs-xray-legend"><span class="hs-of-cost">Bright: low cost. </span><span class="hs-of-basin">Green: ends at ξ*; red: elsewhere. </span>Drag the handle to start elsewhere.</p></div>
     <div data-hs-lab="lens"><p class="hs-xray-legend">Click a place of the map, on any level.</p></div>
-    <div data-hs-lab="covariance">${range("omega", "ω", 0.001, 0.999, 0.001)}${range("noise", "Noise, mm", 1, 200, 1)}</div>
+    <div data-hs-lab="covariance"><p>Of ${group("of", { scan: "this scan", places: "room, corridor, water" })}</p>${range("omega", "ω", 0.001, 0.999, 0.001)}${range("noise", "Noise, mm", 1, 200, 1)}</div>
+    <div data-hs-lab="attitude">${range("pitch", "Pitch θ, °", 0, 90, 0.5)}</div>
     <p><button type="button" class="hs-xray-home" data-hs-xray="home">Start as the run did</button></p>
     <div class="hs-xray-words" aria-live="off"></div>`;
   document.body.append(card);
   const words = card.querySelector(".hs-xray-words");
-  const FACTORS = { yaw: Math.PI / 180, noise: 0.001 };
+  const FACTORS = { yaw: Math.PI / 180, pitch: Math.PI / 180, noise: 0.001 };
 
   // What the run itself draws at the robot would lie over what is drawn here.
   const INSIDE = /\/xray\/(heat|surface|gradients|points)$/;
@@ -119,9 +121,11 @@
     play,
     by: (to) => (stop(), want("step", Math.min(Math.max(wanted.step + Number(to), 0), Math.max(steps - 1, 0)))),
     home: () => hectorscope.request("xray", { home: true }),
+    keep: () => want("keep", !wanted.keep),
     lab: (to) => (stop(), want("lab", to)),
     level: (to) => want("level", Number(to)),
     plane: (to) => want("plane", to),
+    of: (to) => want("of", to),
     show: (to) => want("show", to),
   };
   card.addEventListener("click", ({ target }) => {
@@ -169,6 +173,8 @@
     card.querySelector(".hs-of-cost").hidden = wanted.show === "basin";
     card.querySelector(".hs-of-basin").hidden = wanted.show !== "basin";
     card.querySelector("[data-hs-xray=yaw]").closest("label").hidden = wanted.plane !== "xy";
+    card.querySelector("[data-hs-xray=keep]").setAttribute("aria-pressed", String(wanted.keep));
+    card.querySelector("[data-hs-xray=omega]").closest("label").hidden = wanted.of === "places";
     card.querySelector(".hs-xray-home").hidden = !["steps", "landscape"].includes(wanted.lab);
   }
 
@@ -193,6 +199,8 @@
   function show(told) {
     if (!open) return;
     if (words.innerHTML !== told.words) words.innerHTML = told.words;
+    card.querySelector(".hs-xray-scan").hidden = told.scan === null;
+    if (told.scan !== null) card.querySelector(".hs-xray-scan span").textContent = `Scan at ${told.scan.toFixed(2)} s`;
     if (told.levels !== levels || told.steps && told.steps !== steps) {
       [levels, steps] = [told.levels, told.steps || steps];
       wanted.step = Math.min(wanted.step, Math.max(steps - 1, 0));

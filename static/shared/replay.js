@@ -4,17 +4,12 @@
 
 (() => {
   const run = window.hectorscopeReplay;
-  const { rowAt, plot, shown } = window.hectorscope.charts;
+  const { charts: { rowAt, plot, shown }, element } = window.hectorscope;
   const PLAYER = ".mantine-Paper-root .mantine-NumberInput-input";
   const STEP = 100; // milliseconds between two pictures while it plays
   const CAPTION = 4; // seconds that a note stands over the scene
   const setter = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
 
-  const element = (name, properties = {}, ...children) => {
-    const made = Object.assign(document.createElement(name), properties);
-    made.append(...children);
-    return made;
-  };
   const clock = (seconds) => `${String(Math.floor(seconds / 60)).padStart(2, "0")}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
   let [now, playing, last, sent] = [0, true, performance.now(), null];
 

@@ -104,6 +104,21 @@ def test_a_bias_by_the_slider_is_told_beside_what_the_filter_finds(page: Page, d
     expect(page.locator("[data-fault=gyro_bias] small")).to_contain_text("the filter estimates")
 
 
+def test_stabilisation_is_switched_off_for_a_swaying_robot(page: Page, drive: Drive):
+    """The slider sways the robot, and the switch of the settings acts from the next scan on."""
+    page.locator(f"{CARD} summary").click()
+    sway = page.get_by_role("slider", name="Sway in roll and pitch")
+    sway.fill("15")
+    until(drive.engine, lambda now: now.drive and now.drive.faults["sway"] == 15.0, PATIENCE_S)
+    page.get_by_role("tab", name="Settings").click()
+    row = page.locator(".mantine-Flex-root", has=page.locator("label:text-is('Stabilise')"))
+    row.get_by_role("checkbox").click()
+    until(drive.engine, lambda now: not now.config.scan.stabilise, PATIENCE_S)
+    row.get_by_role("checkbox").click()
+    sway.fill("0")
+    until(drive.engine, lambda now: now.config.scan.stabilise and now.drive.faults["sway"] == 0.0, PATIENCE_S)
+
+
 def test_doors_and_boxes_are_moved_by_buttons(page: Page, drive: Drive):
     """A door closes and opens; a box stands ahead of the robot until it is taken away."""
     page.get_by_role("button", name="Close door 1").click()

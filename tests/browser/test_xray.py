@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, TimeoutError, expect
 
+from hectorscope.panels._xray_places import along_axes, compare
+from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.specimen import Specimen, specimen_of
 from hectorscope.session.commands import Seek, StepScan
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
+from hectorscope.web.server import PageServer
 from tests.browser.conftest import Open
 from tests.engines import after, until
 from tests.scene import PROJECT, choose_own, look
@@ -20,6 +23,7 @@ pytestmark = pytest.mark.browser
 BEAMS = 361
 CARD = ".hs-xray"
 WORDS = ".hs-xray-words"
+SCAN = ".hs-xray-scan span"
 # Millimetres from the matched pose: of the start, and of the end that the matcher reaches from there.
 OFFSETS = """() => ["start", "end"].map((name) => {
   const row = [...document.querySelectorAll(".hs-xray-words tr")].find((at) => at.textContent.startsWith(name));
@@ -115,6 +119,36 @@ def test_each_browser_looks_at_what_it_wants(engine: Engine, url: str, open_page
     expect(three.locator(CARD)).to_be_hidden()
 
 
+def test_who_only_looks_keeps_a_scan_and_drags_its_start(engine: Engine, url: str, open_page: Open) -> None:
+    """The operator steps on: the own page follows the run; the viewer's scan, step and start stay its own."""
+    _, found = resting(engine)
+    server = PageServer(engine, port=0, token="operator-1234", viewer_token="viewer-5678")
+    server.start()
+    try:
+        operator, viewer = (looking_inside(open_page, address) for address in (server.url, server.viewers_url))
+        first = operator.locator(SCAN).inner_text()
+        for page in (operator, viewer):
+            choose(page, "Landscape")
+            expect(page.locator(WORDS)).to_contain_text("ends at ξ*")
+        viewer.get_by_role("button", name="Keep this scan").click()
+        viewer.wait_for_function("() => !!window.__viserMutable.nodeRefFromName['/floor/xray_start']")
+        drag(viewer, found.start, 1.5)
+        viewer.wait_for_function(f"() => Math.hypot(...({OFFSETS})()[0]) > 1400")  # the end of the drag
+        start = viewer.evaluate(OFFSETS)[0]
+        assert np.hypot(*operator.evaluate(OFFSETS)[0]) < 900.0
+        operator.keyboard.press(".")
+        expect(operator.locator(SCAN)).not_to_have_text(first)
+        choose(viewer, "1")
+        expect(viewer.locator(WORDS)).to_contain_text("Level 1")
+        expect(operator.locator(WORDS)).to_contain_text("Level 0")
+        expect(viewer.locator(SCAN)).to_have_text(first)
+        np.testing.assert_allclose(viewer.evaluate(OFFSETS)[0], start, atol=0.01)
+        viewer.get_by_role("button", name="Keep this scan").click()
+        expect(viewer.locator(SCAN)).to_have_text(operator.locator(SCAN).inner_text())
+    finally:
+        server.stop()
+
+
 def test_the_landscape_shows_the_cost_of_each_level(engine: Engine, url: str, open_page: Open) -> None:
     """The lowest cost is the reference's at the matched pose; a basin is tried until every start was."""
     _, found = resting(engine)
@@ -150,6 +184,40 @@ def test_the_start_is_dragged_by_its_handle(engine: Engine, url: str, open_page:
     latest = engine.mailbox.latest
     assert latest is not None
     np.testing.assert_array_equal(latest.trajectory, now.trajectory)
+
+
+def test_covariances_of_three_places_are_compared(engine: Engine, url: str, open_page: Open) -> None:
+    """A click simulates a room, a corridor and open water; the figures on the card are those of the core."""
+    resting(engine)
+    page = looking_inside(open_page, url)
+    choose(page, "Covariance")
+    choose(page, "room, corridor, water")
+    words = page.locator(WORDS)
+    expect(words.locator(".hs-xray-place")).to_have_count(3)
+    expect(words.locator("h3", has_text="cloud of 400")).to_have_count(3)
+    expected = compare("corridor", 0.02)
+    while not expected.cloud.whole:
+        expected.cloud.try_next()
+    rows = words.locator(".hs-xray-table").nth(1).locator("tr:has(td)")
+    shown = [[float(cell) for cell in row.locator("td").all_inner_texts()] for row in rows.all()]
+    figures = [[1e3 * u, 1e3 * v, np.degrees(psi)] for u, v, psi in along_axes(expected.covariances).values()]
+    np.testing.assert_allclose(shown, figures, atol=0.006)
+    choose(page, "this scan")
+    expect(words).to_contain_text("scan R (15)")
+
+
+def test_eq_1_is_looked_at_up_to_90_degrees(engine: Engine, url: str, open_page: Open) -> None:
+    """The slider puts its pitch into the equation."""
+    resting(engine)
+    page = looking_inside(open_page, url)
+    choose(page, "Attitude")
+    slider = page.get_by_label("Pitch θ, °")
+    for degrees in (60, 75):
+        slider.fill(str(degrees))
+        found = passage(np.radians(degrees))
+        expect(page.locator(WORDS)).to_contain_text(f"{np.degrees(found.by_angles):.3f}")
+    slider.fill("90")
+    expect(page.locator(WORDS)).to_contain_text("10¹⁶")
 
 
 def test_a_click_looks_at_a_cell_through_the_lens(engine: Engine, url: str, open_page: Open) -> None:

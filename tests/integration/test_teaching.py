@@ -5,7 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from hectorscope.cli.opening import demos as shipped
 from hectorscope.inputs import SourceOptions
+from hectorscope.page.lessons import lessons_in
+from hectorscope.panels.lessons import facts
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import ComparePaper, Drive, SetUp
 from hectorscope.session.engine import Engine
@@ -15,6 +18,7 @@ from hectorscope.simulation.drive_source import DriveSource
 from hectorscope.sources import open_source
 from hectorscope.steering import PutBox, Steer
 from slam_core.config import SlamConfig, preset, with_value
+from tests.conftest import ROOT
 from tests.engines import START, after, running, until
 
 PATIENCE_S = 60.0
@@ -121,3 +125,19 @@ def test_a_lesson_asks_before_a_stream_is_left(demos: dict[str, Path]):
         assert now.question.text.startswith("A lesson shows a recording")
     finally:
         engine.stop()
+
+
+@pytest.mark.parametrize(("levels", "holds"), [(3, True), (1, False)])
+def test_the_lesson_of_the_pyramid_loses_without_it(levels: int, holds: bool):
+    """The same scans from the same poor starts: the coarse levels find the way, the finest alone does not."""
+    (lesson,) = (each for each in lessons_in(ROOT / "static" / "lessons") if each.key == "4-pyramid")
+    settings = Settings(with_value(lesson.settings.start, "map.levels", levels))
+    engine = Engine(None, ahead_after=None, speed=float("inf"))
+    engine.offer(Library(lambda path, _: open_source(str(path), SourceOptions()), demos=shipped()))
+    engine.start()
+    try:
+        now = after(engine, SetUp(lesson.demo, lesson.offset_ns, settings, lesson.title))
+    finally:
+        engine.stop()
+    error = facts(now, {})["error"]
+    assert (error < 0.1) if holds else (error > 2.0)

@@ -22,7 +22,7 @@ from slam_core.errors import SlamError
 
 FENCE = re.compile(r"\+\+\+\n(?P<header>.*?)\n\+\+\+\n(?P<body>.*)", re.DOTALL)
 CONDITION = re.compile(r"(?P<fact>[a-z_.]+) (?P<test>==|!=|>=|<=|>|<) (?P<value>.+)")
-FACTS = ("time", "tracking", "compared", "closer", "layout", "plots")  # beside every setting, by its name
+FACTS = ("time", "tracking", "error", "compared", "closer", "layout", "plots")  # beside every setting, by its name
 HEADER = {"title", "recording", "time", "try", "done", "question", "preset", "settings", "browser"}
 
 

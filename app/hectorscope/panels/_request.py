@@ -10,6 +10,9 @@ from viser import GuiEvent, GuiTextHandle
 from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
 
+FARTHEST = 1e6  # metres from the map's start
+MOST_LEVELS = 32
+
 
 class BadRequest(ValueError):
     """A value that no script of ours sends."""
@@ -58,6 +61,19 @@ def whole(value: Any, low: int, high: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise BadRequest
     return min(max(value, low), high)
+
+
+def metres(value: Any) -> float:
+    """A coordinate in the map, within FARTHEST; BadRequest for what is no number."""
+    return number(value, -FARTHEST, FARTHEST)
+
+
+def place(value: Any) -> tuple[int, float, float]:
+    """A place [level, x, y] of the map, metres, brought into its ranges; BadRequest for anything else."""
+    match value:
+        case [level, x, y]:
+            return whole(level, 0, MOST_LEVELS - 1), metres(x), metres(y)
+    raise BadRequest
 
 
 def words(value: Any, longest: int) -> str:

@@ -3,7 +3,7 @@
 import logging
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from hectorscope.panels._xray_shown import Shown
@@ -22,16 +22,18 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 MOST = 64  # browsers that look inside at a time
+MOST_SHOPS = 4  # scans that are held open at a time; another one takes some 0.1 s to open
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """The scan at which a run rests, and the run before it."""
+    """The scan at which a run rests, and the run before it. scan_s: its time since the start of the recording."""
 
     rework: "Rework"
     result: StepResult
     config: SlamConfig
     settings: Settings
+    scan_s: float = 0.0
 
     def workshop(self) -> "Workshop | None":
         """Where it is worked on; None for a scan that was matched to nothing."""
@@ -44,11 +46,17 @@ class Subject:
 
 @dataclass(eq=False)
 class _Viewer:
-    """A browser: what it wants, and what is still to be worked out for it."""
+    """A browser: what it wants of which scan, and what is still to be worked out for it."""
 
     wanted: Wanted
+    subject: Subject | None
     start: Float64s | None = None
     work: Iterator[Shown] | None = None
+
+    @property
+    def keeps(self) -> bool:
+        """Whether its scan stays."""
+        return self.wanted.keep and self.subject is not None
 
 
 class Bench:
@@ -62,17 +70,14 @@ class Bench:
         self._changed = threading.Condition()
         self._viewers: dict[int, _Viewer] = {}
         self._subject: Subject | None = None
-        self._shop: Workshop | None = None
-        self._open: Subject | None = None
+        self._shops: dict[Subject, Workshop | None] = {}
         self._thread: threading.Thread | None = None
 
-    def look_at(self, subject: Subject | None) -> None:
-        """Another scan is shown, or none that can be looked into."""
+    def look_at(self, subject: Subject | None, *, anew: bool = False) -> None:
+        """Another scan is shown, or none that can be looked into. anew: of another recording, so none is kept."""
         with self._changed:
             self._subject = subject
-            for viewer in self._viewers.values():
-                viewer.start = None
-            self._begin(*self._viewers)
+            self._take(*(client for client, each in self._viewers.items() if anew or not each.keeps))
 
     def want(self, client: int, wanted: Wanted) -> None:
         """A browser wants to see something."""
@@ -80,7 +85,9 @@ class Bench:
             if client in self._viewers:
                 self._viewers[client].wanted = wanted
             elif len(self._viewers) < MOST:
-                self._viewers[client] = _Viewer(wanted)
+                self._viewers[client] = _Viewer(wanted, self._subject)
+            if client in self._viewers and not self._viewers[client].keeps:
+                self._take(client)
             self._begin(client)
 
     def start_at(self, client: int, start: Float64s | None) -> None:
@@ -102,27 +109,42 @@ class Bench:
         with self._changed:
             return list(self._viewers)
 
+    def _take(self, *clients: int) -> None:
+        """These browsers look at the scan that the run shows, from the run's own start if it is another one."""
+        for client in clients:
+            viewer = self._viewers[client]
+            if viewer.subject is not self._subject:
+                viewer.subject, viewer.start = self._subject, None
+                self._begin(client)
+
     def _begin(self, *clients: int) -> None:
         for client in clients:
             if client in self._viewers:
                 viewer = self._viewers[client]
-                viewer.work = self._work(viewer.wanted, viewer.start)
+                viewer.work = self._work(viewer.subject, viewer.wanted, viewer.start)
         if self._viewers and self._thread is None:
             self._thread = threading.Thread(target=self._run, name="xray", daemon=True)
             self._thread.start()
         self._changed.notify()
 
-    def _work(self, wanted: Wanted, start: Float64s | None) -> Iterator[Shown]:
+    def _work(self, subject: Subject | None, wanted: Wanted, start: Float64s | None) -> Iterator[Shown]:
         """Runs on the thread, from the first `next` on."""
         from hectorscope.panels import _xray_words as words  # noqa: PLC0415
 
-        subject = self._subject
-        if subject is not self._open:
-            self._shop, self._open = subject.workshop() if subject else None, subject
-        if self._shop is None:
+        shop = self._opened(subject) if subject else None
+        if subject is None or shop is None:
             yield Shown(words.FIRST if subject else words.NOTHING)
-        else:
-            yield from self._shop.shown(wanted, start)
+            return
+        for shown in shop.shown(wanted, start):
+            yield replace(shown, scan_s=subject.scan_s)
+
+    def _opened(self, subject: Subject) -> "Workshop | None":
+        """The workshop of a scan; those that were not asked for longest are closed."""
+        shop = self._shops.pop(subject) if subject in self._shops else subject.workshop()
+        while len(self._shops) >= MOST_SHOPS:
+            del self._shops[next(iter(self._shops))]
+        self._shops[subject] = shop
+        return shop
 
     def _run(self) -> None:
         while (turn := self._next_turn()) is not None:
@@ -146,7 +168,8 @@ class Bench:
                         self._viewers[client] = self._viewers.pop(client)  # to the end of the line
                         return client, viewer.work
                 self._changed.wait()
-            self._thread = self._shop = self._open = None
+            self._thread = None
+            self._shops.clear()
             return None
 
     def _end(self, client: int, work: Iterator[Shown]) -> None:

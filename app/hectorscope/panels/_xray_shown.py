@@ -42,7 +42,7 @@ class Shown:
     """words: HTML. marks: for static/xray.js. handle: (3,) where the start is dragged; None for no handle.
 
     What is the same object as before is not sent again. level: that all of it lies on, None for no matter which.
-    steps, levels: how many there are.
+    steps, levels: how many there are. scan_s: of the recording, when the scan was taken; None for no scan.
     """
 
     words: str
@@ -53,6 +53,7 @@ class Shown:
     level: int | None = None
     steps: int = 0
     levels: int = 0
+    scan_s: float | None = None
 
 
 def outline(kind: str, level: int, points: Float64s, text: str = "") -> Mark:

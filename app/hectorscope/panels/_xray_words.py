@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from hectorscope.panels._format import fixed, number
+from hectorscope.run.xray.attitude import ASIDE, OMEGA, REACH, Passage
 from hectorscope.run.xray.covariances import Cloud, Fusion
 from hectorscope.run.xray.landscape import FOUND, UNTRIED, Basin, Landscape
 from hectorscope.run.xray.lens import Lens
@@ -169,3 +170,18 @@ def covariance_html(found: Fusion, cloud: Cloud, matched: Float64s, omega: float
 def _sigmas(covariance: Float64s) -> tuple[str, str, str]:
     x, y, psi = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
     return fixed(1e3 * x, 2), fixed(1e3 * y, 2), fixed(math.degrees(psi), 3)
+
+
+def attitude_html(found: Passage) -> str:
+    """E of eq. (1) at a pitch, and what it does to a turn through it."""
+    aside, reach = fixed(math.degrees(ASIDE), 1), fixed(math.degrees(REACH), 0)
+    heading_rate = number(math.degrees(float((found.E @ OMEGA)[2])))
+    errors = {"by (1)": found.by_angles, "by a quaternion": found.by_quaternion}
+    rows = [(name, fixed(math.degrees(error), 3)) for name, error in errors.items()]
+    return (
+        equation("(1)", "dΩ/dt = E<sub>Ω</sub> ω, E<sub>Ω</sub> for φ = 0 and this θ", matrix(found.E))
+        + equation("dψ/dt", f"for {aside}°/s about z", f"{heading_rate}°/s")
+        + table(("error at the end", "°"), rows)
+        + f"<p>A turn at 90°/s, from {reach}° below this pitch to {reach}° above it, with {aside}°/s about the"
+        " other two axes, by 100 samples a second. The filter turns a quaternion, which no pitch disturbs.</p>"
+    )

@@ -9,8 +9,10 @@ import numpy as np
 from hectorscope.page.theme import SENT
 from hectorscope.panels import _xray_words as words
 from hectorscope.panels._format import number
+from hectorscope.panels._xray_places import compared
 from hectorscope.panels._xray_shown import Dots, Heat, Mark, Shown, ellipse, line, outline, robot
 from hectorscope.panels._xray_wanted import Wanted
+from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.covariances import Cloud, fusion
 from hectorscope.run.xray.landscape import FOUND, SIDE, Around, Basin, Landscape, is_same, landscape
 from hectorscope.run.xray.lens import lens
@@ -171,6 +173,10 @@ def _lens(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
 
 
 def _covariance(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+    if wanted.of == "places":
+        for text in compared(shop.keep, wanted.noise, SLICE_S):
+            yield Shown(text, levels=len(shop.specimen.grids))
+        return
     specimen, levels = shop.specimen, len(shop.specimen.grids)
     cloud: Cloud = shop.keep(("cloud", wanted.noise), lambda: Cloud(specimen, wanted.noise))
     found = shop.keep(("fusion", wanted.omega), lambda: fusion(specimen, wanted.omega))
@@ -204,6 +210,11 @@ def _cloud_dots(specimen: Specimen, cloud: Cloud, scale: float) -> Dots:
     return Dots(0, points, colours, np.empty((0, 2, 2)), size=0.02)
 
 
+def _attitude(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+    yield Shown(words.attitude_html(passage(wanted.pitch)), levels=len(shop.specimen.grids))
+
+
 LABS: dict[str, Callable[[Workshop, Wanted, Float64s], Iterator[Shown]]] = {
     "steps": _steps, "landscape": _landscape, "lens": _lens, "covariance": _covariance,
+    "attitude": _attitude,
 }  # fmt: skip

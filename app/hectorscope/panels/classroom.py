@@ -10,8 +10,6 @@ from hectorscope.panels import _request
 from hectorscope.panels._handles import put
 from hectorscope.session.snapshot import Snapshot
 
-FARTHEST = 1e6  # metres of the camera
-MOST_LEVELS = 32
 LAYOUTS = ("stacked", "side", "one")
 
 
@@ -54,10 +52,10 @@ def view(asked: Any, layers: frozenset[str]) -> dict[str, Any]:
             if not (shown.keys() <= layers and all(isinstance(each, bool) for each in shown.values())):
                 raise _request.BadRequest
             return {
-                "camera": [mode, *(_request.number(each, -FARTHEST, FARTHEST) for each in pose)],
+                "camera": [mode, *map(_request.metres, pose)],
                 "layout": layout,
                 "gap": _request.number(gap, 0.05, 2.0),
-                "level": _request.whole(level, 0, MOST_LEVELS - 1),
+                "level": _request.whole(level, 0, _request.MOST_LEVELS - 1),
                 "layers": shown,
             }
     raise _request.BadRequest

@@ -10,8 +10,6 @@ from hectorscope.run.readings import CellTarget, View
 from hectorscope.session.commands import AHEAD, Inspect, Pick
 from hectorscope.session.snapshot import Snapshot
 
-MOST_LEVELS = 32
-FARTHEST = 1e6  # metres from the map's start
 REACH = 5.0  # metres: somebody who sees a whole town points that roughly
 MOST_BEAMS = 1 << 20
 CLOSED = "window.hectorscope?.closer?.show()"
@@ -57,16 +55,12 @@ def command(client: int, asked: dict[str, Any]) -> Inspect:
     BadRequest for what no script of ours sends.
     """
     if "at" in asked:
-        places = tuple(_place(*_request.items(each, 3)) for each in _request.items(asked["at"], MOST_LEVELS))
+        asked_at = _request.items(asked["at"], _request.MOST_LEVELS)
+        places = tuple(CellTarget(*_request.place(each)) for each in asked_at)
         return Inspect(client, Pick(places, _request.number(asked.get("reach"), 0.0, REACH)))
     if "beam" in asked:
         return Inspect(client, _request.whole(asked["beam"], AHEAD, MOST_BEAMS))
     return Inspect(client, None)
-
-
-def _place(level: Any = None, x: Any = None, y: Any = None) -> CellTarget:
-    x, y = (_request.number(each, -FARTHEST, FARTHEST) for each in (x, y))
-    return CellTarget(_request.whole(level, 0, MOST_LEVELS), x, y)
 
 
 def script_of(view: View | None) -> str:

@@ -4,11 +4,14 @@ import html
 import json
 from typing import Any
 
+import numpy as np
+
 from hectorscope.common.resources import resource_folder
 from hectorscope.page.lessons import FACTS, Lesson, lessons_in
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _request
 from hectorscope.panels._handles import put
+from hectorscope.panels._truth_error import truth_error
 from hectorscope.run.settings import value_of
 from hectorscope.session.commands import SetUp
 from hectorscope.session.snapshot import Snapshot
@@ -40,13 +43,18 @@ class LessonsPanel:
 
 
 def facts(snapshot: Snapshot, lessons: dict[str, Lesson]) -> dict[str, Any]:
-    """What the run contributes: the recording, the time in seconds, and each setting that a lesson asks for."""
+    """What the run contributes: the recording, the time in seconds, and each setting that a lesson asks for.
+
+    error: metres from the truth; left out where there is none.
+    """
+    error = truth_error(snapshot, max(0, len(snapshot.trajectory) - 1))["error"]
     playback = snapshot.playback
     settings = {each.fact for lesson in lessons.values() for each in lesson.done} - set(FACTS)
     return {
         "recording": snapshot.source,
         "time": round(max(0, playback.time_ns - playback.start_ns) / 1e9, 1),
         "tracking": snapshot.result.tracking if snapshot.result else "",
+        **({"error": round(float(error[-1]), 3)} if np.isfinite(error).any() else {}),
         "compared": snapshot.compared is not None and snapshot.compared.whole,
         **{name: value_of(snapshot.config, name) for name in sorted(settings)},
     }

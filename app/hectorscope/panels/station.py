@@ -23,7 +23,6 @@ from hectorscope.session.station_commands import (
     ShowReturn,
 )
 
-FARTHEST = 1e6  # metres from the map's start
 TURN = 7.0  # rad
 REPEAT_S = 1.0  # so that a page that has just been opened hears it too
 MOST_NUMBERS = 1 << 31
@@ -66,15 +65,13 @@ def command(asked: dict[str, Any]) -> Command:
     """What a page asks for; BadRequest for what no script of ours sends."""
     match asked:
         case {"mark": [kind, x, y, words]}:
-            x, y = (_request.number(each, -FARTHEST, FARTHEST) for each in (x, y))
-            return PutMark(_kind(kind), x, y, _request.words(words, LONGEST))
+            return PutMark(_kind(kind), _request.metres(x), _request.metres(y), _request.words(words, LONGEST))
         case {"edit": [number, kind, words]}:
             return EditMark(_request.whole(number, 0, MOST_NUMBERS), _kind(kind), _request.words(words, LONGEST))
         case {"remove": number}:
             return RemoveMark(_request.whole(number, 0, MOST_NUMBERS))
         case {"pose": [x, y, yaw]}:
-            x, y = (_request.number(each, -FARTHEST, FARTHEST) for each in (x, y))
-            return SetPose(x, y, _request.number(yaw, -TURN, TURN))
+            return SetPose(_request.metres(x), _request.metres(y), _request.number(yaw, -TURN, TURN))
     return _switch(asked)
 
 

@@ -20,7 +20,10 @@ RESTS = ("paused", "ended")
 
 
 class XrayPanel:
-    """Each browser looks at what it wants of the scan that all are shown. The work has a thread of its own."""
+    """Each browser looks at what it wants of the scan that all are shown, or of one that it keeps.
+
+    The work has a thread of its own.
+    """
 
     title = "X-ray"
     order = 49
@@ -32,6 +35,7 @@ class XrayPanel:
         self._lock = threading.Lock()  # nothing is drawn for a browser that has just left
         self._scenes: dict[int, ClientScene] = {}
         self._looked_at: tuple[Any, ...] = ()
+        self._source = ""
         with _workspace.tab(scene, "Live", Icon.GAUGE):
             scene.server.gui.add_html(BUTTON)
         _request.listen(scene, "xray", self._ask, for_viewers=True)
@@ -53,7 +57,8 @@ class XrayPanel:
             a is not b for a, b in zip(state, self._looked_at, strict=True)
         ):
             self._looked_at = state
-            self._bench.look_at(subject_of(snapshot) if rests else None)
+            anew, self._source = snapshot.source != self._source, snapshot.source
+            self._bench.look_at(subject_of(snapshot) if rests else None, anew=anew)
         clients = self._scene.server.get_clients()
         for client in self._bench.viewers:
             if client not in clients:
@@ -82,7 +87,8 @@ def subject_of(snapshot: Snapshot) -> Subject | None:
     """The scan at which the run rests."""
     if snapshot.rework is None or snapshot.result is None:
         return None
-    return Subject(snapshot.rework, snapshot.result, snapshot.config, snapshot.ahead.settings)
+    scan_s = (snapshot.rework.scan_ns - snapshot.playback.start_ns) / 1e9
+    return Subject(snapshot.rework, snapshot.result, snapshot.config, snapshot.ahead.settings, scan_s)
 
 
 def script_of(shown: Shown) -> str:
@@ -93,6 +99,7 @@ def script_of(shown: Shown) -> str:
         "level": shown.level,
         "steps": shown.steps,
         "levels": shown.levels,
+        "scan": shown.scan_s,
     }
     return f"window.hectorscope?.xray?.show({json.dumps(told)})"
 

@@ -6,6 +6,11 @@ from typing import Any
 
 from hectorscope.web.access_control import Role
 
+# Of a browser's own camera, and of the handles in its own scene: there are none that browsers share.
+OWN = frozenset(
+    ("ViewerCameraMessage", *(f"TransformControls{each}Message" for each in ("Update", "DragStart", "DragEnd")))
+)
+
 
 @dataclass(eq=False)
 class Browser:
@@ -31,11 +36,11 @@ class Roles:
     def passes(self, browser: Browser, message: Any) -> bool:
         """Whether a message of a browser goes on to the checks of its values; all else is refused.
 
-        A camera is each browser's own, and so is what an open control does. What the page says about itself is
-        taken here.
+        A camera is each browser's own, and so are the handle of the X-ray and what an open control does. What the
+        page says about itself is taken here.
         """
         match message:
-            case {"type": "ViewerCameraMessage"}:
+            case {"type": str(kind)} if kind in OWN:
                 return browser.role is not None
             case {"type": "GuiUpdateMessage", "uuid": str(uuid)} if uuid in self.open:
                 return browser.role is not None

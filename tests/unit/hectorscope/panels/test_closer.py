@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from hectorscope.panels._closer import card_html, marks
-from hectorscope.panels._request import BadRequest
-from hectorscope.panels.closer import FARTHEST, MOST_LEVELS, REACH, command
+from hectorscope.panels._request import FARTHEST, MOST_LEVELS, BadRequest
+from hectorscope.panels.closer import REACH, command
 from hectorscope.run.readings import BeamView, CellTarget, CellView, History, LevelReading, Span
 from hectorscope.session.commands import AHEAD, Inspect, Pick
 
@@ -50,7 +50,7 @@ def test_the_card_of_a_cell_says_when_it_was_written() -> None:
 def test_requests_are_brought_into_their_ranges() -> None:
     """Places, the reach and the number of a beam; anything else looks at nothing."""
     picked = command(5, {"at": [[99, 1e9, -2.0]], "reach": 1e9})
-    assert picked == Inspect(5, Pick((CellTarget(MOST_LEVELS, FARTHEST, -2.0),), REACH))
+    assert picked == Inspect(5, Pick((CellTarget(MOST_LEVELS - 1, FARTHEST, -2.0),), REACH))
     assert command(5, {"beam": -7}) == Inspect(5, AHEAD)
     assert command(5, {}) == Inspect(5, None)
 

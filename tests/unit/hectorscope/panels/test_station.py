@@ -8,8 +8,8 @@ import pytest
 
 from hectorscope.common.robot_link import RobotLink, TopicLink
 from hectorscope.panels._link import link_html
-from hectorscope.panels._request import BadRequest
-from hectorscope.panels.station import FARTHEST, command, script_of
+from hectorscope.panels._request import FARTHEST, BadRequest
+from hectorscope.panels.station import command, script_of
 from hectorscope.run.annotations import LONGEST, Annotation
 from hectorscope.session.commands import Configure
 from hectorscope.session.station_commands import EditMark, PutMark, Record, RemoveMark, SetPose, ShowReturn

@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hectorscope.panels._request import BadRequest
+from hectorscope.panels._request import FARTHEST, MOST_LEVELS, BadRequest
 from hectorscope.panels._xray_scene import surface
 from hectorscope.panels._xray_shown import ellipse
-from hectorscope.panels._xray_wanted import FARTHEST, MOST_LEVELS, MOST_STEPS, OMEGA, SPAN, YAW, Wanted, wanted_of
+from hectorscope.panels._xray_wanted import MOST_STEPS, OMEGA, SPAN, YAW, Wanted, wanted_of
 from hectorscope.panels._xray_work import Workshop
+from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.landscape import SIDE
 from tests.xray import specimen
 
 ASKED: dict[str, Any] = {
     "lab": "steps", "step": 0, "level": 0, "plane": "xy", "span": 1.0, "yaw": 0.0, "show": "heat", "at": None,
-    "omega": 0.5, "noise": 0.02,
+    "omega": 0.5, "noise": 0.02, "of": "scan", "pitch": 0.0,
 }  # fmt: skip
 
 
@@ -31,8 +32,8 @@ def test_requests_are_brought_into_their_ranges():
     """Whatever the numbers are."""
     wild = {"step": -5, "level": 99, "span": 1e9, "yaw": -9.0, "at": [77, 1e12, 0.0], "omega": 2, "noise": -1.0}
     found = wanted_of(ASKED | wild)
-    assert (found.step, found.level, found.span, found.yaw) == (0, MOST_LEVELS, SPAN[1], -YAW)
-    assert found.at == (MOST_LEVELS, FARTHEST, 0.0)
+    assert (found.step, found.level, found.span, found.yaw) == (0, MOST_LEVELS - 1, SPAN[1], -YAW)
+    assert found.at == (MOST_LEVELS - 1, FARTHEST, 0.0)
     assert found.omega == OMEGA[1]
     assert wanted_of(ASKED | {"step": 10**9}).step == MOST_STEPS
 
@@ -42,6 +43,7 @@ def test_requests_are_brought_into_their_ranges():
     [
         {"lab": "kitchen"}, {"plane": 3}, {"show": None}, {"show": []}, {"step": 1.5}, {"span": math.nan},
         {"at": [0, 1.0]}, {"at": {"x": 1}}, {"at": [0, "1", 2]}, {"omega": None}, {"noise": True},
+        {"of": "moon"}, {"pitch": "up"},
     ],
 )  # fmt: skip
 def test_what_no_script_of_ours_sends_is_refused(wrong: dict[str, Any]):
@@ -139,3 +141,24 @@ def test_covariances_come_with_a_growing_cloud(shop: Workshop):
     assert len(first.dots.points) == 0 < len(second.dots.points)
     again = next(iter(shop.shown(replace(wanted, omega=0.2), None)))
     assert again.dots is not None and len(again.dots.points) >= len(second.dots.points)  # it is kept
+
+
+def test_room_corridor_and_water_are_compared(shop: Workshop):
+    """One after another, each with its table once the cloud begins, until every cloud is whole."""
+    pictures = [shown.words for shown in shop.shown(Wanted(lab="covariance", of="places"), None)]
+    assert pictures[0].count("<svg") == 0
+    last = pictures[-1]
+    assert [last.count(each) for each in ("<svg", "cloud of 400", "Share of")] == [3, 3, 1]
+    for title in ("Room", "Corridor", "Open water"):
+        assert f"<h3>{title}" in last
+
+
+def test_the_equation_of_the_attitude_has_its_numbers(shop: Workshop):
+    """The secant of the pitch, and both errors; at 90 degrees a number of no use."""
+    (shown,) = shop.shown(Wanted(lab="attitude", pitch=math.radians(60.0)), None)
+    assert "<td>2</td>" in shown.words
+    found = passage(math.radians(60.0))
+    for error in (found.by_angles, found.by_quaternion):
+        assert f"<td>{math.degrees(error):.3f}</td>" in shown.words
+    (pole,) = shop.shown(Wanted(lab="attitude", pitch=math.pi / 2), None)
+    assert "10¹⁶" in pole.words

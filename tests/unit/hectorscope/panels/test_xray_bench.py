@@ -2,6 +2,7 @@
 
 import queue
 import threading
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -62,9 +63,38 @@ def test_a_dragged_start_is_followed_and_taken_back(subject: Subject):
     np.testing.assert_array_equal(handle(listener.next(1)), specimen().start)
     listener.bench.start_at(1, start)
     np.testing.assert_array_equal(handle(listener.next(1)), start)
-    listener.bench.look_at(subject)
+    listener.bench.look_at(replace(subject))
     np.testing.assert_array_equal(handle(listener.next(1)), specimen().start)
     listener.bench.leave(1)
+
+
+def test_a_kept_scan_stays_while_others_follow_the_run(subject: Subject):
+    """With its start, until it is let go; another recording takes it away."""
+    listener, start = Listener(), specimen().start + np.array([0.2, 0.1, 0.0])
+    first, second, third = (replace(subject, scan_s=seconds) for seconds in (1.0, 2.0, 3.0))
+    listener.bench.look_at(first)
+    keeps = Wanted(lab="landscape", keep=True)
+    listener.bench.want(1, keeps)
+    listener.bench.want(2, Wanted(lab="landscape"))
+    assert (listener.next(1).scan_s, listener.next(2).scan_s) == (1.0, 1.0)
+    listener.bench.start_at(1, start)
+    np.testing.assert_array_equal(handle(listener.next(1)), start)
+    listener.bench.look_at(second)
+    assert listener.next(2).scan_s == 2.0
+    listener.bench.want(1, replace(keeps, level=1))
+    kept = listener.next(1)
+    assert (kept.scan_s, kept.level) == (1.0, 1)
+    np.testing.assert_array_equal(handle(kept), start)
+    listener.bench.want(1, replace(keeps, keep=False))
+    let_go = listener.next(1)
+    assert let_go.scan_s == 2.0
+    np.testing.assert_array_equal(handle(let_go), specimen().start)
+    listener.bench.want(1, keeps)
+    assert listener.next(1).scan_s == 2.0
+    listener.bench.look_at(third, anew=True)
+    assert listener.next(1).scan_s == 3.0
+    for client in (1, 2):
+        listener.bench.leave(client)
 
 
 def handle(shown: Shown) -> Any:

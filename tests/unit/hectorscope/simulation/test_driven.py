@@ -8,11 +8,14 @@ from hectorscope.run.settings import Settings
 from hectorscope.simulation.driven import DrivenRobot
 from hectorscope.simulation.options import SimulationError
 from hectorscope.steering import FAULTS, PutBox, SetDoor, SetFault, Steer, TakeBox
-from slam_core.config import SlamConfig
+from slam_core.config import SlamConfig, with_value
+from slam_core.geometry import to_euler
+from slam_core.kernels.bilinear import WHOLE
 from slam_core.measurements import Imu, LaserScan, TruthPose
 
 REST = 65  # steps: longer than the robot rests
 HALT = Steer(0.0, 0.0)
+OCCUPIED = 0.6 * WHOLE  # of a cell's probability
 
 
 def driven(robot, steps, steer=HALT):
@@ -57,6 +60,39 @@ def test_the_filter_finds_the_bias_that_a_slider_gave_the_gyroscopes():
             pipeline.step(measurement)
     assert pipeline.result is not None and pipeline.result.navigation is not None
     assert np.degrees(pipeline.result.navigation.gyro_bias) == pytest.approx([0.5] * 3, abs=0.1)
+
+
+def pipeline_after(config: SlamConfig, fault: str, value: float, *moves: tuple[int, Steer]) -> Pipeline:
+    """A run over a rest and these moves (steps, steering), with one error of a sensor."""
+    robot, pipeline = DrivenRobot("rooms"), Pipeline(Settings(config), live=True)
+    robot.obey(SetFault(fault, value))
+    for steps, steer in ((REST, HALT), *moves):
+        for item in driven(robot, steps, steer):
+            for measurement in pipeline.admit(item):
+                pipeline.step(measurement)
+    return pipeline
+
+
+def test_a_forward_bias_of_the_accelerometers_looks_like_a_pitch_until_the_robot_turns():
+    """At rest the whole of it is a pitch of 3 degrees; a turn on the spot tells them apart."""
+    for moves, bias, pitch in (((), 0.0, -2.9), (((60, Steer(0.0, 1.0)),), 0.5, 0.0)):
+        pipeline = pipeline_after(SlamConfig(), "accel_bias", 0.5, *moves)
+        assert pipeline.result is not None and pipeline.result.navigation is not None
+        assert pipeline.result.navigation.accel_bias[0] == pytest.approx(bias, abs=0.08)
+        assert np.degrees(to_euler(pipeline.result.T_map_base.rotation)[1]) == pytest.approx(pitch, abs=0.3)
+
+
+def test_the_map_of_a_tilting_lidar_smears_without_stabilisation():
+    """Twice as many cells are occupied, and the pose is off; with it the sway leaves no trace in the map."""
+    moves = ((60, Steer(0.8, 0.15)), (100, Steer(0.6, 0.3)), (100, Steer(0.6, -0.3)))
+    off = with_value(SlamConfig(), "scan.stabilise", False)
+    runs = [
+        pipeline_after(config, "sway", sway, *moves)
+        for config, sway in ((SlamConfig(), 0.0), (SlamConfig(), 15.0), (off, 15.0))
+    ]
+    level, swaying, smeared = (int((run.slam.map.levels[0].cells > OCCUPIED).sum()) for run in runs)
+    assert swaying < 1.2 * level
+    assert smeared > 2 * swaying
 
 
 def test_a_box_stops_the_robot_until_it_is_taken_away():
