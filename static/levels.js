@@ -58,14 +58,13 @@
     return found ? JSON.parse(found) : [];
   }
 
-  function label(index, at, camera) {
+  function label(index, at, camera, { clientWidth, clientHeight }) {
     const element = names.children[index] ?? names.appendChild(document.createElement("span"));
     const size = resolutions()[index];
     const text = `level ${index}${size ? ` · ${+(100 * size).toPrecision(4)} cm` : ""}`;
     if (element.textContent !== text) element.textContent = text;
     const point = camera.position.clone().set(box.x - box.width / 2 + at.x, box.y + box.height / 2 + at.y, at.z);
     point.applyMatrix4(page().nodeRefFromName["/floor"].matrixWorld).project(camera);
-    const { clientWidth, clientHeight } = page().canvas;
     const [left, top] = [((point.x + 1) / 2) * clientWidth, ((1 - point.y) / 2) * clientHeight];
     const seen = at.shown && point.z < 1 && left > -40 && left < clientWidth && top > 0 && top < clientHeight + 20;
     element.style.transform = `translate(${Math.round(Math.max(4, left))}px, ${Math.round(Math.max(24, top))}px) translateY(-100%)`;
@@ -76,9 +75,10 @@
     const home = page().canvas.parentElement;
     if (names.parentElement !== home) home.append(names);
     const shown = own.layerShown("names") && own.layerShown("map");
-    names.hidden = !shown;
+    if (names.hidden === shown) names.hidden = !shown;
     if (!shown) return;
-    all.forEach((at, index) => label(index, at, camera));
+    const { clientWidth, clientHeight } = page().canvas; // once: each reading behind a change lays the page out anew
+    all.forEach((at, index) => label(index, at, camera, { clientWidth, clientHeight }));
     while (names.children.length > all.length) names.lastChild.remove();
   }
 

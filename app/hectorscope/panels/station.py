@@ -23,7 +23,6 @@ from hectorscope.session.station_commands import (
 
 FARTHEST = 1e6  # metres from the map's start
 TURN = 7.0  # rad
-REPEAT_S = 1.0  # so that a page that has just been opened hears it too
 MOST_NUMBERS = 1 << 31
 RESUME_HINT = (
     "It ended without being closed. Its map takes the place of this one, which can be brought back for a minute."
@@ -31,7 +30,7 @@ RESUME_HINT = (
 
 
 class StationPanel:
-    """The page draws it all; it is told what is new, and again each second."""
+    """The page draws it all; it is told what is new, and again each second, as it may have been opened just now."""
 
     title = "Station"
     order = 61
@@ -39,7 +38,7 @@ class StationPanel:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._sent: tuple[str, float] = "", 0.0
+        self._sent: tuple[str, int] = "", 0
         with _workspace.tab(scene, self.title, Icon.MAP_PIN):
             scene.server.gui.add_html(FORM)
             self._resume = scene.server.gui.add_button(
@@ -52,10 +51,10 @@ class StationPanel:
         """Tell every page."""
         if self._resume.visible != snapshot.station.past:
             self._resume.visible = snapshot.station.past
-        script, now = script_of(snapshot), monotonic()
-        if script != self._sent[0] or now - self._sent[1] >= REPEAT_S:
-            self._sent = script, now
-            self._scene.run(script)
+        told = script_of(snapshot), int(monotonic())
+        if told != self._sent:
+            self._sent = told
+            self._scene.run(told[0])
 
 
 def command(asked: dict[str, Any]) -> Command:
