@@ -30,7 +30,7 @@ RESUME_HINT = (
 
 
 class StationPanel:
-    """The page draws it all; it is told what is new, and again each second, as it may have been opened just now."""
+    """The page draws it all. It is told what is new, and again each second: it may have been opened just now."""
 
     title = "Station"
     order = 61
