@@ -12,7 +12,7 @@
     sheet: ["half", "full", "low"],
   };
   const DEFAULTS = {
-    theme: "dark", layout: "stacked", gap: 0.5, level: 0, layers: {}, present: false, panels: true,
+    theme: "dark", layout: "stacked", gap: 0.5, level: 0, layers: {}, present: false, beside: false, panels: true,
     plots: innerWidth < 900 ? "off" : "below", pages: ["Covariance", "Error against truth"], curves: [], window: 30, height: 220, strip: "Mean residual",
     sheet: "half", camera: null, sound: false,
   };

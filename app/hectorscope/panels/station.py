@@ -1,13 +1,14 @@
 """The operator's station: marks, the pose by hand, the way back, mapping and recording (static/station.js)."""
 
 import json
+from functools import partial
 from time import monotonic
 from typing import Any
 
 from viser import Icon
 
 from hectorscope.page.scene import Scene
-from hectorscope.panels import _request, _workspace
+from hectorscope.panels import _own, _request, _workspace
 from hectorscope.run.annotations import KINDS, LONGEST, MOST
 from hectorscope.session.commands import Command, Configure
 from hectorscope.session.snapshot import Snapshot
@@ -106,10 +107,7 @@ def script_of(snapshot: Snapshot) -> str:
     return f"window.hectorscope?.station?.({json.dumps(told)})"
 
 
-def _button(act: str, label: str, hint: str) -> str:
-    return f'<button type="button" class="hs-wide" data-hs-station="{act}" title="{hint}">{label}</button>'
-
-
+_button = partial(_own.wide_button, "station")
 FORM = (
     '<p class="hs-scope" title="Every page shows the same.">Shared by every browser</p><div class="hs-own">'
     '<label class="hs-own-row"><span>Mark</span><select aria-label="Kind of the mark" data-hs-station-kind>'
