@@ -27,7 +27,7 @@ from hectorscope.session.snapshot import ListedRun, Snapshot
 from slam_core.config import Leaves, differences
 
 BESIDE = (
-    '<label class="hs-own-box" title="In this browser: else its walls and its way lie over those of the shown run.">'
+    '<label class="hs-own-box" title="In this browser; else its walls and its way lie over those shown.">'
     '<input type="checkbox" data-hs-own="beside">Beside the shown run, not over it</label>'
 )
 ASKED = re.compile(r"(fork|show|rename|remove|keep|compare|paper):([0-9]{1,6}):(.*)", re.DOTALL)
