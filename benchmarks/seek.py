@@ -3,8 +3,8 @@
     python -m benchmarks.seek [BAG] [--seeks 100] [--checkpoints 512] [--browser]
 
 Without a recording, the scenes of the demo are taken. BAG: what `hectorscope` takes. The pass is the one ahead of
-what is shown; the run rests meanwhile. --browser: from the release of the timeline to the drawn map, in a real
-Chromium, whose own drawing in software is counted.
+what is shown; the run rests meanwhile. --browser: from the release of the timeline, on a page at rest, until the
+pixels of the new map are there, in a real Chromium, whose own drawing in software is counted.
 """
 
 import argparse
@@ -33,11 +33,12 @@ from tests.conftest import chromium_path
 
 DEMOS = (Path("demo_bags/arena.bag"), Path("demo_bags/littoral.mcap"))
 LOOK_S = 0.001
+QUIET_MS = 150
 FAR_S = 2.0  # seconds of a recording: so far away the map is another one
 CELLS = "/floor/map/level0/cells"
 READY = f"window.__viserMutable?.nodeRefFromName?.['{CELLS}'] && window.hectorscope?.timeline?.state().end"
-# Milliseconds from the release of the timeline at a time until the scene is drawn with another picture of the
-# finest level, and the run is there.
+# Milliseconds from the release of the timeline at a time until a pixel can be read of the scene that has another
+# picture of the finest level, and the run is there.
 RELEASED = """(seconds) => new Promise((drawn) => {
   const { timeline, drawing } = window.hectorscope;
   const picture = () => {
@@ -47,14 +48,28 @@ RELEASED = """(seconds) => new Promise((drawn) => {
     return found;
   };
   const [before, begun] = [picture(), performance.now()];
-  const look = () => {
+  const look = (_page, scene, _camera, renderer) => {
     const { at, state } = timeline.state();
     if (state === 'seeking' || Math.abs(at - seconds) > 0.2 || picture() === before) return;
     drawing.splice(drawing.indexOf(look), 1);
-    requestAnimationFrame(() => drawn(performance.now() - begun));
+    const after = scene.onAfterRender;
+    scene.onAfterRender = () => {
+      const context = renderer.getContext();
+      context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+      scene.onAfterRender = after;
+      drawn(performance.now() - begun);
+    };
   };
   drawing.push(look);
   timeline.seek(seconds);
+})"""
+# Once nothing was drawn for so many milliseconds.
+RESTED = """(quiet) => new Promise((rested) => {
+  const { drawing } = window.hectorscope;
+  const wait = () => setTimeout(() => (drawing.splice(drawing.indexOf(draws), 1), rested()), quiet);
+  let timer = wait();
+  const draws = () => (clearTimeout(timer), (timer = wait()));
+  drawing.push(draws);
 })"""
 
 
@@ -109,6 +124,7 @@ def drawn(engine: Engine, page: Page, seeks: int) -> list[float]:
     while len(taken) < seeks:
         seconds = where.uniform(FAR_S, length - 0.2)
         if abs(seconds - before) >= FAR_S:
+            page.evaluate(RESTED, QUIET_MS)
             taken.append(float(page.evaluate(RELEASED, seconds)))
             before = seconds
     return taken

@@ -12,7 +12,7 @@
     sheet: ["half", "full", "low"],
   };
   const DEFAULTS = {
-    theme: "dark", layout: "stacked", gap: 0.5, level: 0, layers: {}, present: false, panels: true,
+    theme: "dark", layout: "stacked", gap: 0.5, level: 0, layers: {}, present: false, beside: false, panels: true,
     plots: innerWidth < 900 ? "off" : "below", pages: ["Covariance", "Error against truth"], curves: [], window: 30, height: 220, strip: "Mean residual",
     sheet: "half", camera: null, sound: false,
   };
@@ -56,7 +56,12 @@
     window.__viserMutable?.requestRender?.();
   }
 
+  // A value of the style sheet as it is in this browser. It is read once, as each reading styles the whole page anew.
+  let styles = {};
+  const style = (name) => (styles[name] ||= getComputedStyle(root).getPropertyValue(`--hs-${name}`).trim());
+
   function apply(key) {
+    styles = {};
     if (["plots", "sheet", "present", "panels"].includes(key)) root.dataset[`hs${key[0].toUpperCase()}${key.slice(1)}`] = chosen[key];
     if (key === "height") root.style.setProperty("--hs-plots-height", `${chosen.height}px`);
     if (key === "theme" && root.dataset.mantineColorScheme !== chosen.theme) root.dataset.mantineColorScheme = chosen.theme;
@@ -145,6 +150,6 @@
   }
   document.addEventListener("DOMContentLoaded", () => setInterval(hook, 200)); // every script of ours is there then
 
-  const own = { get, set, toggle: (key) => set(key, !chosen[key]), listen: (call) => heard.push(call), layers, layerShown };
+  const own = { get, set, toggle: (key) => set(key, !chosen[key]), listen: (call) => heard.push(call), style, layers, layerShown };
   window.hectorscope = Object.assign(window.hectorscope ?? {}, { own, drawing, element, size });
 })();

@@ -9,6 +9,8 @@
   const LINES = 4; // about, of the value axis
   const FLOOR = 1e-4; // of a value on an axis of decades: zero has no logarithm
 
+  const style = (name) => window.hectorscope.own.style(name);
+
   // The last row at or before a time.
   function rowAt({ values, width, count }, time) {
     let [low, high] = [0, count];
@@ -89,13 +91,13 @@
   const clock = (seconds) => (seconds < 60 ? `${+seconds.toFixed(2)} s` : `${Math.floor(seconds / 60)}:${String(+(seconds % 60).toFixed(1)).padStart(2, "0")}`);
   const decade = (power) => (power >= -2 && power <= 4 ? `${+(10 ** power).toPrecision(1)}` : `1e${power}`);
 
-  function axes(ctx, chart, spans, frame, style) {
+  function axes(ctx, chart, spans, frame) {
     const { left, right, top, bottom, scale } = frame;
     const [x, y] = spans;
-    ctx.font = `${11 * scale}px ${style.getPropertyValue("--hs-font")}`;
+    ctx.font = `${11 * scale}px ${style("font")}`;
     ctx.lineWidth = 1;
-    ctx.strokeStyle = style.getPropertyValue("--hs-line");
-    ctx.fillStyle = style.getPropertyValue("--hs-muted");
+    ctx.strokeStyle = style("line");
+    ctx.fillStyle = style("muted");
     const rule = (...at) => {
       ctx.beginPath();
       ctx.moveTo(at[0], at[1]);
@@ -133,12 +135,13 @@
     ctx.stroke();
   }
 
+  const size = ({ clientWidth: width, clientHeight: height }) => ({ width, height });
+
   // Draws the stretch [begin, end] of a table; gives the chart's edges in pixels of the page, null without room.
-  function draw(canvas, table, chart, stretch, colours) {
-    const { clientWidth: width, clientHeight: height } = canvas;
+  // The size of the canvas is asked for before anything is drawn: else the page is laid out anew for each chart.
+  function draw(canvas, { width, height }, table, chart, stretch, colours) {
     if (width < 80 || height < 40) return null;
-    const style = getComputedStyle(document.documentElement);
-    const scale = Number(style.getPropertyValue("--hs-scale")) || 1;
+    const scale = Number(style("scale")) || 1;
     const [sharp, ctx] = [window.devicePixelRatio || 1, canvas.getContext("2d")];
     Object.assign(canvas, { width: Math.round(width * sharp), height: Math.round(height * sharp) });
     ctx.setTransform(sharp, 0, 0, sharp, 0, 0);
@@ -150,7 +153,7 @@
       x: (time) => left + ((time - stretch[0]) / (stretch[1] - stretch[0])) * (right - left),
       y: (value) => bottom - ((value - levels[0]) / (levels[1] - levels[0])) * (bottom - top),
     };
-    axes(ctx, chart, [stretch, levels], frame, style);
+    axes(ctx, chart, [stretch, levels], frame);
     Object.assign(ctx, { lineWidth: 1.6 * scale, lineJoin: "round" });
     curves.forEach((columns, i) => {
       ctx.strokeStyle = colours[i];
@@ -171,5 +174,5 @@
     });
   }
 
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { charts: { rowAt, shown, ticks, plot: { any, draw, strip } } });
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { charts: { rowAt, shown, ticks, plot: { any, draw, strip, size } } });
 })();

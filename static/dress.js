@@ -27,22 +27,16 @@
   const rgb = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
   const linear = (share) => (share > 0.04045 ? ((share + 0.055) / 1.055) ** 2.4 : share / 12.92);
   const vec = (colour) => `vec3(${colour.map((c) => c.toFixed(5)).join(",")})`;
-  const list = (style, name) => style.getPropertyValue(`--hs-${name}`).trim().split(/\s+/);
+  const list = (name) => own.style(name).split(/\s+/);
 
-  // To ask for a style costs as much as to style the page: each colour is asked for once a theme.
   function colours() {
-    const theme = document.documentElement.dataset.mantineColorScheme;
-    if (palette?.worn === theme && palette.theme === own.get("theme")) return palette;
-    const style = getComputedStyle(document.documentElement);
-    const known = new Map();
-    const asked = (name) => known.set(name, rgb(list(style, name)[0])).get(name);
+    if (palette?.theme === own.get("theme")) return palette;
     palette = {
-      worn: theme,
       theme: own.get("theme"),
-      of: (name) => known.get(name) ?? asked(name),
-      ramp: list(style, "ramps").map(rgb),
-      sentRamp: list(style, "sent-ramps").map(rgb),
-      veil: list(style, "veil").map(Number),
+      of: (name) => rgb(list(name)[0]),
+      ramp: list("ramps").map(rgb),
+      sentRamp: list("sent-ramps").map(rgb),
+      veil: list("veil").map(Number),
     };
     return palette;
   }
@@ -74,6 +68,20 @@
     Object.assign(material, { toneMapped: false, needsUpdate: true });
   }
 
+  // viser makes a material for each scan, and three.js deletes a program with the last material that has it. To compile
+  // a program takes longer than all else of a scan, so the first material of each is not given up.
+  const lasting = new WeakSet();
+  function outlast(material, { properties }) {
+    if (material.userData.outlasts) return;
+    material.userData.outlasts = true;
+    const dispose = material.dispose;
+    material.dispose = () => {
+      const { currentProgram } = properties.get(material);
+      if (!currentProgram || lasting.has(currentProgram)) dispose.call(material);
+      else lasting.add(currentProgram);
+    };
+  }
+
   // Each point has the colour of its residual on the sent ramp, or that of a surprise, or the accent.
   function recolouring({ of, ramp: [A, B, C], sentRamp: [a, b, c] }) {
     const single = ["unexpected", "accent"].map(
@@ -88,7 +96,8 @@
   }
 
   // Points keep a few pixels; transparent is what is drawn after the map instead of cut by it.
-  function points(material, worn) {
+  function points(material, worn, renderer) {
+    outlast(material, renderer);
     if (material.uniforms?.hsPixels) material.uniforms.hsPixels.value = POINT_PIXELS * (window.hectorscope.enlarged ?? 1);
     if (material.userData.dressed === worn.theme || !material.vertexShader?.includes(POINT_SIZE) && !material.userData.plain) return;
     material.userData.dressed = worn.theme;
@@ -151,7 +160,7 @@
   let named = new Set();
   const key = (table, name) => table[name] ?? table[`${name.split("/").slice(0, -1).join("/")}/`];
 
-  drawing.push((page) => {
+  drawing.push((page, _scene, _camera, renderer) => {
     const worn = colours();
     const { places } = window.hectorscope.levels();
     named = new Set(Object.values(page.nodeRefFromName));
@@ -160,7 +169,7 @@
       if (stroke) drawn(page, name, (material) => line(material, worn.of(stroke)));
       else if (solid) drawn(page, name, (material) => paint(material.color, worn.of(solid)));
       else if (name === "/floor/surfels/lines") drawn(page, name, (material) => surfel(material, worn));
-      else if (name === "/floor/scan/points" || INSIDE.test(name)) drawn(page, name, (material) => points(material, worn));
+      else if (name === "/floor/scan/points" || INSIDE.test(name)) drawn(page, name, (material) => points(material, worn, renderer));
       else if (name === "/floor/grid/lines") drawn(page, name, (material) => grid(material, worn.of("grid")));
       else if (name === WALLS) drawn(page, name, (material) => walls(material, worn.of("compared")));
       else if (CELLS.test(name)) drawn(page, name, (material) => cells(material, worn, places[name.match(CELLS)[1]]?.z > 0));

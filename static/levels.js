@@ -48,6 +48,23 @@
     return all.map((i) => ({ x: (i % n) * right, y: -Math.floor(i / n) * down, z: 0, shown: true }));
   }
 
+  // The compared run lies over the map, or beside it, on the side where no level ever is.
+  const COMPARED = ["/floor/compared_map", "/compared"];
+  function placeCompared(viser) {
+    const node = viser.nodeRefFromName[`${COMPARED[0]}/cells`];
+    const shown = own.get("beside") && node?.visible && own.layerShown("compared");
+    const x = shown ? -box.width * (1 + AISLE) : 0;
+    for (const name of COMPARED) move(viser, viser.nodeRefFromName[name], { x, y: 0, z: 0 });
+    return shown ? [{ x, y: 0, z: 0, shown: true }] : [];
+  }
+
+  function move(viser, node, { x, y, z }) {
+    if (!node || (node.position.x === x && node.position.y === y && node.position.z === z)) return;
+    node.position.set(x, y, z);
+    node.updateMatrixWorld(true);
+    viser.requestRender?.();
+  }
+
   // ------------------------------------------------------------------------------------------------ names
 
   const names = document.createElement("div");
@@ -76,13 +93,13 @@
     const home = page().canvas.parentElement;
     if (names.parentElement !== home) home.append(names);
     const shown = own.layerShown("names") && own.layerShown("map");
-    names.hidden = !shown;
+    if (names.hidden === shown) names.hidden = !shown;
     if (!shown) return;
     all.forEach((at, index) => label(index, at, camera));
     while (names.children.length > all.length) names.lastChild.remove();
   }
 
-  let laid = [];
+  let [laid, beside] = [[], []];
   drawing.push((viser, _scene, camera) => {
     const levels = count();
     if (!levels || !measure()) return;
@@ -90,13 +107,11 @@
     laid.forEach((at, index) => {
       const node = place(index);
       node.visible = at.shown;
-      if (node.position.x === at.x && node.position.y === at.y && node.position.z === at.z) return;
-      node.position.set(at.x, at.y, at.z);
-      node.updateMatrixWorld(true);
-      viser.requestRender?.();
+      move(viser, node, at);
     });
+    beside = placeCompared(viser);
     labels(laid, camera);
   });
 
-  window.hectorscope.levels = () => ({ box, places: laid });
+  window.hectorscope.levels = () => ({ box, places: laid, beside });
 })();

@@ -124,9 +124,9 @@
   }
 
   function colour({ colour: name }) {
-    const style = getComputedStyle(document.documentElement);
-    const series = style.getPropertyValue("--hs-series").trim().split(/\s+/);
-    return typeof name === "number" ? series[name % series.length] : style.getPropertyValue(`--hs-${name}`).trim();
+    if (typeof name !== "number") return own.style(name);
+    const series = own.style("series").split(/\s+/);
+    return series[name % series.length];
   }
 
   // ----------------------------------------------------------------------------------------------- time
@@ -202,16 +202,17 @@
     }
     nothing.hidden = any;
     if (own.get("plots") === "off" || !stretch) return;
-    for (const made of figures) {
-      if (made.element.hidden) continue;
+    const visible = figures.filter(({ element }) => !element.hidden);
+    const sizes = visible.map(({ canvas }) => plot.size(canvas));
+    visible.forEach((made, at) => {
       made.chart.curves.forEach((curve, i) => {
         made.values[i].dot.style.background = colour(curve);
         made.values[i].entry.setAttribute("aria-pressed", String(isShown(made.chart, curve)));
       });
       const curves = made.chart.curves.filter((curve) => isShown(made.chart, curve));
-      made.shape = plot.draw(made.canvas, tables[made.chart.table], { ...made.chart, curves }, stretch, curves.map(colour));
-      read(made);
-    }
+      made.shape = plot.draw(made.canvas, sizes[at], tables[made.chart.table], { ...made.chart, curves }, stretch, curves.map(colour));
+    });
+    visible.forEach(read);
   }
 
   function drawLater() {

@@ -59,11 +59,11 @@
   function corners() {
     const found = [];
     const floor = viser().nodeRefFromName["/floor"];
-    const { box, places } = window.hectorscope.levels();
+    const { box, places, beside } = window.hectorscope.levels();
     if (!floor) return found;
     const [right, up, over, at] = [0, 1, 2, 3].map((i) => column(floor.matrixWorld, i));
     const point = (x, y, z) => plus(at, plus(times(right, x), plus(times(up, y), times(over, z))));
-    for (const { x, y, z, shown } of places) {
+    for (const { x, y, z, shown } of [...places, ...beside]) {
       if (!shown) continue;
       for (const i of [-0.5, 0.5])
         for (const j of [-0.5, 0.5]) found.push(point(box.x + x + i * box.width, box.y + y + j * box.height, z));

@@ -105,10 +105,6 @@
 
   const pages = () => window.hectorscope.plotted?.().pages ?? {};
   const chosen = () => Object.values(pages()).flat().find(({ title }) => title === own.get("strip"));
-  const colours = () => {
-    const style = getComputedStyle(document.documentElement);
-    return (name) => style.getPropertyValue(`--hs-${name}`).trim();
-  };
 
   function draw() {
     const { clientWidth: width, clientHeight: height } = canvas;
@@ -117,7 +113,7 @@
     const state = [width, height, run.begin, run.end, run.known, marks, tables.series?.known, own.get("strip"), own.get("theme"), own.get("present")].join();
     if (state === drawn) return;
     drawn = state;
-    const [sharp, ctx, colour] = [window.devicePixelRatio || 1, canvas.getContext("2d"), colours()];
+    const [sharp, ctx, colour] = [window.devicePixelRatio || 1, canvas.getContext("2d"), own.style];
     Object.assign(canvas, { width: Math.round(width * sharp), height: Math.round(height * sharp) });
     ctx.setTransform(sharp, 0, 0, sharp, 0, 0);
     drawTrack(ctx, colour, width, tables.series);

@@ -95,7 +95,7 @@
   document.body.append(side, foot, caption);
 
   function curves() {
-    for (const made of figures) made.shape = plot.draw(made.canvas, table, made.chart, span, made.chart.curves.map(colour));
+    for (const made of figures) made.shape = plot.draw(made.canvas, plot.size(made.canvas), table, made.chart, span, made.chart.curves.map(colour));
     draw();
   }
 

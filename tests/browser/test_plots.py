@@ -20,6 +20,15 @@ ROWS, END_S = 400, 60.0
 EVERY = ["Covariance", "Match", "Error against truth", "Attitude", "Biases", "Motion", "Time spent"]
 FIGURE = ".hs-plots figure:visible"
 PATIENCE_S = 60.0
+COUNT_LOOKS = """() => {
+  const { getComputedStyle } = window;
+  window.read = 0;
+  window.getComputedStyle = (of, ...more) => {
+    window.read += of === document.documentElement;
+    return getComputedStyle(of, ...more);
+  };
+}"""
+PICTURE = "document.querySelector('.hs-plots figure:not([hidden]) canvas').toDataURL()"
 BESIDE = np.array([0, 0, 0.1, 0, 0, 0, 0, 0])  # metres, as the truth lies
 BOXES = "() => [...document.querySelectorAll('.hs-canvas')].map((e) => JSON.stringify(e.getBoundingClientRect()))"
 
@@ -54,6 +63,16 @@ def inside(page: Page) -> int:
       return box.width > 100 && across && box.bottom <= room.bottom + 1;
     }).length""")
     return count
+
+
+def test_new_rows_are_drawn_without_a_look_at_the_style_sheet(show: Show, open_page: Open) -> None:
+    """Colours are known from before: to read them lays the page out anew, for each curve of each chart."""
+    page = opened(show, open_page)
+    page.evaluate(COUNT_LOOKS)
+    before = page.evaluate(PICTURE)
+    show.engine.show(replace(more := driven(), sequence=2, series=more.series[: ROWS // 2]))
+    page.wait_for_function(f"(before) => ({PICTURE}) !== before", arg=before)
+    assert page.evaluate("window.read") == 0
 
 
 def test_charts_lie_side_by_side_below_the_scene(show: Show, open_page: Open) -> None:

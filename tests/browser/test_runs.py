@@ -13,6 +13,20 @@ from tests.scene import names, node
 pytestmark = pytest.mark.browser
 
 PATIENCE_S = 120.0
+# Metres by which both, walls and trajectory, lie beside the shown run; positive if they do not go together.
+APART = """() => {
+  const found = ["/floor/compared_map", "/compared"].map((name) => window.__viserMutable.nodeRefFromName[name]);
+  const [walls, line] = found.map((node) => node.position.x);
+  return walls === line ? line : 1;
+}"""
+# Whether the camera has both runs in view.
+IN_VIEW = """() => {
+  const { nodeRefFromName, camera } = window.__viserMutable;
+  return ["/floor/compared_map/cells", "/floor/map/level0/cells"].every((name) => {
+    const at = nodeRefFromName[name].getWorldPosition(camera.position.clone()).project(camera);
+    return Math.abs(at.x) < 0.9 && Math.abs(at.y) < 0.9;
+  });
+}"""
 COLOUR = """() => {
   let found = null;
   window.__viserMutable.nodeRefFromName['/compared/chunk0'].traverse((child) => (found ??= child.material?.color));
@@ -21,7 +35,7 @@ COLOUR = """() => {
 
 
 def test_a_run_is_forked_compared_and_shown_again(opened: Opened, open_page: Open) -> None:
-    """By the buttons of the tab: the original lies over the fork in its own colour, until it is shown itself."""
+    """The original lies over the fork, or beside it, in its own colour, until it is shown itself: by buttons."""
     engine = opened.engine
     key = next(each.key for each in engine.mailbox.latest.library if each.name == "kitchen.bag")  # type: ignore[union-attr]
     begun = after(engine, OpenRecording(key), SetSpeed(float("inf")))
@@ -45,6 +59,11 @@ def test_a_run_is_forked_compared_and_shown_again(opened: Opened, open_page: Ope
     for title in ("Positions apart, mm", "σ in the plane, mm", "Error against truth, mm"):
         expect(page.locator(".hs-plots figure", has_text=title)).to_be_visible()
     assert SENT.compared == DARK.compared
+    page.get_by_label("Beside the shown run, not over it").check()
+    page.wait_for_function(f"({APART})() < -1")
+    page.wait_for_function(IN_VIEW)
+    page.get_by_label("Beside the shown run, not over it").uncheck()
+    page.wait_for_function(f"({APART})() === 0")
     rows.nth(0).get_by_role("button", name="Show").click()
     back = until(engine, lambda now: now.shown_run == 1 and now.playback.state == "paused", PATIENCE_S)
     assert back.compared is None

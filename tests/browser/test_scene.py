@@ -8,7 +8,7 @@ from playwright.sync_api import Page
 
 from hectorscope.page.theme import DARK, LIGHT, Rgb, Theme, css, for_lines
 from tests.browser.conftest import Open, Show
-from tests.page import LEVELS, room_snapshot
+from tests.page import LEVELS, room_snapshot, step_result
 from tests.scene import PROJECT, choose_own, is_near, look, names, node, wait_for_pixel
 
 pytestmark = pytest.mark.browser
@@ -22,6 +22,19 @@ TEXTURES = """Object.entries(window.__viserMutable.nodeRefFromName)
 CRISP = f"((textures) => textures.length === {LEVELS} && textures.every((t) => t.magFilter === {{filter}}))"
 NEAREST = 1003
 FREE, WALL, UNKNOWN = (4.0, -4.0), (0.0, -5.5), (5.5, 4.5)  # x, y in the room
+COUNT_PROGRAMS = """() => {
+  const context = WebGL2RenderingContext.prototype, link = context.linkProgram;
+  window.programs = 0;
+  context.linkProgram = function (program) { window.programs += 1; return link.call(this, program); };
+}"""
+# Whether the points were drawn with another material than when it was so last.
+OTHER_SCAN = """() => {
+  let material = null;
+  window.__viserMutable.nodeRefFromName['/floor/scan/points'].traverse((part) => (material ??= part.material));
+  if (material === window.scan || !material.userData.dressed) return false;
+  window.scan = material;
+  return true;
+}"""
 
 
 def expect(page: Page, place: tuple[float, ...], colour: Rgb) -> None:
@@ -52,6 +65,17 @@ def test_cells_are_crisp(show: Show, open_page: Open) -> None:
     show.engine.show(replace(snapshot, maps=tuple(replace(m, cells=m.cells % 3) for m in changed)))
     page.wait_for_function(f"{TEXTURES}.every((texture) => !window.before.includes(texture.image))")
     page.wait_for_function(crisp)
+
+
+def test_a_scan_compiles_nothing_that_one_before_it_compiled(show: Show, open_page: Open) -> None:
+    """Scans follow each other, each with a material of its own; their program is compiled once."""
+    page = open_page(show.url)
+    for sequence in range(2, 8):
+        show.engine.show(replace(room_snapshot(sequence), result=step_result(sequence, beams=100 + sequence)))
+        page.wait_for_function(OTHER_SCAN)
+        if sequence == 3:
+            page.evaluate(COUNT_PROGRAMS)
+    assert page.evaluate("window.programs") == 0
 
 
 def test_levels_stack_without_hiding_the_finest_from_above(show: Show, open_page: Open) -> None:

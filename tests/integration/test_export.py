@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from hectorscope.exporters import OutputError, chosen, run
+from hectorscope.exporters._files import unfinished
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.run.headless import run_headless
 from hectorscope.run.series import SERIES_FIELDS
@@ -86,11 +87,18 @@ def test_the_series_has_every_figure_of_every_scan(drive: list[Item], tmp_path: 
 
 def test_a_killed_run_leaves_the_rows_it_had(drive: list[Item], tmp_path: Path):
     """Under a name that says so, each row whole; nothing has the name of a finished file."""
-    killed(tmp_path, "csv,tum")
-    assert [path.name for path in tmp_path.iterdir()] == ["series.unfinished.csv"]
+    killed(tmp_path, "csv,tum,kitti")
+    names = {"series.csv", "trajectory.tum", "trajectory.kitti", "times.txt"}
+    left = {unfinished(tmp_path / name) for name in names}
+    assert set(tmp_path.iterdir()) == left
     read = table(tmp_path / "series.unfinished.csv")
     assert 32 <= len(read) <= SCANS
-    exported(drive, tmp_path / "whole", "csv")
+    exported(drive, tmp_path / "whole", "csv,tum,kitti")
+    assert {path.name for path in (tmp_path / "whole").iterdir()} == names
+    for path in left - {tmp_path / "series.unfinished.csv"}:
+        lines = path.read_bytes()
+        assert lines.count(b"\n") == len(read)
+        assert (tmp_path / "whole" / path.name.replace(".unfinished", "")).read_bytes().startswith(lines)
     np.testing.assert_array_equal(read["x"], table(tmp_path / "whole" / "series.csv")["x"][: len(read)])
 
 

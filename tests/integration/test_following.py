@@ -2,14 +2,16 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 import pytest
 
 from hectorscope.inputs import Source, SourceOptions
-from hectorscope.run.fingerprint import Identity, identity
+from hectorscope.run.fingerprint import Identity, identity, map_sha256
 from hectorscope.run.headless import run_headless
 from hectorscope.run.permalink import Permalink
 from hectorscope.run.settings import Settings
@@ -20,6 +22,7 @@ from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SimulateOptions, simulate
 from hectorscope.sources import open_source
 from slam_core.config import with_value
+from slam_core.localization.prior_map import PriorMap, saved_levels
 from tests.engines import START, after, state, until
 
 SECOND = 1_000_000_000
@@ -40,11 +43,11 @@ def opened(path: Path, sensors: Mapping[str, Any] = MappingProxyType({})) -> Sou
 
 
 @contextmanager
-def session(bags: Path, name: str = "") -> Iterator[Engine]:
+def session(bags: Path, name: str = "", prior_map: PriorMap | None = None) -> Iterator[Engine]:
     """An engine with the folder, and one of its recordings if there is a name."""
     library = Library(opened, [bags])
     path = bags / name if name else None
-    engine = Engine(opened(path) if path else None, START, speed=float("inf"))
+    engine = Engine(opened(path) if path else None, START, prior_map, speed=float("inf"))
     library.shown = path
     engine.offer(library)
     engine.start()
@@ -149,6 +152,24 @@ def test_an_unknown_recording_is_one_clear_message(bags: Path, size: int | None)
     assert len(answers) == 1 and answers[0].startswith("The recording of this link (")
     assert "--folder" in answers[0]
     assert (shown.source, shown.epoch, shown.config) == (before.source, before.epoch, before.config)
+
+
+def test_a_run_with_a_prior_map_is_followed_with_that_map_only(bags: Path) -> None:
+    """To the same bytes; a program with another map, with none, or that writes it, says what to start it with."""
+    slam = run_headless(opened(bags / "rooms.bag"), START)[0].slam
+    prior = PriorMap("rooms", saved_levels(slam.map), start=np.zeros(3))
+    link = replace(at(bags, 3.0), map_sha256=map_sha256(prior))
+    straight = run_headless(opened(bags / "rooms.bag"), START, prior_map=prior)[0].trajectory
+    with session(bags, prior_map=replace(prior, name="a copy of it")) as engine:
+        shown = after(engine, Follow(link))
+    assert shown.trajectory.tobytes() == straight[: shown.scans].tobytes()
+    assert shown.map_sha256 == link.map_sha256
+    for other in (None, replace(prior, write=True), replace(prior, start=np.ones(3)), replace(prior, start=None)):
+        with session(bags, prior_map=other) as engine:
+            engine.send(Follow(link))
+            refused = until(engine, lambda now: now.obeyed)
+        assert refused.playback.state == "empty"
+        assert [entry.text for entry in refused.log if entry.answer and "--map" in entry.text]
 
 
 def test_a_recording_is_known_by_its_content_once_it_runs(bags: Path) -> None:

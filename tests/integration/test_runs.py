@@ -31,6 +31,7 @@ from hectorscope.session.engine import Engine
 from hectorscope.session.kept_runs import KeptRuns
 from hectorscope.session.library import Library
 from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.station_commands import PutMark
 from slam_core.measurements import LaserScan
 from tests.engines import START, after, state, until
 from tests.sources import MemoryRecording, MemoryStream
@@ -210,12 +211,12 @@ def test_runs_of_several_recordings_are_shown_in_turn(shelf: Shelf) -> None:
 
 
 def test_a_kept_run_is_opened_again_to_the_same_bytes(shelf: Shelf) -> None:
-    """By another program: its RUN.toml has recording, settings with their changes, time, and what came out."""
+    """By another program: its RUN.toml has recording, settings with changes, time, marks, and what came out."""
     with shelf.session() as engine:
         shown = after(engine, shelf.at(1.5))
         command, settings = changed(shown, START, 0.2)
         after(engine, command, RenameRun(1, "../../Kitchen, again"))
-        after(engine, shelf.at(3.0))
+        after(engine, shelf.at(3.0), PutMark("door", 1.0, 2.0, "the kitchen's"))
         kept = after(engine, KeepRun())
     assert [path.parent.name for path in shelf.runs.glob(f"*/{FILE}")] == ["kitchen-again"]
     with shelf.session(name="") as engine:
@@ -225,6 +226,8 @@ def test_a_kept_run_is_opened_again_to_the_same_bytes(shelf: Shelf) -> None:
     assert again.trajectory.tobytes() == kept.trajectory.tobytes()
     assert [run.name for run in again.runs if run.number == again.shown_run] == ["../../Kitchen, again"]
     assert any("the same trajectory to the byte" in entry.text for entry in again.log)
+    assert [mark.text for mark in again.station.annotations] == ["the kitchen's"]
+    assert again.station.annotations == kept.station.annotations
 
 
 def test_a_kept_run_that_comes_out_otherwise_says_so(shelf: Shelf) -> None:

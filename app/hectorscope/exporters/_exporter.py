@@ -32,8 +32,9 @@ class Exporter:
     """One format: `name` asks for it (`--export`), `files` are what it leaves.
 
     `write(run, folder)` leaves them in `folder` (under a temporary name, then renamed). A format that is written
-    while the run goes on has `stream(folder)` in its place. `order` sorts the exporters: on a disk that fills up,
-    what comes first is there. default: it is written unless formats are named.
+    while the run goes on has `stream(folder)` in its place. `drafts(folder)` are what a killed run without a page
+    leaves of files that are written as a whole. `order` sorts the exporters: on a disk that fills up, what comes
+    first is there. default: it is written unless formats are named.
     """
 
     name: str
@@ -42,3 +43,4 @@ class Exporter:
     order: int = 50
     default: bool = False
     stream: Callable[[Path], Stream] | None = None
+    drafts: Callable[[Path], tuple[Stream, ...]] | None = None

@@ -3,10 +3,12 @@
 The axes are those of the base and the map (REP-103), not those of a camera.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 from hectorscope.exporters import Exporter
 from hectorscope.exporters._files import lines_of, write_whole
+from hectorscope.exporters._lines import Draft
 from hectorscope.run.results import Run
 
 
@@ -22,8 +24,16 @@ def kitti_line(row: list[float]) -> str:
 
 
 def _write(run: Run, folder: Path) -> None:
-    write_whole(folder / "trajectory.kitti", lines_of(run.trajectory, kitti_line))
-    write_whole(folder / "times.txt", lines_of(run.trajectory[:, :1], lambda row: f"{row[0]:.9f}\n"))
+    for name, line in LINES.items():
+        write_whole(folder / name, lines_of(run.trajectory, line))
 
 
-EXPORTER = Exporter("kitti", ("trajectory.kitti", "times.txt"), _write, order=20)
+def _drafts(folder: Path) -> tuple[Draft, ...]:
+    def draft(name: str, line: Callable[[list[float]], str]) -> Draft:
+        return Draft(folder / name, lambda pipeline, first: lines_of(pipeline.trajectory[first:], line))
+
+    return tuple(draft(name, line) for name, line in LINES.items())
+
+
+LINES = {"trajectory.kitti": kitti_line, "times.txt": lambda row: f"{row[0]:.9f}\n"}
+EXPORTER = Exporter("kitti", tuple(LINES), _write, order=20, drafts=_drafts)

@@ -54,6 +54,11 @@ def button(label: str, icon: str, attributes: str) -> str:
     )
 
 
+def wide_button(kind: str, act: str, label: str, hint: str) -> str:
+    """A button with words, which a script of static/ knows by data-hs-KIND."""
+    return f'<button type="button" class="hs-wide" data-hs-{kind}="{act}" title="{hint}">{label}</button>'
+
+
 def tools() -> str:
     """The buttons at the right end of the bar at the top."""
     return '<div class="hs-tools">' + "".join(

@@ -1,11 +1,12 @@
 """What a browser can take with it: files in formats to choose, a replay with notes, a picture, a video."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from viser import Icon
 
 from hectorscope.page.scene import Scene
-from hectorscope.panels import _request, _workspace
+from hectorscope.panels import _own, _request, _workspace
 from hectorscope.panels._format import text
 from hectorscope.run.notes import LAST_S, LONGEST, Note
 from hectorscope.session.commands import Export
@@ -97,10 +98,7 @@ def form_html(replay: bool) -> str:
     return FORM.replace("{boxes}", boxes)
 
 
-def _button(act: str, label: str, hint: str) -> str:
-    return f'<button type="button" class="hs-wide" data-hs-do="{act}" title="{hint}">{label}</button>'
-
-
+_button = partial(_own.wide_button, "do")
 FORM = (
     '<p class="hs-scope" title="Other browsers hear nothing of it.">This browser only</p>'
     '<div class="hs-own hs-export"><div class="hs-formats">{boxes}</div>'

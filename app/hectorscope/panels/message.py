@@ -7,11 +7,9 @@ from hectorscope.page.scene import Scene
 from hectorscope.panels._message import SYMBOLS, Message, message
 from hectorscope.session.snapshot import Snapshot
 
-REPEAT_S = 1.0  # so that a page that has just been opened hears it too
-
 
 class MessagePanel:
-    """Sent when it changes, and again each second."""
+    """Sent when it changes, and again each second, as a page may have been opened just now."""
 
     title = "Message"
     order = 5
@@ -19,14 +17,14 @@ class MessagePanel:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._sent: tuple[str, float] = "", 0.0
+        self._sent: tuple[str, int] = "", 0
 
     def draw(self, snapshot: Snapshot) -> None:
         """Tell every page."""
-        script, now = script_of(message(snapshot)), monotonic()
-        if script != self._sent[0] or now - self._sent[1] >= REPEAT_S:
-            self._sent = script, now
-            self._scene.run(script)
+        told = script_of(message(snapshot)), int(monotonic())
+        if told != self._sent:
+            self._sent = told
+            self._scene.run(told[0])
 
 
 def script_of(told: Message | None) -> str:

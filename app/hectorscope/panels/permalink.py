@@ -54,8 +54,9 @@ def link_of(snapshot: Snapshot) -> dict[str, str]:
     if snapshot.recording is None:
         return {"none": "There is no link yet: the recording is still being read."}
     offset_ns = max(0, playback.time_ns - playback.start_ns)
+    settings, prior = snapshot.ahead.settings, snapshot.map_sha256
     try:
-        return {"link": to_text(Permalink(snapshot.recording, offset_ns, snapshot.ahead.settings))}
+        return {"link": to_text(Permalink(snapshot.recording, offset_ns, settings, map_sha256=prior))}
     except PermalinkError as error:
         return {"none": str(error)}
 

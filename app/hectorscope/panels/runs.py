@@ -26,6 +26,10 @@ from hectorscope.session.commands import (
 from hectorscope.session.snapshot import ListedRun, Snapshot
 from slam_core.config import Leaves, differences
 
+BESIDE = (
+    '<label class="hs-own-box" title="In this browser; else its walls and its way lie over those shown.">'
+    '<input type="checkbox" data-hs-own="beside">Beside the shown run, not over it</label>'
+)
 ASKED = re.compile(r"(fork|show|rename|remove|keep|compare|paper):([0-9]{1,6}):(.*)", re.DOTALL)
 COMMANDS: dict[str, Callable[[int, str], RunCommand]] = {
     "fork": lambda _, name: Fork(name),
@@ -129,7 +133,7 @@ def differing_html(snapshot: Snapshot) -> str:
     return (
         '<table class="hs-compared"><thead><tr><th>Setting</th><th>shown</th>'
         f'<th><i class="hs-dot" style="background:var(--hs-compared)"></i>{text(compared.name)}</th></tr></thead>'
-        f"<tbody>{rows}</tbody></table>{waits}"
+        f"<tbody>{rows}</tbody></table>{waits}{BESIDE}"
     )
 
 

@@ -1,13 +1,14 @@
 """The operator's station: marks, the pose by hand, the way back, mapping and recording (static/station.js)."""
 
 import json
+from functools import partial
 from time import monotonic
 from typing import Any
 
 from viser import Icon
 
 from hectorscope.page.scene import Scene
-from hectorscope.panels import _request, _workspace
+from hectorscope.panels import _own, _request, _workspace
 from hectorscope.panels._handles import put
 from hectorscope.panels._link import link_html
 from hectorscope.run.annotations import KINDS, LONGEST, MOST
@@ -24,7 +25,6 @@ from hectorscope.session.station_commands import (
 )
 
 TURN = 7.0  # rad
-REPEAT_S = 1.0  # so that a page that has just been opened hears it too
 MOST_NUMBERS = 1 << 31
 RESUME_HINT = (
     "It ended without being closed. Its map takes the place of this one, which can be brought back for a minute."
@@ -32,7 +32,7 @@ RESUME_HINT = (
 
 
 class StationPanel:
-    """The page draws it all; it is told what is new, and again each second."""
+    """The page draws it all. It is told what is new, and again each second: it may have been opened just now."""
 
     title = "Station"
     order = 61
@@ -40,7 +40,7 @@ class StationPanel:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._sent: tuple[str, float] = "", 0.0
+        self._sent: tuple[str, int] = "", 0
         with _workspace.tab(scene, self.title, Icon.MAP_PIN):
             self._link = scene.server.gui.add_html("")
             scene.server.gui.add_html(FORM)
@@ -55,10 +55,10 @@ class StationPanel:
         put(self._link, link_html(snapshot.report.link))
         if self._resume.visible != snapshot.station.past:
             self._resume.visible = snapshot.station.past
-        script, now = script_of(snapshot), monotonic()
-        if script != self._sent[0] or now - self._sent[1] >= REPEAT_S:
-            self._sent = script, now
-            self._scene.run(script)
+        told = script_of(snapshot), int(monotonic())
+        if told != self._sent:
+            self._sent = told
+            self._scene.run(told[0])
 
 
 def command(asked: dict[str, Any]) -> Command:
@@ -108,10 +108,7 @@ def script_of(snapshot: Snapshot) -> str:
     return f"window.hectorscope?.station?.({json.dumps(told)})"
 
 
-def _button(act: str, label: str, hint: str) -> str:
-    return f'<button type="button" class="hs-wide" data-hs-station="{act}" title="{hint}">{label}</button>'
-
-
+_button = partial(_own.wide_button, "station")
 FORM = (
     '<p class="hs-scope" title="Every page shows the same.">Shared by every browser</p><div class="hs-own">'
     '<label class="hs-own-row"><span>Mark</span><select aria-label="Kind of the mark" data-hs-station-kind>'

@@ -1,14 +1,17 @@
 """Marks that a person sets in the map: victims, hazards, doors and notes."""
 
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from math import isfinite
+from typing import Any, Literal, get_args
 
+from hectorscope.common.terminal import printable
 from slam_core.errors import SlamError
 
 Kind = Literal["victim", "hazard", "door", "note"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 MOST = 500
 LONGEST = 200  # characters
+PLACE = ("x", "y", "robot_x", "robot_y", "robot_yaw")
 
 
 class AnnotationError(SlamError):
@@ -29,6 +32,17 @@ class Annotation:
     y: float
     pose: tuple[float, float, float]
     text: str = ""
+
+    def to_tree(self) -> dict[str, int | str | list[float]]:
+        """Plain values for a file that is read again; place: PLACE."""
+        place = [self.x, self.y, *self.pose]
+        return {
+            "number": self.number,
+            "kind": self.kind,
+            "time_ns": self.time_ns,
+            "place": place,
+            "text": self.text,
+        }
 
     def told(self, start_ns: int) -> dict[str, object]:
         """Plain values for a file."""
@@ -69,11 +83,48 @@ class Annotations:
         gone = self[number]
         return Annotations(tuple(mark for mark in self.marks if mark is not gone), self.given)
 
+    def joined(self, others: "Annotations") -> "Annotations":
+        """With those of others that are not there, which keep their numbers if these are free."""
+        known, given = {replace(mark, number=0) for mark in self.marks}, max(self.given, others.given)
+        joined, numbers = list(self.marks), {mark.number for mark in self.marks}
+        for mark in others.marks:
+            if replace(mark, number=0) not in known and len(joined) < MOST:
+                given += mark.number in numbers
+                joined.append(replace(mark, number=given) if mark.number in numbers else mark)
+        return Annotations(tuple(joined), given)
+
     def __getitem__(self, number: int) -> Annotation:
         found = next((mark for mark in self.marks if mark.number == number), None)
         if found is None:
             raise AnnotationError(f"There is no mark {number} any more")
         return found
+
+
+def read_marks(entries: Any) -> Annotations:
+    """Those of a file, each as `Annotation.to_tree` gave it; AnnotationError for anything else."""
+    if not isinstance(entries, list) or len(entries) > MOST:
+        raise AnnotationError(f"the marks are no list of at most {MOST}")
+    marks = tuple(map(_read, entries))
+    numbers = [mark.number for mark in marks]
+    if len(set(numbers)) != len(numbers):
+        raise AnnotationError("two marks have the same number")
+    return Annotations(marks, max(numbers, default=0))
+
+
+def _read(entry: Any) -> Annotation:
+    match entry:
+        case {
+            "number": int(number),
+            "kind": str(kind),
+            "time_ns": int(time_ns),
+            "place": [*place],
+            "text": str(text),
+        }:
+            if len(place) == len(PLACE) and all(type(each) in {int, float} and isfinite(each) for each in place):
+                x, y, *pose = map(float, place)
+                said = printable(text)[:LONGEST]
+                return Annotation(number, checked(kind), time_ns, x, y, (pose[0], pose[1], pose[2]), said)
+    raise AnnotationError(f"the mark {entry!r} is none: give number, kind, time_ns, place and text")
 
 
 def checked(kind: str) -> Kind:

@@ -1,8 +1,12 @@
-"""What tells one recording from another: the hash of its bytes."""
+"""What tells one recording, or one prior map, from another: the hash of its bytes."""
 
 import hashlib
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
+
+from slam_core.localization.prior_map import PriorMap
 
 
 class Identity(NamedTuple):
@@ -51,3 +55,17 @@ def identity(recording: Path) -> Identity:
         return Identity(size, files[0].sha256)
     told = "".join(f"{file.name}\0{file.sha256}\n" for file in files)
     return Identity(size, hashlib.sha256(told.encode()).hexdigest())
+
+
+def map_sha256(prior_map: PriorMap | None) -> str:
+    """Of its cells, and of how a run begins with it: whether it writes them, and where. Empty without one."""
+    if prior_map is None:
+        return ""
+    found = hashlib.sha256(repr((prior_map.write, prior_map.start is not None)).encode())
+    if prior_map.start is not None:
+        found.update(np.asarray(prior_map.start, np.float64).tobytes())
+    for level in prior_map.levels:
+        found.update(repr((level.resolution, level.corner.tolist(), level.log_odds.shape)).encode())
+        for cells in (level.log_odds, level.surfels):
+            found.update(b"" if cells is None else np.ascontiguousarray(cells).data)
+    return found.hexdigest()

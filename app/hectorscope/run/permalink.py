@@ -1,7 +1,8 @@
 """A view as text for the end of an address: recording, run, time and settings; opening it restores the view.
 
-The text is that of a query: r is the recording, t the time in it in seconds, n the name of the run, p the preset,
-s a setting that differs from it, c one that is changed at a time. Whoever reads it does not trust it.
+The text is that of a query: r is the recording, t the time in it in seconds, n the name of the run, m the prior
+map by its hash, p the preset, s a setting that differs from it, c one that is changed at a time. Whoever reads it
+does not trust it.
 """
 
 import json
@@ -19,8 +20,9 @@ from slam_core.errors import SlamError
 LONGEST = 1000  # characters of a link, the camera not counted
 LONGEST_NAME = 60  # characters of a run's name
 SECOND = 1_000_000_000
-ONCE = ("r", "t", "n", "p")
+ONCE = ("r", "t", "n", "m", "p")
 RECORDING = re.compile(r"([0-9a-f]{64})\.([0-9]{1,18})")
+MAP = re.compile(r"[0-9a-f]{64}|")
 TIME = re.compile(r"([0-9]{1,9})(?:\.([0-9]{1,9}))?")
 CHANGE_AT = re.compile(r"-?[0-9]{1,19}")
 
@@ -31,12 +33,16 @@ class PermalinkError(SlamError):
 
 @dataclass(frozen=True, slots=True)
 class Permalink:
-    """What a link restores. offset_ns: time since the recording's start, not less than 0. name: of the run."""
+    """What a link restores. offset_ns: time since the recording's start, not less than 0. name: of the run.
+
+    map_sha256: as of `fingerprint.map_sha256`; empty for a run that began with an empty map.
+    """
 
     recording: Identity
     offset_ns: int
     settings: Settings
     name: str = ""
+    map_sha256: str = ""
 
 
 def to_text(link: Permalink) -> str:
@@ -48,6 +54,7 @@ def to_text(link: Permalink) -> str:
         ("r", f"{link.recording.sha256}.{link.recording.size}"),
         ("t", f"{whole}.{rest:09d}".rstrip("0").rstrip(".")),
         *([("n", link.name)] if link.name else []),
+        *([("m", link.map_sha256)] if link.map_sha256 else []),
         *([("p", nearest)] if nearest != "default" else []),
         *(("s", f"{name}:{_literal(value_of(start, name))}") for name in differing),
         *(("c", f"{each.time_ns}:{each.name}:{_literal(each.value)}") for each in link.settings.changes),
@@ -75,13 +82,16 @@ def _read(text: str) -> Permalink:
         raise ValueError("given twice")
     recording, time = RECORDING.fullmatch(fields.get("r", "")), TIME.fullmatch(fields.get("t", "0"))
     base = next((name for name in PRESETS if name == fields.get("p", "default")), None)
-    if recording is None or time is None or base is None or not fields.keys() <= {*ONCE, "s", "c"}:
+    prior = MAP.fullmatch(fields.get("m", ""))
+    known = fields.keys() <= {*ONCE, "s", "c"}
+    if recording is None or time is None or base is None or prior is None or not known:
         raise ValueError("not understood")
     start = with_values(preset(base), dict(map(_setting, (value for key, value in pairs if key == "s"))))
     changes = _changes(value for key, value in pairs if key == "c")
     offset_ns = int(time[1]) * SECOND + int((time[2] or "").ljust(9, "0"))
     identity = Identity(int(recording[2]), recording[1])
-    return Permalink(identity, offset_ns, Settings(start, changes), printable(fields.get("n", ""))[:LONGEST_NAME])
+    name = printable(fields.get("n", ""))[:LONGEST_NAME]
+    return Permalink(identity, offset_ns, Settings(start, changes), name, prior[0])
 
 
 def _changes(values: Iterable[str]) -> tuple[Change, ...]:

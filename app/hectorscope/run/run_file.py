@@ -14,8 +14,9 @@ from typing import Any
 
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import OptionValue
+from hectorscope.run.annotations import Annotations, read_marks
 from hectorscope.run.fingerprint import Identity
-from hectorscope.run.permalink import LONGEST_NAME, RECORDING, Permalink
+from hectorscope.run.permalink import LONGEST_NAME, MAP, RECORDING, Permalink
 from hectorscope.run.rows import Rows
 from hectorscope.run.settings_file import from_tree, to_toml
 from slam_core.errors import SlamError
@@ -34,7 +35,8 @@ class RunFileError(SlamError):
 class RunFile:
     """A run at an instant. recording: its name, for people. sensors: the `SENSOR_OPTIONS` that are stated.
 
-    scans, trajectory_sha256: what it had given by then. figures: other results, for people.
+    scans, trajectory_sha256: what it had given by then. figures: other results, for people. annotations: marks
+    that a person set.
     """
 
     link: Permalink
@@ -43,6 +45,7 @@ class RunFile:
     trajectory_sha256: str
     sensors: Mapping[str, OptionValue] = field(default_factory=dict)
     figures: Mapping[str, float] = field(default_factory=dict)
+    annotations: Annotations = field(default_factory=Annotations)
 
 
 def hash_of(trajectory: Rows) -> str:
@@ -59,6 +62,7 @@ def write_text(run: RunFile) -> str:
         "size": link.recording.size,
         "sha256": link.recording.sha256,
         "offset_ns": link.offset_ns,
+        **({"map_sha256": link.map_sha256} if link.map_sha256 else {}),
     }
     results: dict[str, str | float] = {
         "scans": run.scans,
@@ -66,10 +70,12 @@ def write_text(run: RunFile) -> str:
         **run.figures,
     }
     lines = ["[run]", *_lines(table), "", "[results]", *_lines(results), ""]
+    for mark in run.annotations.marks:
+        lines += ["[[marks]]", *_lines(mark.to_tree()), ""]
     return "\n".join(lines) + "\n" + to_toml(link.settings, run.sensors)
 
 
-def _lines(table: Mapping[str, str | float]) -> list[str]:
+def _lines(table: Mapping[str, str | float | list[float]]) -> list[str]:
     # JSON writes numbers and plain text just as TOML does, but for one character that cannot be seen
     return [f"{key} = {json.dumps(value)}".replace("\x7f", "\\u007f") for key, value in table.items()]
 
@@ -94,10 +100,16 @@ def _run(tree: dict[str, Any]) -> RunFile:
     run, results = _table(tree, "run", _RUN_KEYS), _table(tree, "results", _RESULT_KEYS)
     if not RECORDING.fullmatch(f"{run['sha256']}.{run['size']}") or not 0 <= run["offset_ns"] < 2**63:
         raise RunFileError("run.sha256, run.size or run.offset_ns is out of range")
+    prior = run.get("map_sha256", "")
+    if not (isinstance(prior, str) and MAP.fullmatch(prior)):
+        raise RunFileError("run.map_sha256 is no hash")
+    marks = read_marks(tree.pop("marks", []))
     settings, sensors = from_tree(tree)
     identity = Identity(run["size"], run["sha256"])
-    link = Permalink(identity, run["offset_ns"], settings, printable(run["name"])[:LONGEST_NAME])
-    return RunFile(link, printable(run["recording"]), results["scans"], results["trajectory_sha256"], sensors)
+    link = Permalink(identity, run["offset_ns"], settings, printable(run["name"])[:LONGEST_NAME], prior)
+    return RunFile(
+        link, printable(run["recording"]), results["scans"], results["trajectory_sha256"], sensors, {}, marks
+    )
 
 
 def _table(tree: dict[str, Any], name: str, keys: Mapping[str, type]) -> dict[str, Any]:

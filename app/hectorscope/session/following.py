@@ -48,6 +48,7 @@ class Following:
         of the list, in which the present one stays; None for one more.
         """
         session = self._session
+        self._check_prior(link)
         check_map(link.settings.start.map, session.prior_map)
         if not self._is_open(link) or sensors not in (None, session.source.report.sensors):
             self._open(link, sensors, slot)
@@ -63,6 +64,8 @@ class Following:
         """Show a kept run; once it is there, it is compared with what was kept of it."""
         self.follow(run.link, run.sensors)
         self._session.named.expected = run
+        shown = self._session.run
+        shown.annotations = shown.annotations.joined(run.annotations)
 
     def set_up(self, wanted: SetUp) -> None:
         """The scene of a lesson, in a run of its own; what is there already stays as it is."""
@@ -90,6 +93,15 @@ class Following:
         self._opening(f"Opening {self._library.name(key)}")
         session, (source, path) = self._session, self._library.open(key, sensors or {})
         session.open(source, path, link.settings, session.named.new_slot(link.name) if slot is None else slot)
+
+    def _check_prior(self, link: Permalink) -> None:
+        """PermalinkError unless the run of the link begins with the prior map of this program, if with any."""
+        if link.map_sha256 == self._session.map_sha256:
+            return
+        begins = f"the saved map {link.map_sha256[:12]}" if link.map_sha256 else "an empty map"
+        here = f"{self._session.map_sha256[:12]}" if self._session.map_sha256 else "no map"
+        remedy = "with that --map, --mode and --start" if link.map_sha256 else "without --map"
+        raise PermalinkError(f"This run begins with {begins}, this program has {here}: start it {remedy}")
 
     def _is_open(self, link: Permalink) -> bool:
         path = self._session.intake.path

@@ -65,6 +65,7 @@ class Run:
     kept_ns: tuple[int, int] | None
     library: tuple[Listed, ...]
     recording: Identity | None
+    map_sha256: str
     views: Mapping[int, View | None]
     examined: tuple[Finding, ...] | None
     runs: tuple[ListedRun, ...]
@@ -147,6 +148,7 @@ class Publisher:
             undo=run.undo,
             library=run.library,
             recording=run.recording,
+            map_sha256=run.map_sha256,
             runs=run.runs,
             shown_run=run.shown_run,
             keeps=run.keeps,

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from hectorscope.run.fingerprint import Identity
 from hectorscope.run.metrics import truth_errors
 from hectorscope.run.permalink import Permalink
 from hectorscope.run.run_file import RunFile, hash_of
@@ -18,7 +19,7 @@ from hectorscope.session.commands import (
 )
 from hectorscope.session.following import Following
 from hectorscope.session.library import Library
-from hectorscope.session.runs import RunsError
+from hectorscope.session.runs import NamedRun, RunsError
 from hectorscope.session.session import Session
 from slam_core.config import preset
 
@@ -81,7 +82,7 @@ class RunCommands:
         identity = self._library.identities.find_out(run.path)
         if identity is None:
             raise RunsError(f"The recording of {run.name} can no longer be read: put it back, or remove the run")
-        self._following.follow(Permalink(identity, run.offset_ns, run.settings, run.name), slot=number)
+        self._following.follow(self._link(identity, run, run.offset_ns), slot=number)
 
     def _remove(self, number: int) -> None:
         session = self._session
@@ -100,11 +101,15 @@ class RunCommands:
             raise RunsError("There is nothing to keep yet: wait for the first scan")
         errors = truth_errors(pipeline.trajectory, pipeline.truth) or {}
         kept = RunFile(
-            link=Permalink(identity, pipeline.time_ns - (pipeline.start_ns or 0), run.settings, run.name),
+            link=self._link(identity, run, pipeline.time_ns - (pipeline.start_ns or 0)),
             recording=run.source,
             scans=pipeline.scans,
             trajectory_sha256=hash_of(pipeline.trajectory),
             sensors=session.source.report.sensors,
             figures={"map_updates": pipeline.slam.map.updates, **errors},
+            annotations=session.run.annotations,
         )
         session.log(f"Kept {run.name} as {self._library.keep(kept)}", answer=True)
+
+    def _link(self, recording: Identity, run: NamedRun, offset_ns: int) -> Permalink:
+        return Permalink(recording, offset_ns, run.settings, run.name, self._session.map_sha256)

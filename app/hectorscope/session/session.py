@@ -5,6 +5,7 @@ from pathlib import Path
 
 from hectorscope.inputs import Repairable, Source, SourceReport, merged
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
+from hectorscope.run.fingerprint import map_sha256
 from hectorscope.run.headless import Observer
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Setting, Settings
@@ -62,6 +63,7 @@ class Session:
         self.undone = UndoStack(self._drop)
         self.epoch = 0
         self.prior_map, self._publisher = prior_map, publisher
+        self.map_sha256 = map_sha256(prior_map)
         self._budget = budget
         self.given = settings
         self.named = SessionRuns(self, budget // COMPARED_SHARE)

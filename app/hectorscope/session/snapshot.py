@@ -164,8 +164,9 @@ class Snapshot:
     remedies. unused: what was not used of inertial data and aids as it came, by reason.
     saves: whether there is a folder for Save. obeyed: how many commands were carried out, held back or refused.
     question: what waits for an answer. undo: what can be taken back. library: what else can be opened.
-    recording: by its content, once known; None for a stream. runs, shown_run: those of the session, and the number
-    of the shown one. keeps: whether there is a folder for them. compared: the run that it is compared with.
+    recording: by its content, once known; None for a stream. map_sha256: of the prior map, as in a `Permalink`.
+    runs, shown_run: those of the session, and the number of the shown one. keeps: whether there is a folder for
+    them. compared: the run that it is compared with.
     ahead: of the same run, with what follows.
     views: what each browser that looks closer sees of its beam or cell, by the number of the browser; None if that
     is not there now. examined: what is wrong with the recording as a whole; None until somebody had it examined.
@@ -200,6 +201,7 @@ class Snapshot:
     undo: UndoOffer | None = None
     library: tuple[Listed, ...] = ()
     recording: Identity | None = None
+    map_sha256: str = ""
     runs: tuple[ListedRun, ...] = ()
     shown_run: int = 0
     keeps: bool = False

@@ -1,4 +1,6 @@
-"""A line that grows: chunks of segments, of which only the last one is sent again."""
+"""A line that grows: chunks of segments, of which only those that changed are sent again."""
+
+from math import ceil
 
 import numpy as np
 import viser
@@ -6,7 +8,7 @@ import viser
 from hectorscope.page.theme import Rgb, for_line
 from slam_core.measurements import Float32s, Float64s
 
-CHUNK = 256  # segments a node
+CHUNK = 256  # segments a node; even, so that dashes go on across chunks
 
 
 class Polyline:
@@ -29,47 +31,44 @@ class Polyline:
         self._spacing, self._pixels, self._dashed = spacing, pixels, dashed
         self._nodes: list[viser.LineSegmentsHandle] = []
         self._colour = for_line(colour)
-        self._forget()
+        self._positions: Float64s = np.empty((0, 3))
+        self._kept: list[int] = []  # rows of the points
 
-    def _forget(self) -> None:
-        for node in self._nodes:
-            node.remove()
-        self._nodes = []
-        self._epoch: int | None = None
-        self._rows = 0
-        self._points: list[Float64s] = []  # of the open chunk, its first one ends the chunk before
+    def draw(self, positions: Float64s) -> None:
+        """Show the line through `positions` (n, 3); the rows up to the first that differs from before stay."""
+        same, before = common_rows(self._positions, positions), len(self._kept)
+        while self._kept and self._kept[-1] >= same:
+            self._kept.pop()
+        unchanged = len(self._kept)
+        self._keep(positions, same)
+        self._positions = positions
+        if not unchanged == before == len(self._kept):
+            self._send(max(0, unchanged - 1) // CHUNK)
 
-    def draw(self, positions: Float64s, epoch: int) -> None:
-        """Bring the line up to date with all `positions` (n, 3); another epoch or fewer rows begin a new line."""
-        if epoch != self._epoch or len(positions) < self._rows:
-            self._forget()
-            self._epoch = epoch
-        kept = [self._append(position) for position in positions[self._rows :]]
-        self._rows = len(positions)
-        if any(kept):
-            self._send()
+    def _keep(self, positions: Float64s, first: int) -> None:
+        """The points of the rows from the first one on. In plain numbers, since an hour has 144,000."""
+        x, y, z = positions[self._kept[-1]].tolist() if self._kept else (np.inf, np.inf, np.inf)
+        least = self._spacing
+        for row, (a, b, c) in enumerate(positions[first:].tolist(), first):
+            if abs(a - x) >= least or abs(b - y) >= least or abs(c - z) >= least:
+                x, y, z = a, b, c
+                self._kept.append(row)
 
-    def _append(self, position: Float64s) -> bool:
-        """Whether the point was kept."""
-        if self._points and np.abs(position - self._points[-1]).max() < self._spacing:
-            return False
-        self._points.append(position.copy())
-        if len(self._points) == CHUNK + 1:
-            self._send()
-            self._points = [self._points[-1]]
-            self._nodes.append(self._node(np.zeros((1, 2, 3), np.float32)))
-        return True
+    def _send(self, first: int) -> None:
+        """The chunks from the first one that changed on."""
+        count = ceil(max(0, len(self._kept) - 1) / CHUNK)
+        while len(self._nodes) > count:
+            self._nodes.pop().remove()
+        for chunk in range(first, count):
+            segments = self._segments(chunk)
+            if chunk < len(self._nodes):
+                self._nodes[chunk].points = segments
+            else:
+                self._nodes.append(self._node(segments))
 
-    def _send(self) -> None:
-        segments = self._segments()
-        if not len(segments):
-            return
-        if not self._nodes:
-            self._nodes.append(self._node(segments))
-        self._nodes[-1].points = segments
-
-    def _segments(self) -> Float32s:
-        points = np.array(self._points, np.float32)
+    def _segments(self, chunk: int) -> Float32s:
+        rows = self._kept[chunk * CHUNK : (chunk + 1) * CHUNK + 1]
+        points = self._positions[rows].astype(np.float32)
         segments = np.stack([points[:-1], points[1:]], axis=1)
         return segments[::2] if self._dashed else segments
 
@@ -78,3 +77,10 @@ class Polyline:
         return self._scene.add_line_segments(
             name, segments, self._colour, thickness=self._pixels, thickness_units="screen"
         )
+
+
+def common_rows(one: Float64s, other: Float64s) -> int:
+    """How many rows two arrays begin with in common."""
+    count = min(len(one), len(other))
+    differing = np.flatnonzero((one[:count] != other[:count]).any(axis=1))
+    return int(differing[0]) if len(differing) else count

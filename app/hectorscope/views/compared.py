@@ -30,7 +30,6 @@ class ComparedView:
         self._image = scene.server.scene.add_image(
             f"{cells}/cells", np.zeros((1, 1, 4), np.uint8), 1.0, 1.0, format="png", visible=False
         )
-        self._epoch = 0
         self._drawn: tuple[int, float] | None = None
         self._before: Compared | None = None
 
@@ -38,10 +37,10 @@ class ComparedView:
         """Bring both up to date; nothing is left of a comparison that ended."""
         compared = snapshot.compared
         if self._is_another(compared):
-            self._epoch, self._drawn = self._epoch + 1, None
+            self._drawn = None
         self._before = compared
         rows = np.empty((0, 3)) if compared is None else compared.trajectory[:, 1:4]
-        self._line.draw(rows, self._epoch)
+        self._line.draw(rows)
         self._draw_map(compared.map if compared else None)
 
     def _is_another(self, compared: Compared | None) -> bool:

@@ -17,8 +17,8 @@ class TrajectoryView:
         self._line = Polyline(scene.server.scene, root, SENT.trajectory, spacing=0.03, pixels=2.5)
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Add what was driven since."""
-        self._line.draw(snapshot.trajectory[:, 1:4], snapshot.epoch)
+        """Show what was driven."""
+        self._line.draw(snapshot.trajectory[:, 1:4])
 
 
 VIEW = TrajectoryView

@@ -21,11 +21,11 @@ class TruthView:
         )
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Add what was driven since."""
+        """Show what was driven."""
         x, y, z, yaw = snapshot.truth_in_map
         with self._scene.server.atomic():
             self._root.position, self._root.wxyz = (x, y, z), yaw_quaternion(yaw)
-            self._line.draw(snapshot.truth[:, 1:4], snapshot.epoch)
+            self._line.draw(snapshot.truth[:, 1:4])
 
 
 VIEW = TruthView

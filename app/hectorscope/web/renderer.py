@@ -77,9 +77,12 @@ class Renderer:
         due = sorted((item for item in self._items if item.due <= now), key=lambda item: item.due)
         for item in list(self._items) if jumped else due:
             self._draw(item, snapshot)
-            item.due = now + item.period
+            # What is due once a second is so in the same turn: each message makes a browser draw for a while.
+            item.due = (now // item.period + 1.0) * item.period
             if time.monotonic() > ends and not jumped:
                 return
+        if jumped:
+            self._scene.server.flush()
 
     def _draw(self, item: Item, snapshot: Snapshot) -> None:
         try:

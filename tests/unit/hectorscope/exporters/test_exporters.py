@@ -91,7 +91,7 @@ def test_a_figure_that_is_no_number_is_null(finished: Run, tmp_path: Path):
 
 def test_tum_lines_have_exact_times_and_the_scalar_last(finished: Run):
     """T x y z qx qy qz qw, to the nanosecond although a float of the date could not hold it."""
-    first, second = b"".join(tum_lines(finished)).decode().splitlines()
+    first, second = b"".join(tum_lines(finished.start_ns, finished.trajectory)).decode().splitlines()
     assert first.split()[0] == "1700000000.123456789"
     assert second.split()[0] == "1700000000.123456790"
     assert [float(v) for v in first.split()[1:]] == [1, 2, 3, 0, 0, 0, 1]

@@ -22,11 +22,11 @@ CHANGED = Settings(
 @pytest.mark.parametrize("settings", [Settings(), CHANGED, *(Settings(preset(name)) for name in PRESETS)])
 @pytest.mark.parametrize("offset_ns", [0, 1, 12_300_000_000, 3_600_000_000_001])
 def test_a_link_holds_the_whole_view(settings: Settings, offset_ns: int) -> None:
-    """Recording, time to the nanosecond, name, settings and their changes: each as it was, in a short text."""
-    link = Permalink(RECORDING, offset_ns, settings, "a & b=c#1")
+    """Recording, time to the nanosecond, name, prior map, settings, changes: each as it was, in a short text."""
+    link = Permalink(RECORDING, offset_ns, settings, "a & b=c#1", "ab" * 32)
     text = to_text(link)
     assert from_text(text) == link
-    assert len(text) < 400
+    assert len(text) < 500
 
 
 def test_only_what_differs_is_in_a_link() -> None:
@@ -48,6 +48,7 @@ def test_a_link_that_would_be_too_long_is_not_made() -> None:
         f"{R}&p=other", f"{R}&x=1", f"{R}&s=fusion.omega", f"{R}&s", f"{R}&c=fusion.omega:0.1", f"{R}&c=1:",
         f"{R}&c=2:fusion.omega:0.1&c=1:fusion.omega:0.1", f"{R}&s=" + "[" * 500, f"{R}&n=" + "x" * LONGEST,
         f"{R}&t=" + "9" * 30, f"{R}&c=" + "9" * 30 + ":fusion.omega:0.1", "r=../../etc/passwd&t=1",
+        f"{R}&m=1", f"{R}&m=" + "A" * 64,
     ],
 )  # fmt: skip
 def test_a_damaged_link_is_refused_in_a_sentence(text: str) -> None:

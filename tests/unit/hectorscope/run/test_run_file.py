@@ -1,10 +1,12 @@
 """RUN.toml: a run as text, there and back, and what is none."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hectorscope.run.annotations import Annotations
 from hectorscope.run.fingerprint import Identity
 from hectorscope.run.permalink import Permalink
 from hectorscope.run.run_file import FILE, RunFile, RunFileError, hash_of, read_run, write_text
@@ -14,13 +16,12 @@ from slam_core.config import SlamConfig, with_values
 SETTINGS = Settings(with_values(SlamConfig(), {"fusion.omega": 0.25, "fusion.method": "trace"}))
 NAME = 'the "first"\x7f\\ one = [1]'
 RUN = RunFile(
-    link=Permalink(
-        Identity(7, "ab" * 32), 12, SETTINGS.changed(5, "fusion.omega", 0.5), 'the "first"\x7f\\ one = [1]'
-    ),
+    link=Permalink(Identity(7, "ab" * 32), 12, SETTINGS.changed(5, "fusion.omega", 0.5), NAME, "cd" * 32),
     recording="arena.bag",
     scans=3,
     trajectory_sha256=hash_of(np.zeros((3, 8))),
     sensors={"imu_accel_unit": "g", "imu_rotation": (3.14, 0.0, 0.0)},
+    annotations=Annotations().put("victim", 17, (1.5, -2.0), (0.0, 0.25, 3.0), '"<b>"\x1b'),
 )
 
 
@@ -30,12 +31,21 @@ def read(tmp_path: Path, text: str) -> RunFile:
 
 
 def test_a_run_is_read_as_it_was_written(tmp_path: Path) -> None:
-    """Recording, time, name, settings with their changes, sensors and results."""
+    """Recording, time, name, prior map, settings with their changes, sensors and results."""
     again = read(tmp_path, write_text(RUN))
     assert again.link.name == 'the "first"\N{REPLACEMENT CHARACTER}\\ one = [1]'
     assert (again.link.recording, again.link.offset_ns) == (RUN.link.recording, 12)
     assert again.link.settings == RUN.link.settings
+    assert again.link.map_sha256 == "cd" * 32
     assert (again.scans, again.trajectory_sha256, again.sensors) == (3, RUN.trajectory_sha256, RUN.sensors)
+
+
+def test_marks_are_read_as_they_were_written(tmp_path: Path) -> None:
+    """With the next number that is given; only what a terminal could take for a command is left out of a text."""
+    (mark,), (wanted,) = read(tmp_path, write_text(RUN)).annotations.marks, RUN.annotations.marks
+    assert replace(mark, text="") == replace(wanted, text="")
+    assert mark.text == '"<b>"\N{REPLACEMENT CHARACTER}'
+    assert read(tmp_path, write_text(RUN)).annotations.given == 1
 
 
 def test_another_trajectory_has_another_hash() -> None:
@@ -55,6 +65,10 @@ def test_another_trajectory_has_another_hash() -> None:
         ("offset_ns = 12", "offset_ns = -1", "out of range"),
         ("ab" * 32, "ab" * 31, "out of range"),
         ("scans = 3", "scans = true", "results.scans"),
+        ("cd" * 32, "cd" * 31, "run.map_sha256"),
+        ('kind = "victim"', 'kind = "ghost"', "ghost"),
+        ("place = [1.5,", "place = [nan,", "place"),
+        ("number = 1\n", "", "number"),
         ("omega = 0.25", "omega = 7", "fusion.omega"),
         ("[fusion]", "[fusion", "TOML"),
         ("[fusion]", "[sensor]\nx = 1\n[fusion]", "sensor.x"),

@@ -23,7 +23,7 @@ def test_chunks_make_one_line(scene: Scene) -> None:
     """However the rows arrive, the segments join without a gap from the first row to the last."""
     line, path = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0), straight(3 * CHUNK + 17)
     for rows in (1, 2, CHUNK, CHUNK + 1, CHUNK + 2, len(path)):
-        line.draw(path[:rows], 0)
+        line.draw(path[:rows])
     segments = drawn(line)
     assert np.allclose(segments[:, 0], path[:-1])
     assert np.allclose(segments[:, 1], path[1:])
@@ -33,37 +33,53 @@ def test_chunks_make_one_line(scene: Scene) -> None:
 def test_only_the_last_chunk_is_sent_again(scene: Scene) -> None:
     """A row more leaves full chunks untouched."""
     line, path = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0), straight(2 * CHUNK + 9)
-    line.draw(path[:-1], 0)
+    line.draw(path[:-1])
     full = [node.points.copy() for node in line._nodes[:-1]]
-    line.draw(path, 0)
+    line.draw(path)
     assert all(np.array_equal(a, node.points) for a, node in zip(full, line._nodes, strict=False))
 
 
 def test_standing_still_adds_nothing(scene: Scene) -> None:
     """Poses closer than the spacing are left out."""
     line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0)
-    line.draw(straight(1000, step=1e-4), 0)
+    line.draw(straight(1000, step=1e-4))
     assert len(drawn(line)) == 1
 
 
-def test_a_new_epoch_begins_a_new_line(scene: Scene) -> None:
+def test_other_rows_begin_a_new_line(scene: Scene) -> None:
     """After a restart nothing of the old line is left, also when the new one is longer."""
     line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0)
-    line.draw(straight(CHUNK + 50), 0)
-    line.draw(straight(2 * CHUNK) + np.array([0, 5, 0]), 1)
+    line.draw(straight(CHUNK + 50))
+    line.draw(straight(2 * CHUNK) + np.array([0, 5, 0]))
     assert (drawn(line)[:, :, 1] == 5).all()
+
+
+def test_a_jump_within_a_run_keeps_the_common_part(scene: Scene) -> None:
+    """Back, forward, and to rows that differ from one on: full chunks before that are not sent again."""
+    line, path = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0), straight(4 * CHUNK)
+    other = path + np.array([0.0, 1.0, 0.0]) * (np.arange(len(path)) >= 2 * CHUNK + 9)[:, None]
+    line.draw(path)
+    first, sent = line._nodes[0], line._nodes[0].points
+    for rows in (path[: 3 * CHUNK], path[: CHUNK + 1], path, other, path[:1], other):
+        if len(rows) == 1:
+            assert line._nodes[0] is first
+            assert first.points is sent
+        line.draw(rows.copy())
+        segments = drawn(line) if line._nodes else np.empty((0, 2, 3))
+        assert np.allclose(segments[:, 0], rows[:-1])
+        assert np.allclose(segments[:, 1], rows[1:])
 
 
 def test_dashes_leave_out_every_second_segment(scene: Scene) -> None:
     """A dashed line draws half of it."""
     line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0, dashed=True)
-    line.draw(straight(21), 0)
+    line.draw(straight(21))
     assert len(drawn(line)) == 10
 
 
 def test_all_chunks_have_the_colour(scene: Scene) -> None:
     """The first and those that follow, as the film curve needs it."""
     line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0)
-    line.draw(straight(CHUNK + 50), 0)
+    line.draw(straight(CHUNK + 50))
     assert len(line._nodes) == 2
     assert all((node.colors == for_line(COLOUR)).all() for node in line._nodes)
