@@ -19,6 +19,7 @@ from hectorscope.cli.opening import demos
 from hectorscope.inputs import SourceOptions
 from hectorscope.run.settings import Settings
 from hectorscope.run.warmup import load_everything
+from hectorscope.session.commands import Configure
 from hectorscope.session.engine import Engine
 from hectorscope.session.library import Library
 from hectorscope.simulation.drive_source import DriveSource
@@ -33,7 +34,7 @@ LOADED = "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-fa
 DRAWN = "!!hectorscope.levels().places.length && !!__viserMutable.nodeRefFromName['/robot']"
 PATIENCE_MS, PATIENCE_S = 180_000, 180.0
 COLOURS = 64  # of a picture in the documents
-LESSON = "2-between-cells"
+LESSON, PYRAMID = "2-between-cells", "4-pyramid"
 AT_REST_S, DRIVEN_S = 3.0, 14.0
 # Pictures of the driven robot: settings of the run, requests to the robot, and whether it is seen from above.
 DRIVES: tuple[tuple[str, dict[str, bool], tuple[Request, ...], bool], ...] = (
@@ -84,6 +85,17 @@ def lesson(browser: Browser, server: PageServer, size: str, theme: str) -> bytes
     return finished(page)
 
 
+def without_pyramid(browser: Browser, engine: Engine, server: PageServer, size: str, theme: str) -> bytes:
+    """The lesson of the pyramid once its task is done: the match has lost the walk."""
+    page = opened(browser, server.url, size, theme)
+    page.evaluate(f"hectorscope.lessons.toggle().then(() => hectorscope.lessons.open('{PYRAMID}'))")
+    page.wait_for_function(DRAWN, timeout=PATIENCE_MS)
+    until(engine, lambda now: now.playback.state == "paused" and "handheld" in now.source, PATIENCE_S)
+    engine.send(Configure("map.levels", 1))
+    page.wait_for_selector(".hs-task[data-done]", state="attached", timeout=PATIENCE_MS)
+    return finished(page)
+
+
 def driven(browser: Browser, server: PageServer, size: str, theme: str, *, above: bool) -> bytes:
     """The card of the robot, with its sliders."""
     page = opened(browser, server.url, size, theme)
@@ -129,6 +141,7 @@ def take(browser: Browser, folder: Path, docs: bool) -> Iterator[Path]:
     with served(engine) as server:
         for size, theme in wanted(docs):
             yield kept("lesson", size, theme, lesson(browser, server, size, theme))
+            yield kept("pyramid", size, theme, without_pyramid(browser, engine, server, size, theme))
     for name, settings, requests, above in DRIVES:
         source = DriveSource("rooms")
         engine = Engine(source, Settings(with_values(SlamConfig(), settings)))
