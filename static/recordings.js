@@ -5,6 +5,7 @@
 (() => {
   const PIECE = 60 * 1024; // bytes of a message: the server takes 256 KiB
   const AHEAD = 4 * 1024 * 1024; // bytes that may wait in this browser
+  const PARTS = /\.(mcap|db3)$/;
   const LOOK = 300; // milliseconds between two looks at the list, while it is open
 
   const made = (tag, name, parent, more = {}) => {
@@ -19,7 +20,7 @@
   search.setAttribute("aria-label", "Find a recording");
   const list = made("div", "hs-recordings-list", dialog);
   const drop = made("label", "hs-recordings-drop", dialog);
-  drop.append("Drop a file onto this page, or ");
+  drop.append("Drop a file or a rosbag2 folder onto this page, or ");
   const chooser = made("input", "", made("u", "", drop, { textContent: "choose one" }), { type: "file", hidden: true });
   const bar = made("progress", "hs-progress", dialog, { max: 1, hidden: true });
   const status = made("p", "hs-recordings-status", dialog);
@@ -76,16 +77,19 @@
     socket = null;
   }
 
-  async function pump(from, file) {
-    for (let at = 0; at < file.size && from.readyState === WebSocket.OPEN; at += PIECE) {
-      from.send(await file.slice(at, at + PIECE).arrayBuffer());
-      bar.value = at / file.size;
-      while (from.bufferedAmount > AHEAD) await new Promise((go) => setTimeout(go, 20));
+  async function pump(from, files, total) {
+    let sent = 0;
+    for (const file of files) {
+      for (let at = 0; at < file.size && from.readyState === WebSocket.OPEN; at += PIECE) {
+        from.send(await file.slice(at, at + PIECE).arrayBuffer());
+        bar.value = (sent += Math.min(PIECE, file.size - at)) / total;
+        while (from.bufferedAmount > AHEAD) await new Promise((go) => setTimeout(go, 20));
+      }
     }
   }
 
-  function heard(from, file, message) {
-    if (message.send) pump(from, file).catch(() => from.close());
+  function heard(from, files, message) {
+    if (message.send) pump(from, files, message.send).catch(() => from.close());
     if (message.refused) ended(message.refused);
     if (message.arrived) {
       ended("");
@@ -93,22 +97,41 @@
     }
   }
 
-  function send(file) {
+  // One file, or the files of a folder. They are sent one behind the other.
+  function send(name, files, said) {
     open();
-    if (!file || socket) return;
-    status.textContent = `Sending ${file.name}`;
+    if (socket) return;
+    status.textContent = `Sending ${name}`;
     Object.assign(bar, { value: 0, hidden: false });
     const address = new URL("upload", location.href);
     address.protocol = address.protocol.replace("http", "ws");
     address.search = address.hash = "";
     const made = (socket = new WebSocket(address));
-    made.addEventListener("open", () => made.send(JSON.stringify({ name: file.name, size: file.size })));
-    made.addEventListener("message", ({ data }) => heard(made, file, JSON.parse(data)));
-    made.addEventListener("close", () => socket === made && ended(`${file.name} was not sent: the server takes no recordings, or the link broke.`));
+    made.addEventListener("open", () => made.send(JSON.stringify({ name, ...said })));
+    made.addEventListener("message", ({ data }) => heard(made, files, JSON.parse(data)));
+    made.addEventListener("close", () => socket === made && ended(`${name} was not sent: the server takes no recordings, or the link broke.`));
+  }
+
+  const sendFile = (file) => send(file.name, [file], { size: file.size });
+
+  // Of a rosbag2 folder the server takes the files with messages, in the order of their numbers.
+  async function sendFolder(folder) {
+    const [reader, found] = [folder.createReader(), []];
+    for (let more = true; more; ) {
+      const some = await new Promise((done, failed) => reader.readEntries(done, failed));
+      found.push(...some);
+      more = some.length > 0;
+    }
+    const parts = found.filter((each) => each.isFile && PARTS.test(each.name));
+    parts.sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
+    const files = await Promise.all(parts.map((each) => new Promise((done, failed) => each.file(done, failed))));
+    if (files.length) return send(folder.name, files, { files: files.map((file) => [file.name, file.size]) });
+    open();
+    ended(`${folder.name} is no rosbag2 folder: it has no .mcap and no .db3 file.`);
   }
 
   chooser.addEventListener("change", () => {
-    send(chooser.files[0]);
+    if (chooser.files[0]) sendFile(chooser.files[0]);
     chooser.value = "";
   });
   const carries = (event) => event.dataTransfer?.types.includes("Files");
@@ -123,7 +146,9 @@
     if (!carries(event)) return;
     event.preventDefault();
     over(false);
-    send(event.dataTransfer.files[0]);
+    const entry = event.dataTransfer.items[0]?.webkitGetAsEntry?.();
+    if (entry?.isDirectory) sendFolder(entry).catch(() => ended(`${entry.name} cannot be read.`));
+    else if (event.dataTransfer.files[0]) sendFile(event.dataTransfer.files[0]);
   });
 
   window.hectorscope = Object.assign(window.hectorscope ?? {}, { recordings: open });

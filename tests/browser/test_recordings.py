@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.bags import small_run
 from tests.browser.conftest import LISTED, UPLOADS, Open, Opened
 from tests.engines import state, until
+from tests.ros_messages import Messages, write_bag
 
 pytestmark = pytest.mark.browser
 
@@ -25,6 +27,35 @@ DROP = """([name, base64]) => {
 def drop(page: Page, name: str, content: bytes) -> None:
     """Let a file go over the page."""
     page.evaluate(DROP, [name, base64.b64encode(content).decode()])
+
+
+def drop_from_disk(page: Page, path: Path) -> None:
+    """As a hand drops a file or folder of the disk."""
+    session = page.context.new_cdp_session(page)
+    for kind in ("dragEnter", "dragOver", "drop"):
+        data = {"items": [], "files": [str(path)], "dragOperationsMask": 1}
+        session.send("Input.dispatchDragEvent", {"type": kind, "x": 300, "y": 300, "data": data})
+
+
+def test_a_folder_that_is_dropped_is_opened(opened: Opened, open_page: Open, tmp_path: Path) -> None:
+    """A rosbag2 folder, under its own name; what is in its metadata.yaml is not looked at."""
+    bag = write_bag(tmp_path / "drive", small_run(Messages()))
+    (bag / "metadata.yaml").write_text("rosbag2_bagfile_information: {relative_file_paths: [/etc/passwd]}")
+    page = open_page(opened.server.url, LISTED)
+    drop_from_disk(page, bag)
+    now = until(opened.engine, lambda now: now.source == "drive" and now.scans, PATIENCE_S)
+    assert not any("metadata" in line.text for line in now.log)
+    expect(page.locator(".hs-recordings")).to_be_hidden()
+
+
+def test_a_folder_without_messages_is_refused_in_the_page(opened: Opened, open_page: Open, tmp_path: Path) -> None:
+    """Before anything is sent."""
+    (tmp_path / "pictures").mkdir()
+    (tmp_path / "pictures" / "a.png").write_bytes(b"x")
+    page = open_page(opened.server.url, LISTED)
+    drop_from_disk(page, tmp_path / "pictures")
+    told = page.locator(".hs-recordings-status")
+    expect(told).to_have_text("pictures is no rosbag2 folder: it has no .mcap and no .db3 file.")
 
 
 def test_a_recording_is_chosen_from_the_list(opened: Opened, open_page: Open) -> None:

@@ -31,6 +31,8 @@ _KINDS = {
 ROS1_SUFFIXES = (".bag", ".active")
 LONGEST_METADATA = 2**21  # bytes; hundreds of topics take some 100 KB
 ANCHOR = re.compile(rb"[\s,\[{]&\w")
+# Our own recordings of a stream, and folders that a browser sent (web/uploads.py).
+WITHOUT_METADATA = re.compile(r"stream_\d{4,}\.mcap|sent_\d{4}\.(mcap|db3)")
 LATEST_NS = 2**63  # times are signed numbers of 64 bits
 
 
@@ -59,8 +61,8 @@ def _open_folder(path: Path) -> Recording:
     files = [file for file in _files(path, ".mcap", ".db3") if not is_just_begun(file)]
     if not files:
         raise SourceError(f"{path} is no rosbag2 folder ({damage}, no .mcap or .db3 file): give a recording")
-    if not exists(path / "metadata.yaml") and all(PART.fullmatch(file.name) for file in files):
-        damage = ""  # our own recordings of a stream have none
+    if not exists(path / "metadata.yaml") and all(WITHOUT_METADATA.fullmatch(file.name) for file in files):
+        damage = ""
     return joined(path, [_open_file(file) for file in files], damage)
 
 

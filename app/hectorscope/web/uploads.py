@@ -1,4 +1,8 @@
-"""Receives recordings that are dropped onto the page, piece by piece, into a folder that ends with the program."""
+"""Receives recordings that are dropped onto the page, piece by piece, into a folder that ends with the program.
+
+Of a rosbag2 folder the files with messages are taken, and get names of ours. Its metadata.yaml is not: it names
+files, and so could make us read others of this disk.
+"""
 
 import asyncio
 import json
@@ -6,14 +10,15 @@ import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from hectorscope.common.terminal import printable
 from hectorscope.sources import suffix_of
 from slam_core.errors import SlamError
 
 LONGEST_NAME = 120  # characters
-LONGEST_HEAD = 2000  # characters of the first message
+LONGEST_HEAD = 40_000  # characters of the first message
+MOST_PARTS = 200  # files of a folder
 IDLE_S = 30.0  # without a piece for so long, the browser has gone
 SPARE = 256 * 2**20  # bytes of the disk that are left free
 MEBIBYTE = 2**20
@@ -21,6 +26,19 @@ MEBIBYTE = 2**20
 
 class UploadError(SlamError):
     """A recording is not taken: why, and what to do instead."""
+
+
+class Announced(NamedTuple):
+    """What will be sent: a label, suffix and bytes of each file; is_folder: they are parts of a recording."""
+
+    name: str
+    parts: tuple[tuple[str, int], ...]
+    is_folder: bool = False
+
+    @property
+    def size(self) -> int:
+        """Bytes of all of it."""
+        return sum(size for _, size in self.parts)
 
 
 class Peer(Protocol):
@@ -34,7 +52,7 @@ class Peer(Protocol):
 
 
 class Uploads:
-    """The browser says name and size, sends the bytes, and hears how it ended, each as JSON.
+    """The browser says names and sizes, sends the bytes, and hears how it ended, each as JSON.
 
     limit: bytes of all recordings together. arrived: gets each file, and the name that is shown for it, which is a
     label and no part of any path. Belongs to the thread of the server's event loop.
@@ -62,18 +80,22 @@ class Uploads:
         await peer.send(json.dumps({"arrived": name}))
 
     async def _store(self, peer: Peer) -> tuple[Path, str]:
-        name, suffix, size = announced(await _piece(peer))
-        path = self._room(name, size) / f"{self._count}{suffix}"
+        told = announced(await _piece(peer))
+        place = self._room(told.name, told.size) / str(self._count)
+        path = place if told.is_folder else place.with_name(place.name + told.parts[0][0])
         self._count += 1
-        self._taken += size
+        self._taken += told.size
         try:
-            await peer.send(json.dumps({"send": size}))
-            await _write(peer, path, size)
+            await peer.send(json.dumps({"send": told.size}))
+            if told.is_folder:
+                path.mkdir()
+            for number, (suffix, size) in enumerate(told.parts):
+                await _write(peer, path / f"sent_{number:04d}{suffix}" if told.is_folder else path, size)
         except BaseException:  # also a browser that has gone
-            path.unlink(missing_ok=True)
-            self._taken -= size
+            shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+            self._taken -= told.size
             raise
-        return path, name
+        return path, told.name
 
     def _room(self, name: str, size: int) -> Path:
         """The folder; UploadError if there is no room in it."""
@@ -95,23 +117,42 @@ class Uploads:
         return Path(self._folder.name)
 
 
-def announced(head: str | bytes) -> tuple[str, str, int]:
-    """Label, suffix and size of what will be sent; UploadError if it is no recording or makes no sense."""
+def announced(head: str | bytes) -> Announced:
+    """What a browser will send; UploadError if it is no recording or makes no sense."""
     try:
         told: Any = json.loads(head) if isinstance(head, str) and len(head) <= LONGEST_HEAD else None
     except (ValueError, RecursionError):
         told = None
     match told:
-        case {"name": str(given), "size": int(size)} if size >= 0 and not isinstance(told["size"], bool):
-            name = printable(given.replace("\\", "/").rsplit("/", 1)[-1])[-LONGEST_NAME:]
-        case _:
-            raise UploadError("the browser did not say what it sends: load the page again")
-    suffix = suffix_of(name)
-    if not suffix:
-        raise UploadError(f"{name} is no recording by its name: drop a .bag, .mcap, .db3, .clf, .log or .dat file")
+        case {"name": str(name), "size": size}:
+            return Announced(_label(name), (_part(name, size, SINGLE),))
+        case {"name": str(name), "files": [_, *_] as files} if len(files) <= MOST_PARTS:
+            parts = tuple(
+                _part(each[0], each[1], PARTS) for each in files if isinstance(each, list) and len(each) == 2
+            )
+            if len(parts) == len(files):
+                return Announced(_label(name), parts, is_folder=True)
+    raise UploadError("the browser did not say what it sends: load the page again")
+
+
+SINGLE = "drop a .bag, .mcap, .db3, .clf, .log or .dat file, or a rosbag2 folder"
+PARTS = "drop a folder with .mcap or .db3 files"
+
+
+def _label(name: str) -> str:
+    return printable(name.replace("\\", "/").rsplit("/", 1)[-1])[-LONGEST_NAME:]
+
+
+def _part(name: Any, size: Any, remedy: str) -> tuple[str, int]:
+    """Suffix and bytes of a file."""
+    if not isinstance(name, str) or type(size) is not int or size < 0:
+        raise UploadError("the browser did not say what it sends: load the page again")
+    label, suffix = _label(name), suffix_of(name)
+    if not suffix or (remedy == PARTS and suffix not in (".mcap", ".db3")):
+        raise UploadError(f"{label} is no recording by its name: {remedy}")
     if not size:
-        raise UploadError(f"{name} is empty: record it again")
-    return name, suffix, size
+        raise UploadError(f"{label} is empty: record it again")
+    return suffix, size
 
 
 async def _write(peer: Peer, path: Path, size: int) -> None:

@@ -31,12 +31,17 @@ class Browser:
         self.answers.append(json.loads(message))
 
 
+def content(path: Path) -> bytes:
+    """Of a file, or of all of a folder."""
+    return path.read_bytes() if path.is_file() else b"".join(each.read_bytes() for each in sorted(path.iterdir()))
+
+
 class Shelf:
     """What arrived."""
 
     def __init__(self, limit: int = LIMIT) -> None:
         self.arrived: list[tuple[Path, str, bytes]] = []
-        self.uploads = Uploads(limit, lambda path, name: self.arrived.append((path, name, path.read_bytes())))
+        self.uploads = Uploads(limit, lambda path, name: self.arrived.append((path, name, content(path))))
 
     def receive(self, *messages: str | bytes) -> list[dict[str, Any]]:
         """The answers to a browser that sends these."""
@@ -57,6 +62,10 @@ def head(name: str, size: object) -> str:
     return json.dumps({"name": name, "size": size})
 
 
+def folder(name: str, *files: object) -> str:
+    return json.dumps({"name": name, "files": files})
+
+
 def test_a_recording_arrives_whole() -> None:
     """The server says go, takes the pieces in order, and tells when it has all; the end removes it."""
     shelf = Shelf()
@@ -66,6 +75,34 @@ def test_a_recording_arrives_whole() -> None:
     assert (name, content, path.suffix) == ("run.bag", b"abcdef", ".bag")
     shelf.uploads.close()
     assert not path.parent.exists()
+
+
+def test_a_folder_arrives_whole() -> None:
+    """Its files keep their order, and nothing of their names but the suffix."""
+    shelf = Shelf()
+    said = folder("../run", ["../../run_0.db3", 2], ["run_1.db3", 3], ["/etc/run_2.mcap", 1])
+    answers = shelf.receive(said, b"ab", b"c", b"de", b"f")
+    assert answers == [{"send": 6}, {"arrived": "run"}]
+    ((path, name, content),) = shelf.arrived
+    assert (name, content) == ("run", b"abcdef")
+    assert [each.name for each in sorted(path.iterdir())] == [
+        "sent_0000.db3", "sent_0001.db3", "sent_0002.mcap",
+    ]  # fmt: skip
+    assert [each.name for each in shelf.files()] == ["0"]
+    shelf.uploads.close()
+    assert not path.exists()
+
+
+def test_a_folder_that_does_not_come_whole_leaves_nothing() -> None:
+    """Its room is free again; beyond the limit it is not begun."""
+    shelf = Shelf()
+    said = folder("run", ["a.db3", 2], ["b.db3", 3])
+    assert shelf.receive(said, b"ab", b"c")[-1] != {"arrived": "run"}
+    assert "refused" in shelf.receive(said, b"abc")[-1]
+    assert shelf.arrived == shelf.files() == []
+    assert "--upload-limit" in shelf.receive(folder("run", ["a.db3", 600], ["b.db3", 401]))[0]["refused"]
+    assert shelf.receive(folder("run", ["a.db3", LIMIT]), b"x" * LIMIT)[-1] == {"arrived": "run"}
+    shelf.uploads.close()
 
 
 @pytest.mark.parametrize(
@@ -113,9 +150,12 @@ def test_what_is_not_as_announced_leaves_nothing(pieces: tuple[str | bytes, ...]
 @pytest.mark.parametrize(
     "first",
     [
-        b"bytes", "{", "[]", "null", "[" * 1500, "x" * 3000, head("run.bag", -1), head("run.bag", True), "{}",
+        b"bytes", "{", "[]", "null", "[" * 1500, "x" * 50_000, head("run.bag", -1), head("run.bag", True), "{}",
         head("run.bag", 1.5), head("run.bag", "9"), '{"name": 3, "size": 9}', head("run.exe", 9), head("run", 9),
         head(".", 9), head("", 9), head("run.bag", 0),
+        folder("run"), folder("run", 3), folder("run", ["a.db3"]), folder("run", ["a.db3", -1]),
+        folder("run", ["metadata.yaml", 9]), folder("run", ["a.bag", 9]), folder("run", ["a.db3", 0]),
+        folder("run", ["a.db3", 9], "b.db3"), folder("run", *([["a.db3", 1]] * 201)),
     ],
 )  # fmt: skip
 def test_what_makes_no_sense_is_refused_in_a_sentence(first: str | bytes) -> None:
