@@ -2,11 +2,12 @@
 
 import hashlib
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from slam_core.localization.prior_map import PriorMap
+if TYPE_CHECKING:
+    from slam_core.localization.prior_map import PriorMap  # takes long: loads the compiler
 
 
 class Identity(NamedTuple):
@@ -57,7 +58,7 @@ def identity(recording: Path) -> Identity:
     return Identity(size, hashlib.sha256(told.encode()).hexdigest())
 
 
-def map_sha256(prior_map: PriorMap | None) -> str:
+def map_sha256(prior_map: "PriorMap | None") -> str:
     """Of its cells, and of how a run begins with it: whether it writes them, and where. Empty without one."""
     if prior_map is None:
         return ""
