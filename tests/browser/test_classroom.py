@@ -71,6 +71,7 @@ def test_who_explores_keeps_the_own_view(server: PageServer, open_page: Open):
     has(student, layout="stacked")
 
 
+@pytest.mark.slow
 def test_a_wrong_key_teaches_nobody(server: PageServer, open_page: Open):
     """The class keeps the view that it has."""
     teacher, student = open_page(server.teacher_url), open_page(server.url)

@@ -49,7 +49,9 @@ def drive() -> Iterator[Drive]:
 
 @pytest.fixture
 def page(drive: Drive, open_page: Open) -> Page:
-    return open_page(drive.server.url)
+    made = open_page(drive.server.url)
+    expect(made.locator(".hs-drive")).to_be_visible()  # its keys are heard from then on
+    return made
 
 
 def test_arrow_keys_drive_and_the_robot_stops_when_they_are_let_go(page: Page, drive: Drive):

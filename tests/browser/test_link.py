@@ -41,6 +41,7 @@ def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
         again.stop()
 
 
+@pytest.mark.slow
 def test_a_server_that_never_says_anything_is_named(show: Show, open_page: Open) -> None:
     """A page that was served but never heard its server does not look live either."""
     page = open_page(show.url, ready="document.readyState === 'complete'", before=DEAF)

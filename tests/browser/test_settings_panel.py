@@ -110,6 +110,7 @@ def test_a_threshold_changes_the_number_of_map_updates(run: Run, open_page: Open
     assert rarely.scans == often.scans
 
 
+@pytest.mark.slow
 def test_browsers_agree_and_changes_are_marked_and_reset(run: Run, open_page: Open) -> None:
     """What one person sets another sees, also who comes later; one click resets a setting, another all of them."""
     one, two = open_page(run.url), open_page(run.url)

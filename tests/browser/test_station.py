@@ -118,6 +118,7 @@ def test_marks_are_drawn_and_listed_as_text(show: Show, open_page: Open) -> None
     assert page.locator(".hs-station-marks li b b").count() == 0
 
 
+@pytest.mark.slow
 def test_it_sounds_while_tracking_is_lost_where_that_is_allowed(show: Show, open_page: Open) -> None:
     """In a browser that switched the sound on, and not in another one."""
     show.engine.show(live())

@@ -102,6 +102,7 @@ def test_the_iterations_are_stepped_through(engine: Engine, url: str, open_page:
     page.wait_for_function("() => !window.__viserMutable.nodeRefFromName['/floor/xray_start']?.visible")
 
 
+@pytest.mark.slow
 def test_each_browser_looks_at_what_it_wants(engine: Engine, url: str, open_page: Open) -> None:
     """One at the landscape of a level, another at the covariances, a third at nothing."""
     resting(engine)
@@ -186,6 +187,7 @@ def test_the_start_is_dragged_by_its_handle(engine: Engine, url: str, open_page:
     np.testing.assert_array_equal(latest.trajectory, now.trajectory)
 
 
+@pytest.mark.slow
 def test_covariances_of_three_places_are_compared(engine: Engine, url: str, open_page: Open) -> None:
     """A click simulates a room, a corridor and open water; the figures on the card are those of the core."""
     resting(engine)

@@ -90,6 +90,7 @@ def odometry(seconds: float) -> tuple[float, float]:
 
 def published(path: Path, *buses: Heard) -> None:
     """Follow a file as the stream of a robot, to its end."""
+    load_everything()  # a stream does not wait for what compiles
     source = open_source(f"file://{path}", SourceOptions(own_frame="map"))
     with running(source, Settings()) as engine:
         publishing = Publishing(buses, source)

@@ -77,6 +77,7 @@ def repaired(items: Iterable[Item], options: SourceOptions) -> list[Item]:
     return [repair(item) for item in items]
 
 
+@pytest.mark.slow
 def test_a_clock_that_is_set_after_the_start_costs_neither_memory_nor_the_rest() -> None:
     """The first samples of an IMU whose board knew no time yet are years off: they are not looked at."""
     items = list(honest())
