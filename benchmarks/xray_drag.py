@@ -1,4 +1,4 @@
-"""How often the card of the X-ray follows a start that is dragged, in a real Chromium that draws in software."""
+"""How soon the card of the X-ray follows a dragged start and a slider, in a Chromium that draws in software."""
 
 import os
 import statistics
@@ -30,6 +30,18 @@ WATCH = """() => {
   const card = document.querySelector(".hs-xray-words");
   new MutationObserver(() => window.followed.push(performance.now())).observe(card, { childList: true });
 }"""
+
+# Moves the slider of omega, and gives the milliseconds until its value stands in the words of the card, drawn.
+SLIDE = """async (omega) => {
+  const slider = document.querySelector("input[data-hs-xray=omega]");
+  const words = document.querySelector(".hs-xray-words");
+  const begin = performance.now();
+  slider.value = omega;
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+  while (!words.textContent.includes(`ω ${omega.toFixed(3)}`)) await new Promise(requestAnimationFrame);
+  return performance.now() - begin;
+}"""
+SLIDES, SLIDE_S = 40, 0.3
 
 
 def dragged(page: Page, begin: np.ndarray, finish: np.ndarray) -> tuple[int, float]:
@@ -70,10 +82,25 @@ def followed(engine: Engine, page: Page, url: str, seconds: float) -> str:
     if len(times) < 2:
         raise SystemExit("the handle was not dragged: the page was too busy to notice the mouse")
     apart = statistics.median(np.diff(times).tolist())
+    slid = slides(page)
+    tenth = statistics.quantiles(slid, n=10)[-1]
     return (
         f"{moves / took:.1f} poses a second for {took:.0f} s: the card followed {len(times) / took:.1f} times a"
-        f" second ({apart:.0f} ms from one to the next in the median; load {os.getloadavg()[0]:.1f})"
+        f" second ({apart:.0f} ms from one to the next in the median; load {os.getloadavg()[0]:.1f})\n"
+        f"ω by its slider {SLIDES} times: shown after {statistics.median(slid):.0f} ms in the median,"
+        f" {tenth:.0f} ms in the slowest tenth, {max(slid):.0f} ms at most"
     )
+
+
+def slides(page: Page) -> list[float]:
+    """Milliseconds from each move of the slider to the words with its value."""
+    page.evaluate("window.hectorscope.xray.want('lab', 'covariance')")
+    page.locator(".hs-xray-words", has_text="best ω").wait_for(timeout=PATIENCE_MS)
+    took = []
+    for omega in np.linspace(0.1, 0.9, SLIDES):
+        took.append(float(page.evaluate(SLIDE, round(float(omega), 3))))
+        time.sleep(SLIDE_S)
+    return took
 
 
 def measure(seconds: float, beams: int) -> str:

@@ -20,7 +20,7 @@
   search.setAttribute("aria-label", "Find a recording");
   const list = made("div", "hs-recordings-list", dialog);
   const drop = made("label", "hs-recordings-drop", dialog);
-  drop.append("Drop a file or a rosbag2 folder onto this page, or ");
+  drop.append("Drop a file or a folder of a recording onto this page, or ");
   const chooser = made("input", "", made("u", "", drop, { textContent: "choose one" }), { type: "file", hidden: true });
   const bar = made("progress", "hs-progress", dialog, { max: 1, hidden: true });
   const status = made("p", "hs-recordings-status", dialog);
