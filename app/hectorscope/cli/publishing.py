@@ -2,13 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING
 
 from hectorscope.inputs import Source
-from hectorscope.run.headless import Observer
+
+if TYPE_CHECKING:
+    from hectorscope.run.headless import Observer  # takes long: loads the compiler
 
 
 @contextmanager
-def published(addresses: Sequence[str], source: Source | None) -> Iterator[Observer]:
+def published(addresses: Sequence[str], source: Source | None) -> Iterator["Observer"]:
     """An observer that publishes what `source` gives; PublishError for an address that cannot be served."""
     if not addresses or source is None:
         yield lambda _pipeline, _result: None

@@ -53,5 +53,5 @@ def test_another_way_of_packing_is_served_as_it_is(
 
 def test_the_page_needs_no_compiler() -> None:
     """What is served comes without numba, whose import would keep a browser waiting."""
-    code = "import sys, hectorscope.web.server; sys.exit('numba' in sys.modules)"
+    code = "import sys, hectorscope.cli.main, hectorscope.cli.page; sys.exit('numba' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
