@@ -100,6 +100,7 @@ def test_free_leaves_the_vertical(show: Show, open_page: Open) -> None:
     page.wait_for_function(turned)
 
 
+@pytest.mark.slow
 def test_each_person_has_a_view_of_their_own(show: Show, open_page: Open) -> None:
     """Pointing one browser's camera by the server leaves the other's alone."""
     one, other = open_page(show.url), open_page(show.url)

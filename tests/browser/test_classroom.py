@@ -30,6 +30,7 @@ def has(page: Page, **choices: str) -> None:
         page.wait_for_function("([name, value]) => hectorscope.own.get(name) === value", arg=[name, value])
 
 
+@pytest.mark.slow
 def test_students_follow_camera_layout_and_layers(server: PageServer, open_page: Open):
     """Those who came before and who come later; the key is no longer in the address."""
     early = open_page(server.url)

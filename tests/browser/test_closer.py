@@ -110,6 +110,7 @@ def test_two_clicks_measure_a_distance(url: str, open_page: Open) -> None:
     expect(page.locator(".hs-measure-hint")).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_an_entry_of_the_legend_hides_its_layer_in_this_browser(url: str, open_page: Open) -> None:
     """It stays there to be clicked again; other browsers keep theirs."""
     page, other = seen_from_above(open_page, url), seen_from_above(open_page, url)

@@ -92,6 +92,7 @@ def test_charts_lie_side_by_side_below_the_scene(show: Show, open_page: Open) ->
     assert bottom <= page.evaluate("document.querySelector('.hs-plots').getBoundingClientRect().top")
 
 
+@pytest.mark.slow
 def test_charts_fill_the_window_and_go_away(show: Show, open_page: Open) -> None:
     """All of them over the whole window, in several columns, and none at all; each browser has its own."""
     page, other = opened(show, open_page, pages=EVERY), opened(show, open_page)

@@ -61,6 +61,7 @@ def shown(page: Page) -> list[str]:
     return names
 
 
+@pytest.mark.slow
 def test_the_page_opens_on_few_settings_and_finds_any(run: Run, open_page: Open) -> None:
     """At most twenty, the thresholds, sigma and omega first. Each browser finds others by name, label or help."""
     one, two = open_page(run.url), open_page(run.url)

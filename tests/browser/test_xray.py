@@ -120,6 +120,7 @@ def test_each_browser_looks_at_what_it_wants(engine: Engine, url: str, open_page
     expect(three.locator(CARD)).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_who_only_looks_keeps_a_scan_and_drags_its_start(engine: Engine, url: str, open_page: Open) -> None:
     """The operator steps on: the own page follows the run; the viewer's scan, step and start stay its own."""
     _, found = resting(engine)
@@ -208,6 +209,7 @@ def test_covariances_of_three_places_are_compared(engine: Engine, url: str, open
     expect(words).to_contain_text("scan R (15)")
 
 
+@pytest.mark.slow
 def test_eq_1_is_looked_at_up_to_90_degrees(engine: Engine, url: str, open_page: Open) -> None:
     """The slider puts its pitch into the equation."""
     resting(engine)

@@ -105,6 +105,7 @@ def swept(folder: Path, specs: list[RunSpec], address: str = "") -> Iterator[lis
     assert not thread.is_alive()
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_table_when_a_worker_is_killed(bag: Path, tmp_path: Path, cluster: Cluster):
     """Every cell but the times is that of this machine alone; the runs of the killed worker are there."""
     specs = specs_of(bag, sigmas=SIGMAS)
