@@ -23,7 +23,7 @@ from hectorscope.session import journal_files
 from hectorscope.session.checkpoint_file import read_checkpoint
 from hectorscope.session.journal import resumed
 from tests.conftest import ROOT
-from tests.live.test_journal import RUN, reopen
+from tests.live.journals import RUN, reopen
 
 TOPICS = ("/tf_static", "/scan", "/imu/data_raw", "/pressure")
 EARLIEST_S, LATEST_S = 2.0, 20.0  # after the first scan
