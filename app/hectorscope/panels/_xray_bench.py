@@ -14,7 +14,7 @@ from slam_core.measurements import Float64s
 from slam_core.results import StepResult
 
 if TYPE_CHECKING:
-    from hectorscope.panels._xray_work import Workshop
+    from hectorscope.panels._xray_work import OpenScan
     from hectorscope.session.rework import Rework
 
 # The core is imported once somebody looks: the page is served before.
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 MOST = 64  # browsers that look inside at a time
-MOST_SHOPS = 4  # scans that are held open at a time; another one takes some 0.1 s to open
+MOST_OPEN = 4  # scans that are held open at a time; another one takes some 0.1 s to open
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +35,13 @@ class Subject:
     settings: Settings
     scan_s: float = 0.0
 
-    def workshop(self) -> "Workshop | None":
+    def open_scan(self) -> "OpenScan | None":
         """Where it is worked on; None for a scan that was matched to nothing."""
-        from hectorscope.panels._xray_work import Workshop  # noqa: PLC0415
+        from hectorscope.panels._xray_work import OpenScan  # noqa: PLC0415
         from hectorscope.run.xray.specimen import specimen_of  # noqa: PLC0415
 
         specimen = specimen_of(self.rework.before(self.settings), self.result, self.config)
-        return Workshop(specimen) if specimen else None
+        return OpenScan(specimen) if specimen else None
 
 
 @dataclass(eq=False)
@@ -70,7 +70,7 @@ class Bench:
         self._changed = threading.Condition()
         self._viewers: dict[int, _Viewer] = {}
         self._subject: Subject | None = None
-        self._shops: dict[Subject, Workshop | None] = {}
+        self._scans: dict[Subject, OpenScan | None] = {}
         self._thread: threading.Thread | None = None
 
     def look_at(self, subject: Subject | None, *, anew: bool = False) -> None:
@@ -131,20 +131,20 @@ class Bench:
         """Runs on the thread, from the first `next` on."""
         from hectorscope.panels import _xray_words as words  # noqa: PLC0415
 
-        shop = self._opened(subject) if subject else None
-        if subject is None or shop is None:
+        opened = self._opened(subject) if subject else None
+        if subject is None or opened is None:
             yield Shown(words.FIRST if subject else words.NOTHING)
             return
-        for shown in shop.shown(wanted, start):
+        for shown in opened.shown(wanted, start):
             yield replace(shown, scan_s=subject.scan_s)
 
-    def _opened(self, subject: Subject) -> "Workshop | None":
-        """The workshop of a scan; those that were not asked for longest are closed."""
-        shop = self._shops.pop(subject) if subject in self._shops else subject.workshop()
-        while len(self._shops) >= MOST_SHOPS:
-            del self._shops[next(iter(self._shops))]
-        self._shops[subject] = shop
-        return shop
+    def _opened(self, subject: Subject) -> "OpenScan | None":
+        """A scan, held open; those that were not asked for longest are closed."""
+        opened = self._scans.pop(subject) if subject in self._scans else subject.open_scan()
+        while len(self._scans) >= MOST_OPEN:
+            del self._scans[next(iter(self._scans))]
+        self._scans[subject] = opened
+        return opened
 
     def _run(self) -> None:
         while (turn := self._next_turn()) is not None:
@@ -169,7 +169,7 @@ class Bench:
                         return client, viewer.work
                 self._changed.wait()
             self._thread = None
-            self._shops.clear()
+            self._scans.clear()
             return None
 
     def _end(self, client: int, work: Iterator[Shown]) -> None:

@@ -31,7 +31,7 @@ OPAQUE = 225
 FOUND_RGBA, FAILED_RGBA = (60, 212, 160, 190), (255, 118, 70, 120)
 
 
-class Workshop:
+class OpenScan:
     """A specimen with what was worked out of it; belongs to one thread."""
 
     def __init__(self, specimen: Specimen) -> None:
@@ -56,13 +56,13 @@ class Workshop:
         yield from LABS[wanted.lab](self, wanted, start)
 
 
-def _steps(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    specimen, levels = shop.specimen, len(shop.specimen.grids)
-    found: tuple[Iteration, ...] = shop.keep(("steps", *start.tolist()), lambda: specimen.iterations(start))
+def _steps(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+    specimen, levels = opened.specimen, len(opened.specimen.grids)
+    found: tuple[Iteration, ...] = opened.keep(("steps", *start.tolist()), lambda: specimen.iterations(start))
     k = min(wanted.step, len(found) - 1)
     resolution = specimen.grids[found[k].level].resolution
     text = words.steps_html(found, k, resolution, specimen.config.matcher.sigma)
-    dots = shop.keep(("dots", k, *start.tolist()), lambda: beams(specimen, found[k]))
+    dots = opened.keep(("dots", k, *start.tolist()), lambda: beams(specimen, found[k]))
     yield Shown(
         text, _step_marks(found, k), dots, handle=start, level=found[k].level, steps=len(found), levels=levels
     )
@@ -95,16 +95,16 @@ def _step_marks(found: tuple[Iteration, ...], k: int) -> list[Mark]:
     return marks
 
 
-def _landscape(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    specimen, level = shop.specimen, shop.level(wanted.level)
+def _landscape(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+    specimen, level = opened.specimen, opened.level(wanted.level)
     around = Around(wanted.plane, wanted.span, wanted.yaw if wanted.plane == "xy" else 0.0)
-    found: Landscape = shop.keep((level, around), lambda: landscape(specimen, level, around))
-    basin: Basin | None = shop.keep(around, lambda: Basin(specimen, around)) if wanted.show == "basin" else None
+    found: Landscape = opened.keep((level, around), lambda: landscape(specimen, level, around))
+    basin: Basin | None = opened.keep(around, lambda: Basin(specimen, around)) if wanted.show == "basin" else None
     rises = wanted.show == "surface"
-    cost: Heat = shop.keep(("heat", level, around, rises), lambda: cost_heat(found, specimen, rises=rises))
+    cost: Heat = opened.keep(("heat", level, around, rises), lambda: cost_heat(found, specimen, rises=rises))
     while True:
         heat = basin_heat(basin, found, specimen) if basin else cost
-        yield _landscape_shown(shop, found, basin, heat, start)
+        yield _landscape_shown(opened, found, basin, heat, start)
         if basin is None or basin.whole:
             return
         ends = time.monotonic() + SLICE_S
@@ -112,8 +112,10 @@ def _landscape(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Show
             basin.try_next()
 
 
-def _landscape_shown(shop: Workshop, found: Landscape, basin: Basin | None, heat: Heat, start: Float64s) -> Shown:
-    specimen, level = shop.specimen, found.level
+def _landscape_shown(
+    opened: OpenScan, found: Landscape, basin: Basin | None, heat: Heat, start: Float64s
+) -> Shown:
+    specimen, level = opened.specimen, found.level
     match = specimen.end(start, trace=True)
     path = np.concatenate([start[None], match.trace[:, 1:]])
     same, matched = is_same(specimen, match.pose), specimen.matched
@@ -150,12 +152,12 @@ def _heat(found: Landscape, specimen: Specimen, picture: Any, heights: Float64s 
     return Heat(found.level, picture, specimen.matched[:2], (side, side), heights)
 
 
-def _lens(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    levels = len(shop.specimen.grids)
+def _lens(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+    levels = len(opened.specimen.grids)
     if wanted.at is None:
         yield Shown("<p>Click a place of the map.</p>", levels=levels)
         return
-    found = lens(shop.specimen, shop.level(wanted.at[0]), *wanted.at[1:])
+    found = lens(opened.specimen, opened.level(wanted.at[0]), *wanted.at[1:])
     size, place = found.resolution, np.array(found.place)
     first = (np.array(found.cell) + 0.5) * size
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
@@ -172,14 +174,14 @@ def _lens(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
     yield Shown(words.lens_html(found), marks, levels=levels)
 
 
-def _covariance(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+def _covariance(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
     if wanted.of == "places":
-        for text in compared(shop.keep, wanted.noise, SLICE_S):
-            yield Shown(text, levels=len(shop.specimen.grids))
+        for text in compared(opened.keep, wanted.noise, SLICE_S):
+            yield Shown(text, levels=len(opened.specimen.grids))
         return
-    specimen, levels = shop.specimen, len(shop.specimen.grids)
-    cloud: Cloud = shop.keep(("cloud", wanted.noise), lambda: Cloud(specimen, wanted.noise))
-    found = shop.keep(("fusion", wanted.omega), lambda: fusion(specimen, wanted.omega))
+    specimen, levels = opened.specimen, len(opened.specimen.grids)
+    cloud: Cloud = opened.keep(("cloud", wanted.noise), lambda: Cloud(specimen, wanted.noise))
+    found = opened.keep(("fusion", wanted.omega), lambda: fusion(specimen, wanted.omega))
     named = {
         "prior": found.P, "match": found.R, "sampled": found.sampled, "fused": found.fused,
         "optimal": found.optimal, "kalman": found.kalman,
@@ -210,11 +212,11 @@ def _cloud_dots(specimen: Specimen, cloud: Cloud, scale: float) -> Dots:
     return Dots(0, points, colours, np.empty((0, 2, 2)), size=0.02)
 
 
-def _attitude(shop: Workshop, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    yield Shown(words.attitude_html(passage(wanted.pitch)), levels=len(shop.specimen.grids))
+def _attitude(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
+    yield Shown(words.attitude_html(passage(wanted.pitch)), levels=len(opened.specimen.grids))
 
 
-LABS: dict[str, Callable[[Workshop, Wanted, Float64s], Iterator[Shown]]] = {
+LABS: dict[str, Callable[[OpenScan, Wanted, Float64s], Iterator[Shown]]] = {
     "steps": _steps, "landscape": _landscape, "lens": _lens, "covariance": _covariance,
     "attitude": _attitude,
 }  # fmt: skip

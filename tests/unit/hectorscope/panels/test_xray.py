@@ -12,7 +12,7 @@ from hectorscope.panels._request import FARTHEST, MOST_LEVELS, BadRequest
 from hectorscope.panels._xray_scene import surface
 from hectorscope.panels._xray_shown import ellipse
 from hectorscope.panels._xray_wanted import MOST_STEPS, OMEGA, SPAN, YAW, Wanted, wanted_of
-from hectorscope.panels._xray_work import Workshop
+from hectorscope.panels._xray_work import OpenScan
 from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.landscape import SIDE
 from tests.xray import specimen
@@ -24,8 +24,8 @@ ASKED: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def shop() -> Workshop:
-    return Workshop(specimen())
+def opened() -> OpenScan:
+    return OpenScan(specimen())
 
 
 def test_requests_are_brought_into_their_ranges():
@@ -52,10 +52,10 @@ def test_what_no_script_of_ours_sends_is_refused(wrong: dict[str, Any]):
         wanted_of(ASKED | wrong)
 
 
-def test_steps_show_beams_where_the_iteration_places_them(shop: Workshop):
+def test_steps_show_beams_where_the_iteration_places_them(opened: OpenScan):
     """Each endpoint at S_i(xi) with its gradient as a line; the numbers of the equations are those of the core."""
     steps = specimen().iterations(specimen().start)
-    (shown,) = shop.shown(Wanted(step=3), None)
+    (shown,) = opened.shown(Wanted(step=3), None)
     assert shown.steps == len(steps)
     assert shown.dots is not None and shown.dots.level == steps[3].level
     lines, resolution = shown.dots.lines, specimen().grids[steps[3].level].resolution
@@ -64,10 +64,10 @@ def test_steps_show_beams_where_the_iteration_places_them(shop: Workshop):
     assert f"{steps[4].cost:.3f} after the step" not in shown.words or steps[4].level == steps[3].level
 
 
-def test_arrows_at_the_robot_are_eigenvectors_of_h(shop: Workshop):
+def test_arrows_at_the_robot_are_eigenvectors_of_h(opened: OpenScan):
     """Both axes through the pose, across each other, as long as the square roots of the eigenvalues."""
     now = specimen().iterations(specimen().start)[-1]
-    (shown,) = shop.shown(Wanted(step=10**4), None)
+    (shown,) = opened.shown(Wanted(step=10**4), None)
     axes = [np.array(mark["at"])[:, 1:] for mark in shown.marks if mark["kind"] == "axis"]
     arms = [ends[1] - ends[0] for ends in axes]
     values = np.linalg.eigvalsh(now.H[:2, :2])
@@ -78,11 +78,11 @@ def test_arrows_at_the_robot_are_eigenvectors_of_h(shop: Workshop):
     assert lengths[0] / lengths[1] == pytest.approx(math.sqrt(values[0] / values[1]), rel=1e-3)
 
 
-def test_another_start_is_followed_to_its_end(shop: Workshop):
+def test_another_start_is_followed_to_its_end(opened: OpenScan):
     """The words say whether that is the matched pose; the robot is marked where the matcher ends."""
     near = specimen().matched + np.array([0.1, -0.05, 0.02])
     for start, kind in ((near, "same"), (specimen().matched + np.array([4.0, 3.0, 1.0]), "elsewhere")):
-        shown = next(iter(shop.shown(Wanted(lab="landscape"), start)))
+        shown = next(iter(opened.shown(Wanted(lab="landscape"), start)))
         (end,) = [mark for mark in shown.marks if mark["kind"] in {"same", "elsewhere"}]
         assert end["kind"] == kind
         tip = specimen().end(start).pose
@@ -90,17 +90,17 @@ def test_another_start_is_followed_to_its_end(shop: Workshop):
         np.testing.assert_allclose(end["at"][0][1:], expected, atol=1e-4)
 
 
-def test_a_basin_comes_in_pictures_that_grow(shop: Workshop):
+def test_a_basin_comes_in_pictures_that_grow(opened: OpenScan):
     """The first at once, each with more starts, the last with all of them."""
-    pictures = list(shop.shown(Wanted(lab="landscape", show="basin", span=1.3), None))
+    pictures = list(opened.shown(Wanted(lab="landscape", show="basin", span=1.3), None))
     assert len(pictures) > 2
     assert "0 of 3721" in pictures[0].words
     assert "3721 of 3721" in pictures[-1].words
 
 
-def test_the_heat_map_is_brightest_at_the_lowest_cost(shop: Workshop):
+def test_the_heat_map_is_brightest_at_the_lowest_cost(opened: OpenScan):
     """A pixel for each pose, centred on the matched pose; the surface is lowest there."""
-    (shown,) = shop.shown(Wanted(lab="landscape", show="surface", span=0.3), None)
+    (shown,) = opened.shown(Wanted(lab="landscape", show="surface", span=0.3), None)
     assert shown.heat is not None and shown.heat.heights is not None
     assert shown.heat.picture.shape == (SIDE, SIDE, 4)
     bright = shown.heat.picture[..., :3].astype(int).sum(axis=-1)
@@ -123,29 +123,29 @@ def test_ellipses_have_the_axes_of_their_covariance():
     assert radii.min() == pytest.approx(3.0 * low, rel=1e-3)
 
 
-def test_the_lens_asks_for_a_click_and_marks_four_cells(shop: Workshop):
+def test_the_lens_asks_for_a_click_and_marks_four_cells(opened: OpenScan):
     """Each cell with its probability."""
-    (empty,) = shop.shown(Wanted(lab="lens"), None)
+    (empty,) = opened.shown(Wanted(lab="lens"), None)
     assert "Click" in empty.words
     x, y = specimen().matched[:2] + np.array([0.4, 0.0])
-    (shown,) = shop.shown(Wanted(lab="lens", at=(0, float(x), float(y))), None)
+    (shown,) = opened.shown(Wanted(lab="lens", at=(0, float(x), float(y))), None)
     assert sum(mark["kind"] == "cell" for mark in shown.marks) == 4
 
 
-def test_covariances_come_with_a_growing_cloud(shop: Workshop):
+def test_covariances_come_with_a_growing_cloud(opened: OpenScan):
     """The first picture has no cloud; the omega of the slider is in the words."""
     wanted = Wanted(lab="covariance", omega=0.123, noise=0.03)
-    first, second = islice(shop.shown(wanted, None), 2)
+    first, second = islice(opened.shown(wanted, None), 2)
     assert "ω 0.123" in first.words
     assert first.dots is not None and second.dots is not None
     assert len(first.dots.points) == 0 < len(second.dots.points)
-    again = next(iter(shop.shown(replace(wanted, omega=0.2), None)))
+    again = next(iter(opened.shown(replace(wanted, omega=0.2), None)))
     assert again.dots is not None and len(again.dots.points) >= len(second.dots.points)  # it is kept
 
 
-def test_room_corridor_and_water_are_compared(shop: Workshop):
+def test_room_corridor_and_water_are_compared(opened: OpenScan):
     """One after another, each with its table once the cloud begins, until every cloud is whole."""
-    pictures = [shown.words for shown in shop.shown(Wanted(lab="covariance", of="places"), None)]
+    pictures = [shown.words for shown in opened.shown(Wanted(lab="covariance", of="places"), None)]
     assert pictures[0].count("<svg") == 0
     last = pictures[-1]
     assert [last.count(each) for each in ("<svg", "cloud of 400", "Share of")] == [3, 3, 1]
@@ -153,12 +153,12 @@ def test_room_corridor_and_water_are_compared(shop: Workshop):
         assert f"<h3>{title}" in last
 
 
-def test_the_equation_of_the_attitude_has_its_numbers(shop: Workshop):
+def test_the_equation_of_the_attitude_has_its_numbers(opened: OpenScan):
     """The secant of the pitch, and both errors; at 90 degrees a number of no use."""
-    (shown,) = shop.shown(Wanted(lab="attitude", pitch=math.radians(60.0)), None)
+    (shown,) = opened.shown(Wanted(lab="attitude", pitch=math.radians(60.0)), None)
     assert "<td>2</td>" in shown.words
     found = passage(math.radians(60.0))
     for error in (found.by_angles, found.by_quaternion):
         assert f"<td>{math.degrees(error):.3f}</td>" in shown.words
-    (pole,) = shop.shown(Wanted(lab="attitude", pitch=math.pi / 2), None)
+    (pole,) = opened.shown(Wanted(lab="attitude", pitch=math.pi / 2), None)
     assert "10¹⁶" in pole.words
