@@ -2,6 +2,7 @@
 
 import gzip
 import mimetypes
+import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -40,15 +41,21 @@ def media_type(path: Path) -> str:
     return mimetypes.guess_type(path.name)[0] or "application/octet-stream"
 
 
-def page(index: bytes, static: dict[str, File]) -> File:
-    """The page of viser under our title, with the style sheets and scripts of static/'s top level in its head."""
-    names = [name.removeprefix("/") for name in static if name.count("/") == 2]
-    styles = [f'<link rel="stylesheet" href="{name}">' for name in names if name.endswith(".css")]
-    scripts = [f'<script defer src="{name}"></script>' for name in names if name.endswith(".js")]
-    head = "".join((*styles, *scripts)).encode()
-    return File(
-        "text/html; charset=utf-8",
-        index.replace(b"<title>Viser</title>", b"<title>Hectorscope</title>", 1).replace(
-            b"</head>", head + b"</head>", 1
-        ),
-    )
+def page(index: bytes, static: dict[str, File]) -> dict[str, File]:
+    """The page of viser under our title, and the two files that its head names, by path.
+
+    They hold the style sheets and the scripts of static/'s top level, one after the other: forty requests take a
+    server that is just starting half a second, and browsers keep these two.
+    """
+    top = {path: file for path, file in static.items() if path.count("/") == 2}
+    style, script = _joined(top, ".css"), _joined(top, ".js")
+    style_path, script_path = (f"page/{zlib.crc32(file.content):08x}" for file in (style, script))
+    head = f'<link rel="stylesheet" href="{style_path}"><script defer src="{script_path}"></script>'
+    html = index.replace(b"<title>Viser</title>", b"<title>Hectorscope</title>", 1)
+    html = html.replace(b"</head>", head.encode() + b"</head>", 1)
+    return {"/": File(f"{TEXT['.html']}; charset=utf-8", html), f"/{style_path}": style, f"/{script_path}": script}
+
+
+def _joined(files: dict[str, File], ending: str) -> File:
+    content = b"\n".join(file.content for path, file in files.items() if path.endswith(ending))
+    return File(media_type(Path(f"page{ending}")), content, lasting=True)

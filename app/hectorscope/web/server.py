@@ -119,7 +119,7 @@ class PageServer:
         static = static_files(resource_folder("static"))
         client = unpacked(viser_private.INDEX.read_bytes())
         files = {
-            "/": page(client.page, static),
+            **page(client.page, static),
             HEALTH: File("text/plain", b"ok\n"),
             **client.files,
             **static,

@@ -1,6 +1,7 @@
 """The page's server from outside: address, port, files."""
 
 import http.client
+import re
 import socket
 from collections.abc import Iterator
 
@@ -26,11 +27,15 @@ def page() -> Iterator[PageServer]:
 
 
 def test_the_page_carries_our_title_style_and_scripts(page: PageServer) -> None:
-    """The address gives viser's page under our name, with what static/ adds to it."""
+    """The address gives viser's page under our name, with what static/ adds to it in one file of each kind."""
     body = get(page, "/").read()
     assert b"<title>Hectorscope</title>" in body
-    assert b'<script defer src="static/scene.js">' in body
-    assert get(page, "/static/scene.js").read().startswith(b"//")
+    for pattern, name in ((rb'<script defer src="(page/\w+)">', "scene.js"), (rb'href="(page/\w+)">', "xray.css")):
+        found = re.search(pattern, body)
+        assert found is not None
+        answer = get(page, f"/{found[1].decode()}")
+        assert answer.headers["Cache-Control"].endswith("immutable")
+        assert get(page, f"/static/{name}").read() in answer.read()
 
 
 def test_it_says_that_it_runs(page: PageServer) -> None:
