@@ -24,6 +24,7 @@
   const range = (name, text, low, high, step) => `<label>${text}<input type="range" data-hs-xray="${name}" min="${low}" max="${high}" step="${step}" aria-label="${text}"><output></output></label>`;
   card.innerHTML = `<header><h2>Inside the matcher</h2><button type="button" class="hs-tool" data-hs-xray="close" title="Close · I" aria-label="Close the X-ray"><svg viewBox="0 0 24 24"><path d="M6 6l12 12M18 6 6 18"/></svg></button></header>
     <p class="hs-xray-scan"><span></span><button type="button" data-hs-xray="keep" title="The run may go on without it; each browser keeps its own">Keep this scan</button></p>
+    <p class="hs-xray-go"><span class="hs-group"><button type="button" data-hs-xray="scan" data-hs-to="-1" aria-label="Scan before, for this browser alone">‹</button><button type="button" data-hs-xray="scan" data-hs-to="1" aria-label="Next scan, for this browser alone">›</button></span><input type="range" min="0" max="0" step="0.1" aria-label="Scan of this browser alone, by its time" title="Another scan of the recording, for this browser alone"></p>
     ${group("lab", LABS)}
     <div data-hs-lab="steps"><span class="hs-group"><button type="button" data-hs-xray="by" data-hs-to="-1" aria-label="Iteration before">‹</button><button type="button" data-hs-xray="play">Play</button><button type="button" data-hs-xray="by" data-hs-to="1" aria-label="Next iteration">›</button></span>${range("step", "Iteration", 0, 0, 1)}
       <p class="hs-xray-legend">Beams by residual 0<i class="hs-ramp"></i>1 · lines: ∇M · drag the handle to start elsewhere</p></div>
@@ -37,6 +38,7 @@
     <div class="hs-xray-words" aria-live="off"></div>`;
   document.body.append(card);
   const words = card.querySelector(".hs-xray-words");
+  const slider = card.querySelector(".hs-xray-go input");
   const FACTORS = { yaw: Math.PI / 180, pitch: Math.PI / 180, noise: 0.001 };
 
   // What the run itself draws at the robot would lie over what is drawn here.
@@ -73,6 +75,13 @@
     if (open) hectorscope.request("xray", wanted);
   }
 
+  // Another scan of the recording, which stays while the run goes on.
+  function go(where) {
+    wanted.keep = true;
+    dress();
+    hectorscope.request("xray", where);
+  }
+
   function want(name, value) {
     wanted[name] = value;
     if (name === "lab") claim();
@@ -106,9 +115,11 @@
     claim();
     if (open) {
       place();
+      if (window.__viserMutable?.canvas) beside.observe(window.__viserMutable.canvas);
       dress();
       ask();
     } else {
+      beside.disconnect();
       stop();
       pick.mark("xray", null);
       words.textContent = "";
@@ -122,6 +133,7 @@
     by: (to) => (stop(), want("step", Math.min(Math.max(wanted.step + Number(to), 0), Math.max(steps - 1, 0)))),
     home: () => hectorscope.request("xray", { home: true }),
     keep: () => want("keep", !wanted.keep),
+    scan: (to) => go({ scan_by: Number(to) }),
     lab: (to) => (stop(), want("lab", to)),
     level: (to) => want("level", Number(to)),
     plane: (to) => want("plane", to),
@@ -137,6 +149,7 @@
     if (name === "step") stop();
     if (name) want(name, Number(target.value) * (FACTORS[name] ?? 1));
   });
+  slider.addEventListener("change", () => go({ scan_at: Number(slider.value) }));
   for (const kind of ["keydown", "keyup"]) card.addEventListener(kind, (event) => event.target.type === "range" && event.stopPropagation());
 
   // ----------------------------------------------------------------------------------------------- the card
@@ -162,7 +175,7 @@
       const name = button.dataset.hsXray;
       if (name in wanted) button.setAttribute("aria-pressed", String(String(wanted[name]) === button.dataset.hsTo));
     }
-    for (const input of card.querySelectorAll("input")) {
+    for (const input of card.querySelectorAll("input[data-hs-xray]")) {
       const name = input.dataset.hsXray;
       const value = wanted[name] / (FACTORS[name] ?? 1);
       if (name === "step") input.max = String(Math.max(steps - 1, 0));
@@ -201,7 +214,10 @@
     if (words.innerHTML !== told.words) words.innerHTML = told.words;
     card.querySelector(".hs-xray-scan").hidden = told.scan === null;
     if (told.scan !== null) card.querySelector(".hs-xray-scan span").textContent = `Scan at ${told.scan.toFixed(2)} s`;
-    if (told.levels !== levels || told.steps && told.steps !== steps) {
+    card.querySelector(".hs-xray-go").hidden = !told.last;
+    slider.max = String(told.last);
+    if (told.scan !== null && slider !== document.activeElement) slider.value = String(told.scan);
+    if (told.levels && told.levels !== levels || told.steps && told.steps !== steps) {
       [levels, steps] = [told.levels, told.steps || steps];
       wanted.step = Math.min(wanted.step, Math.max(steps - 1, 0));
       buttons();
@@ -217,7 +233,7 @@
     if (at) want("at", at);
   }
   addEventListener("resize", () => open && place());
-  new MutationObserver(() => open && requestAnimationFrame(place)).observe(document.documentElement, { attributeFilter: ["data-hs-panels", "data-hs-plots", "data-hs-sheet"] });
+  const beside = new ResizeObserver(place);
 
   Object.assign(hectorscope, { xray: { show, toggle, want } });
 })();

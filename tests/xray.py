@@ -1,21 +1,25 @@
 """For tests of the X-ray: a scan of a simulated drive with the run before it, and where its handle is gripped."""
 
-from functools import cache
+from collections import Counter
+from functools import cache, partial
 
 import numpy as np
 from playwright.sync_api import Page
 
 from hectorscope.inputs import Item
 from hectorscope.panels._xray_scene import HANDLE_PIXELS
+from hectorscope.run.checkpoints import Checkpoints, Place
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.run.xray.specimen import Specimen, specimen_of
+from hectorscope.session.other_scans import OtherScans
 from hectorscope.session.rework import Rework
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, with_values
 from slam_core.measurements import LaserScan
 from slam_core.results import StepResult
 from tests.scene import PROJECT
+from tests.sources import MemoryRecording
 
 SECONDS = 6.0
 ARROW = 0.8  # of the handle: a place on the arrow of an axis
@@ -39,6 +43,20 @@ def scanned(config: SlamConfig = PAPER) -> tuple[Rework, StepResult]:
         pipeline.step(measurement)
     assert rework is not None and pipeline.result is not None
     return rework, pipeline.result
+
+
+@cache
+def other_scans(config: SlamConfig = PAPER) -> OtherScans:
+    """Of the same drive, with a checkpoint halfway."""
+    begun, settings, checkpoints = partial(Pipeline, live=False), Settings(config), Checkpoints()
+    pipeline = begun(settings)
+    for number, item in enumerate(drive()):
+        for measurement in pipeline.admit(item):
+            pipeline.step(measurement)
+        if number == len(drive()) // 2:
+            checkpoints.add(pipeline, Place(number + 1, Counter(items=number + 1)))
+    start_ns, times = pipeline.start_ns or 0, pipeline.trajectory[:, 0].copy()
+    return OtherScans(MemoryRecording(list(drive())), start_ns, times, settings, checkpoints, begun)
 
 
 @cache

@@ -235,3 +235,36 @@ def test_a_click_looks_at_a_cell_through_the_lens(engine: Engine, url: str, open
     expect(page.locator(WORDS)).to_contain_text("∂M/∂x (5)")
     expect(page.locator(".hs-marks .hs-xray-cell")).to_have_count(4)
     expect(page.locator(".hs-closer")).to_be_hidden()
+
+
+def test_each_browser_goes_to_a_scan_of_its_own(engine: Engine, url: str, open_page: Open) -> None:
+    """A viewer looks at any scan, also while the run goes on: what is shown is what a seek to it would show."""
+    now, _ = resting(engine)
+    assert now.other_scans is not None
+    times = now.other_scans.times
+    third = float(times[3])
+    server = PageServer(engine, port=0, token="operator-1234", viewer_token="viewer-5678")
+    server.start()
+    try:
+        page = looking_inside(open_page, server.viewers_url)
+        words, scan = page.locator(WORDS), page.locator(SCAN)
+        expect(words).to_contain_text("(13)")
+        own = scan.inner_text()
+        page.get_by_label("Next scan, for this browser alone").click()
+        expect(scan).not_to_have_text(own)
+        page.get_by_label("Scan before, for this browser alone").click()
+        expect(scan).to_have_text(own)
+        page.get_by_label("Scan of this browser alone").fill(f"{third:.1f}")
+        expect(scan).to_have_text(f"Scan at {third:.2f} s")
+        choose(page, "Landscape")
+        expect(words).to_contain_text("ends at ξ*")
+        assert after(engine).playback.time_ns == now.playback.time_ns
+        after(engine, Seek(now.playback.start_ns + round(1e9 * third)))
+        expect(scan).to_have_text(f"Scan at {third:.2f} s")
+        before = page.evaluate(OFFSETS)
+        page.get_by_role("button", name="Keep this scan").click()
+        expect(page.get_by_role("button", name="Keep this scan")).to_have_attribute("aria-pressed", "false")
+        expect(scan).to_have_text(f"Scan at {third:.2f} s")
+        assert page.evaluate(OFFSETS) == before
+    finally:
+        server.stop()

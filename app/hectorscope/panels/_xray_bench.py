@@ -10,11 +10,13 @@ from hectorscope.panels._xray_shown import Shown
 from hectorscope.panels._xray_wanted import Wanted
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig
+from slam_core.errors import SlamError
 from slam_core.measurements import Float64s
 from slam_core.results import StepResult
 
 if TYPE_CHECKING:
     from hectorscope.panels._xray_work import OpenScan
+    from hectorscope.session.other_scans import OtherScans, Reached
     from hectorscope.session.rework import Rework
 
 # The core is imported once somebody looks: the page is served before.
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 MOST = 64  # browsers that look inside at a time
+SLICE_S = 0.05  # of work on the way to another scan, before others have their turn
 MOST_OPEN = 4  # scans that are held open at a time; another one takes some 0.1 s to open
 
 
@@ -45,11 +48,31 @@ class Subject:
 
 
 @dataclass(eq=False)
+class Visit:
+    """Another scan of a recording, to which one browser goes. scan_s: its time since the start."""
+
+    others: "OtherScans"
+    scan_s: float
+    subject: Subject | None = None
+
+    def way(self) -> Iterator[None]:
+        """Work in slices, until `subject` is there; at once the second time. SlamError if it cannot be."""
+        if self.subject is None:
+            reached: Reached | None = None
+            for reached in self.others.way_to(self.scan_s, SLICE_S):
+                if reached is None:
+                    yield
+            assert reached is not None
+            found = reached.rework, reached.result, reached.config
+            self.subject = Subject(*found, self.others.settings, self.scan_s)
+
+
+@dataclass(eq=False)
 class _Viewer:
     """A browser: what it wants of which scan, and what is still to be worked out for it."""
 
     wanted: Wanted
-    subject: Subject | None
+    subject: Subject | Visit | None
     start: Float64s | None = None
     work: Iterator[Shown] | None = None
 
@@ -97,6 +120,23 @@ class Bench:
                 self._viewers[client].start = start
                 self._begin(client)
 
+    def visit(self, client: int, others: "OtherScans", near_s: float | None, by: int = 0) -> None:
+        """A browser goes to another scan and keeps it: the one nearest to a time, or so many scans from there.
+
+        near_s: seconds since the start of the recording; None for where the browser is.
+        """
+        with self._changed:
+            viewer = self._viewers.get(client)
+            if viewer is None:
+                return
+            if near_s is None:
+                near_s = viewer.subject.scan_s if viewer.subject else 0.0
+            scan_s = others.time_of(near_s, by)
+            if scan_s is not None:
+                viewer.wanted = replace(viewer.wanted, keep=True)
+                viewer.subject, viewer.start = Visit(others, scan_s), None
+                self._begin(client)
+
     def leave(self, client: int) -> None:
         """A browser looks no more."""
         with self._changed:
@@ -127,10 +167,18 @@ class Bench:
             self._thread.start()
         self._changed.notify()
 
-    def _work(self, subject: Subject | None, wanted: Wanted, start: Float64s | None) -> Iterator[Shown]:
+    def _work(self, subject: Subject | Visit | None, wanted: Wanted, start: Float64s | None) -> Iterator[Shown]:
         """Runs on the thread, from the first `next` on."""
         from hectorscope.panels import _xray_words as words  # noqa: PLC0415
 
+        if isinstance(subject, Visit):
+            try:
+                for _ in subject.way():
+                    yield Shown(words.ON_THE_WAY, scan_s=subject.scan_s)
+            except SlamError as error:
+                yield Shown(words.unreached(str(error)), scan_s=subject.scan_s)
+                return
+            subject = subject.subject
         opened = self._opened(subject) if subject else None
         if subject is None or opened is None:
             yield Shown(words.FIRST if subject else words.NOTHING)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from html import escape
 
 import numpy as np
 
@@ -14,10 +15,16 @@ from slam_core.measurements import Float64s
 from slam_core.reference.scan_matching import Iteration, hessian_covariance
 
 NOTHING = (
-    "<p>Pause a recording to look at the match of one scan. If this text stays, step one scan back (,) and"
-    " forward (.).</p>"
+    "<p>Pause a recording to look at the match of one scan, or go to a scan of your own. If this text stays, step"
+    " one scan back (,) and forward (.).</p>"
 )
 FIRST = "<p>This scan was matched to nothing: it made the map. Step one scan forward (.).</p>"
+ON_THE_WAY = "<p>The run is processed again up to this scan.</p>"
+
+
+def unreached(reason: str) -> str:
+    """Why a scan cannot be looked at."""
+    return f"<p>This scan cannot be looked at: {escape(reason)}.</p>"
 
 
 def equation(name: str, formula: str, value: str) -> str:

@@ -9,13 +9,14 @@ from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
-from hectorscope.inputs import Item, Source
+from hectorscope.inputs import Item, Rereadable, Source
 from hectorscope.run.annotations import Annotations
 from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Settings
 from hectorscope.session.head import Head
+from hectorscope.session.other_scans import OtherScans
 from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import Ahead
 from slam_core.localization.prior_map import PriorMap
@@ -135,6 +136,14 @@ class ActiveRun:
         """Begin to run ahead of what is shown, by a reading of its own."""
         self.head = Head(source, self._begun, self.settings, self.checkpoints)
         return self.head
+
+    def other_scans(self, source: Source) -> OtherScans | None:
+        """Any scan that is known, by a reading of its own; None for a stream, and before the first item."""
+        start_ns = self.pipeline.start_ns
+        if source.live or start_ns is None or not isinstance(source, Rereadable):
+            return None
+        times = self.ahead.series["time_s"]
+        return OtherScans(source, start_ns, times, self.settings, self.checkpoints, self._begun)
 
     def twin(self) -> "ActiveRun":
         """The same run, to be shown at another time; with the same checkpoints."""

@@ -39,6 +39,7 @@ def composed(session: Session, library: Library, control: Control, obeyed: int, 
         downloads=control.beside.downloads.ready,
         drive=session.drive,
         rework=session.run.rework,
+        other_scans=session.run.other_scans(session.source),
         compared=comparison.state(session.run.pipeline) if comparison else None,
     )
 

@@ -15,6 +15,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
+from hectorscope.session.other_scans import OtherScans
 from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import (
     Ahead,
@@ -76,6 +77,7 @@ class Run:
     station: StationState
     drive: DriveState | None
     rework: Rework | None
+    other_scans: OtherScans | None
 
 
 class Publisher:
@@ -160,6 +162,7 @@ class Publisher:
             station=run.station,
             drive=run.drive,
             rework=run.rework,
+            other_scans=run.other_scans,
         )
         self._mailbox.put(snapshot)
 

@@ -22,6 +22,7 @@ from slam_core.config import SlamConfig
 from slam_core.results import StepResult
 
 if TYPE_CHECKING:  # numba comes with it, and the page is served before
+    from hectorscope.session.other_scans import OtherScans
     from hectorscope.session.rework import Rework
 
 PlaybackState = Literal["empty", "loading", "playing", "paused", "seeking", "ended", "waiting", "failed"]
@@ -172,7 +173,7 @@ class Snapshot:
     is not there now. examined: what is wrong with the recording as a whole; None until somebody had it examined.
     downloads: the latest archive of each browser. station: what is recorded and written of a stream.
     drive: of a robot that is driven by hand; None for any other source.
-    rework: the run before the shown scan, where it may rest there.
+    rework: the run before the shown scan, where it may rest there. other_scans: of a recording.
     """
 
     sequence: int = 0
@@ -213,3 +214,4 @@ class Snapshot:
     station: StationState = field(default_factory=StationState)
     drive: DriveState | None = None
     rework: "Rework | None" = None
+    other_scans: "OtherScans | None" = None

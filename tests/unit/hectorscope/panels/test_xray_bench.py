@@ -11,8 +11,9 @@ import pytest
 from hectorscope.panels._xray_bench import MOST, Bench, Subject
 from hectorscope.panels._xray_shown import Shown
 from hectorscope.panels._xray_wanted import Wanted
+from hectorscope.panels._xray_words import ON_THE_WAY
 from hectorscope.run.settings import Settings
-from tests.xray import PAPER, scanned, specimen
+from tests.xray import PAPER, other_scans, scanned, specimen
 
 PATIENCE_S = 30.0
 
@@ -31,6 +32,12 @@ class Listener:
     def next(self, client: int) -> Shown:
         """The next of it."""
         return self.of(client).get(timeout=PATIENCE_S)
+
+    def arrived(self, client: int) -> Shown:
+        """The next of it that is not on the way to a scan."""
+        while (shown := self.next(client)).words == ON_THE_WAY:
+            pass
+        return shown
 
 
 @pytest.fixture
@@ -125,3 +132,35 @@ def test_browsers_are_limited():
     assert len(listener.bench.viewers) == MOST
     for client in range(MOST):
         listener.bench.leave(client)
+
+
+def test_a_browser_goes_to_another_scan_by_itself(subject: Subject):
+    """The one nearest to a time, and those beside it; it stays while the run goes on, until it is let go."""
+    listener, others = Listener(), other_scans()
+    listener.bench.look_at(replace(subject, scan_s=5.9))
+    listener.bench.want(1, Wanted())
+    assert listener.next(1).scan_s == 5.9
+    listener.bench.visit(1, others, 3.02)
+    there = listener.arrived(1)
+    assert there.scan_s == pytest.approx(3.0, abs=0.06)
+    assert "(7)" in there.words
+    listener.bench.visit(1, others, None, by=-1)
+    before = listener.arrived(1)
+    assert before.scan_s == others.times[others.times.searchsorted(there.scan_s) - 1]
+    listener.bench.look_at(replace(subject, scan_s=6.0))
+    listener.bench.want(1, Wanted(keep=True, step=1))
+    assert listener.arrived(1).scan_s == before.scan_s
+    listener.bench.want(1, Wanted())
+    assert listener.next(1).scan_s == 6.0
+    listener.bench.leave(1)
+
+
+def test_a_scan_that_cannot_be_reached_is_named(subject: Subject):
+    """The reason stands in the card, and others are not disturbed."""
+    listener, others = Listener(), replace(other_scans(), times=np.array([60.0]))
+    listener.bench.look_at(subject)
+    listener.bench.want(1, Wanted())
+    listener.next(1)
+    listener.bench.visit(1, others, 60.0)
+    assert "the recording ends before that scan" in listener.arrived(1).words
+    listener.bench.leave(1)
