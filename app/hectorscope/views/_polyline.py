@@ -6,6 +6,7 @@ import numpy as np
 import viser
 
 from hectorscope.page.theme import Rgb, for_line
+from hectorscope.views._corners import Corners
 from slam_core.measurements import Float32s, Float64s
 
 CHUNK = 256  # segments a node; even, so that dashes go on across chunks
@@ -14,7 +15,7 @@ CHUNK = 256  # segments a node; even, so that dashes go on across chunks
 class Polyline:
     """Draws rows of a growing array as a line below the node `root`; `dashed` leaves out every second segment.
 
-    Points closer than `spacing` metres to the last one drawn are left out; the line ends at the newest kept point.
+    spacing, tolerance: of the points that are drawn, metres, as in `Corners`.
     """
 
     def __init__(
@@ -25,38 +26,32 @@ class Polyline:
         *,
         spacing: float,
         pixels: float,
+        tolerance: float = 0.0,
         dashed: bool = False,
     ) -> None:
         self._scene, self._root = scene, root
-        self._spacing, self._pixels, self._dashed = spacing, pixels, dashed
+        self._pixels, self._dashed = pixels, dashed
         self._nodes: list[viser.LineSegmentsHandle] = []
         self._colour = for_line(colour)
         self._positions: Float64s = np.empty((0, 3))
-        self._kept: list[int] = []  # rows of the points
+        self._corners = Corners(spacing, tolerance)
+        self._points: list[int] = []  # rows that are drawn
 
     def draw(self, positions: Float64s) -> None:
         """Show the line through `positions` (n, 3); the rows up to the first that differs from before stay."""
-        same, before = common_rows(self._positions, positions), len(self._kept)
-        while self._kept and self._kept[-1] >= same:
-            self._kept.pop()
-        unchanged = len(self._kept)
-        self._keep(positions, same)
-        self._positions = positions
-        if not unchanged == before == len(self._kept):
+        same, before = common_rows(self._positions, positions), self._points
+        self._corners.follow(positions, same)
+        self._positions, self._points = positions, self._corners.points.copy()
+        unchanged = next(
+            (k for k, (a, b) in enumerate(zip(before, self._points, strict=False)) if a != b or a >= same),
+            min(len(before), len(self._points)),
+        )
+        if not unchanged == len(before) == len(self._points):
             self._send(max(0, unchanged - 1) // CHUNK)
-
-    def _keep(self, positions: Float64s, first: int) -> None:
-        """The points of the rows from the first one on. In plain numbers, since an hour has 144,000."""
-        x, y, z = positions[self._kept[-1]].tolist() if self._kept else (np.inf, np.inf, np.inf)
-        least = self._spacing
-        for row, (a, b, c) in enumerate(positions[first:].tolist(), first):
-            if abs(a - x) >= least or abs(b - y) >= least or abs(c - z) >= least:
-                x, y, z = a, b, c
-                self._kept.append(row)
 
     def _send(self, first: int) -> None:
         """The chunks from the first one that changed on."""
-        count = ceil(max(0, len(self._kept) - 1) / CHUNK)
+        count = ceil(max(0, len(self._points) - 1) / CHUNK)
         while len(self._nodes) > count:
             self._nodes.pop().remove()
         for chunk in range(first, count):
@@ -67,7 +62,7 @@ class Polyline:
                 self._nodes.append(self._node(segments))
 
     def _segments(self, chunk: int) -> Float32s:
-        rows = self._kept[chunk * CHUNK : (chunk + 1) * CHUNK + 1]
+        rows = self._points[chunk * CHUNK : (chunk + 1) * CHUNK + 1]
         points = self._positions[rows].astype(np.float32)
         segments = np.stack([points[:-1], points[1:]], axis=1)
         return segments[::2] if self._dashed else segments

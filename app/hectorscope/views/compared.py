@@ -25,7 +25,9 @@ class ComparedView:
     def __init__(self, scene: Scene) -> None:
         cells = f"{scene.floor.name}/compared_map"
         layer = scene.layer("compared", self.title, colour="compared", more=(cells,))
-        self._line = Polyline(scene.server.scene, layer.root.name, SENT.compared, spacing=0.03, pixels=2.5)
+        self._line = Polyline(
+            scene.server.scene, layer.root.name, SENT.compared, spacing=0.03, tolerance=0.005, pixels=2.5
+        )
         self._place = scene.server.scene.add_frame(cells, show_axes=False)
         self._image = scene.server.scene.add_image(
             f"{cells}/cells", np.zeros((1, 1, 4), np.uint8), 1.0, 1.0, format="png", visible=False

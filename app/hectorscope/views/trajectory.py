@@ -14,7 +14,7 @@ class TrajectoryView:
 
     def __init__(self, scene: Scene) -> None:
         root = scene.layer("trajectory", "Trajectory", colour="trajectory").root.name
-        self._line = Polyline(scene.server.scene, root, SENT.trajectory, spacing=0.03, pixels=2.5)
+        self._line = Polyline(scene.server.scene, root, SENT.trajectory, spacing=0.03, tolerance=0.005, pixels=2.5)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Show what was driven."""
