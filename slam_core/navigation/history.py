@@ -5,7 +5,7 @@ correction that is always late costs no more than one in time, and samples are r
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from slam_core.config import NavigationConfig, PlatformConfig
 from slam_core.measurements import Float64s, Int64s
@@ -42,6 +42,7 @@ class History:
         self._samples.append(stamp_ns, sample)
         self._corrections: list[tuple[int, Correction]] = []
         self._estimates = [Estimate(stamp_ns, x, P, {})]
+        self._settled = 0  # the last of them that does not follow from the first with the settings of now
         self._base = self._asked = self._estimates[0]
         self._buffer = StateBuffer(stamp_ns, x, P)
 
@@ -50,6 +51,7 @@ class History:
         self._model = Strapdown(config, platform)
         self._reset_time_ns = round(config.gate_reset_time * 1e9)
         self._kept_ns = round(config.history * 1e9)
+        self._settled = len(self._estimates) - 1
 
     def copy(self) -> "History":
         """An independent copy; estimates are never changed, so they are shared."""
@@ -59,6 +61,23 @@ class History:
         other._corrections, other._estimates = self._corrections.copy(), self._estimates.copy()
         other._buffer = self._buffer.copy()
         return other
+
+    def __getstate__(self) -> dict[str, object]:
+        """To be kept: without the estimates that follow from the rest, which are most of it."""
+        base = next((k for k, estimate in enumerate(self._estimates) if estimate is self._base), None)
+        kept = self._estimates[: self._settled + 1]
+        return self.__dict__ | {"_estimates": kept, "_left_out": (len(self._estimates), base)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """As it was: the same estimates are computed again, now, as settings may change before they are needed."""
+        count, at = state.pop("_left_out")
+        self.__dict__.update(state)
+        base, asked, buffer = self._base, self._asked, self._buffer
+        self._base, self._buffer = base._replace(), buffer.copy()  # of none of the estimates
+        self._after(count - 1)
+        if at is not None:
+            self._estimates[at] = base
+        self._base, self._asked, self._buffer = base, asked, buffer
 
     @property
     def sample_ns(self) -> int:
@@ -97,6 +116,7 @@ class History:
         # Estimates beyond the sample before used an assumed input.
         while len(self._estimates) > 1 and self._estimates[-1].stamp_ns > before_ns:
             self._estimates.pop()
+        self._settled = min(self._settled, len(self._estimates) - 1)
         if self._asked.stamp_ns > before_ns:
             self._asked = self._base
         if stamp_ns - self._estimates[0].stamp_ns > 2 * self._kept_ns:
@@ -109,6 +129,7 @@ class History:
         i = self._corrections_until(stamp_ns)
         self._corrections.insert(i, (stamp_ns, correction))
         del self._estimates[i + 1 :]
+        self._settled = min(self._settled, i)
         if len(self._corrections) > MOST_CORRECTIONS:
             self._forget(self._corrections[MOST_CORRECTIONS // 2][0])
         return True
@@ -174,5 +195,6 @@ class History:
         if self._base is self._estimates[count]:
             self._base, self._buffer = oldest, self._buffer.since(oldest.stamp_ns, oldest.x, oldest.P)
         self._estimates[: count + 1] = [oldest]
+        self._settled = max(0, self._settled - count)
         del self._corrections[:count]
         self._samples.drop_before(self._samples.until(oldest.stamp_ns))

@@ -175,8 +175,8 @@ def test_the_compared_run_is_at_the_time_of_the_shown_one(shelf: Shelf) -> None:
 
 def is_compared(shown: Snapshot) -> bool:
     """Whether the compared run has come to the shown time, and nothing moves."""
-    rests = shown.playback.state == "paused"
-    return rests and shown.compared is not None and len(shown.compared.trajectory) == shown.scans
+    rests, compared = shown.playback.state == "paused", shown.compared
+    return rests and compared is not None and compared.whole and len(compared.trajectory) == shown.scans
 
 
 def test_runs_are_renamed_and_removed_and_a_removal_is_undone(shelf: Shelf) -> None:

@@ -69,7 +69,7 @@ class Comparison:
         begun = partial(Pipeline, start_ns=start_ns, prior_map=prior_map, live=False)
         self._companion = Companion(again, begun, run.settings, known)
         self._map: MapImage | None = None
-        self._drawn: tuple[int, int] | None = None
+        self._drawn: tuple[Pipeline, int] | None = None
         self._drawn_at = 0.0
         self._apart = GrowingRows(2)
 
@@ -117,7 +117,7 @@ class Comparison:
 
     def _draw(self, pipeline: Pipeline) -> None:
         """Its finest level, some times a second, and once more where it stays."""
-        state, now = (id(pipeline), pipeline.slam.map.revision), time.monotonic()
+        state, now = (pipeline, pipeline.slam.map.revision), time.monotonic()
         due = self._companion.is_there or now - self._drawn_at >= MAPS_S
         if pipeline.slam.map.empty or state == self._drawn or not due:
             return

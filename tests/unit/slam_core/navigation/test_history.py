@@ -1,5 +1,6 @@
 """Each measurement at its own time, however late it comes, and copies that go their own way."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -135,3 +136,27 @@ def test_a_belief_that_was_handed_out_stays_as_it_was(t: float) -> None:
     estimator.fuse_planar(stamp(0.85), np.array([0.1, 0.0, 0.0]), R, OMEGA)
     later = estimator.at(stamp(0.99))
     assert not same(later, kept) and same(held, kept, 0.0)
+
+
+@pytest.mark.parametrize("wait", [0.0, 0.05])
+def test_what_was_kept_goes_on_to_the_last_byte(wait: float) -> None:
+    """Kept after any second, with matches in time or late: what follows is what would have followed."""
+    ride = gait()
+    estimator, kept, pending = NavigationFilter(CONFIG), [], []
+    for k, sample in enumerate(ride.samples(9.0, noise=1.0)):
+        every = [estimator, *kept]
+        for each in every:
+            each.predict(sample)
+        if estimator.ready and k % 4 == 0:
+            pending.append(k / 100)
+        while pending and pending[0] + wait <= k / 100 + 1e-9:
+            t = pending.pop(0)
+            for each in every:
+                each.fuse_planar(stamp(t), xi(ride, t), R, OMEGA)
+                each.update_height(stamp(t), ride.position(t)[2])
+        if estimator.ready and k % 100 == 99:
+            kept.append(pickle.loads(pickle.dumps(estimator)))
+    assert len(kept) >= 8
+    for other in kept:
+        for one, two in zip(estimator.state, other.state, strict=True):
+            np.testing.assert_array_equal(one, two)
