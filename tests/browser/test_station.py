@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,16 @@ import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
 from hectorscope.run.annotations import Annotation
+from hectorscope.run.pictures import picture_of
 from hectorscope.session.commands import Command
 from hectorscope.session.snapshot import Snapshot
-from hectorscope.session.station_commands import HandOver, PutMark, Resume, SetPose
+from hectorscope.session.station_commands import HandOver, PutMark, PutPicture, Resume, SetPose
 from hectorscope.session.station_state import StationState
 from hectorscope.web.server import PageServer
 from slam_core.results import Verdict
 from tests.browser.conftest import PATIENCE, Open, Show
 from tests.page import StillEngine, room_snapshot
+from tests.pictures import noise_bytes
 from tests.scene import PROJECT, choose_own, look
 
 pytestmark = pytest.mark.browser
@@ -116,6 +119,29 @@ def test_marks_are_drawn_and_listed_as_text(show: Show, open_page: Open) -> None
     expect(page.locator(".hs-station-marks li b")).to_have_text(["1 victim", "2 hazard"])
     expect(page.get_by_label("Text of mark 1")).to_have_value("<b>waves</b>")
     assert page.locator(".hs-station-marks li b b").count() == 0
+
+
+def test_a_picture_is_chosen_made_small_and_shown(show: Show, open_page: Open, tmp_path: Path) -> None:
+    """A large photograph fits into one request; what is no picture is not sent; other pages show it, too."""
+    show.engine.show(live(annotations=MARKS))
+    page = above(open_page(show.url))
+    photograph, text = tmp_path / "photo.png", tmp_path / "text.jpg"
+    photograph.write_bytes(noise_bytes((1600, 1200)))
+    text.write_text("no picture")
+    field = page.get_by_label("Picture for mark 2")
+    assert field.get_attribute("accept") == "image/*"
+    field.set_input_files(text)
+    expect(page.locator("[data-hs-station-picture-told]")).to_contain_text("cannot be read as a picture")
+    assert not any(isinstance(command, PutPicture) for command in show.engine.sent)
+    field.set_input_files(photograph)
+    put = sent(page, show.engine, PutPicture)
+    assert put.number == 2
+    picture = picture_of(put.content)
+    show.engine.show(replace(live(annotations=(MARKS[0], replace(MARKS[1], picture=picture))), sequence=9))
+    for each in (page, above(open_page(show.url))):
+        shown = each.get_by_alt_text("Picture of mark 2")
+        expect(shown).to_be_visible()
+        each.wait_for_function("document.querySelector('.hs-station-picture img')?.naturalWidth > 100")
 
 
 @pytest.mark.slow

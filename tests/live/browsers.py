@@ -26,7 +26,7 @@ class Client:
     received: bytes so far. ended: once the connection is gone.
     """
 
-    def __init__(self, port: int, pace: float | None = 0.0) -> None:
+    def __init__(self, port: int, pace: float | None = 0.0, cookie: str = "") -> None:
         self.received, self.ended = 0, threading.Event()
         raw = socket.create_connection(("127.0.0.1", port))
         if pace != 0.0:
@@ -36,6 +36,7 @@ class Client:
             f"ws://127.0.0.1:{port}/",
             sock=raw,
             subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
+            additional_headers={"Cookie": cookie} if cookie else None,
             compression=None,
             max_size=None,
             max_queue=16 if pace == 0.0 else 1,
