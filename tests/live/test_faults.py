@@ -1,13 +1,17 @@
 """Faults of the robot, the link and the browsers: the run stays true, everything is counted, nothing raises."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 
 from benchmarks.faults import AHEAD_S, LAST_S, Outcome, clock_off, killed, scans_skipped, scrambled, too_many
 from hectorscope.inputs import SourceReport
 from hectorscope.page.viser_private import unsent
+from hectorscope.panels import plots
+from hectorscope.panels.plots import PlotsPanel
 from hectorscope.panels.status import losses_html
 from hectorscope.run.warmup import load_everything
 from hectorscope.web.heartbeat import MOST_UNSENT
@@ -74,30 +78,63 @@ def test_a_server_that_is_killed_ten_times(folder: Path, caplog: pytest.LogCaptu
     assert not caplog.records
 
 
-def test_a_browser_that_stops_reading_is_let_go() -> None:
-    """No more than so much waits for it; other browsers hear all, and the server goes on."""
-    server = PageServer(StillEngine(room_snapshot()), port=0)
-    server.start()
+class Page:
+    """A page that stands still, with a browser that never reads and one that does."""
+
+    def __init__(self) -> None:
+        self.server = PageServer(StillEngine(room_snapshot()), port=0)
+        self.server.start()
+        port = int(self.server.url.rsplit(":", 1)[1].strip("/"))
+        self.idle, self.reading = Client(port, None), Client(port)
+        wait_for(lambda: len(self.clients) == 2)
+        self.first, self.second = self.clients.values()
+        self._noise = Random(1)
+
+    @property
+    def clients(self) -> dict[int, Any]:
+        """As the server has them."""
+        return self.server._server.get_clients()
+
+    def send(self) -> None:
+        """A mebibyte to both, once the second one has read all; viser packs what repeats."""
+        self.server.scene.run(f"/*{self._noise.randbytes(MEBIBYTE // 2).hex()}*/")
+        wait_for(lambda: unsent(self.second) == 0)
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    """Ended in any case."""
+    made = Page()
     try:
-        port = int(server.url.rsplit(":", 1)[1].strip("/"))
-        idle, reading = Client(port, None), Client(port)
-        clients = server._server.get_clients
-        wait_for(lambda: len(clients()) == 2)
-        first, second = clients().values()
-        noise, most, sent = Random(1), 0, 0
-        while len(clients()) == 2 and sent < 4 * MOST_UNSENT:
-            server.scene.run(f"/*{noise.randbytes(MEBIBYTE // 2).hex()}*/")  # viser packs what repeats
-            sent += MEBIBYTE
-            most = max(most, unsent(first))
-            wait_for(lambda: unsent(second) == 0)
-            if most > MOST_UNSENT:
-                wait_for(lambda: len(clients()) == 1)
-        assert list(clients().values()) == [second]
-        assert MOST_UNSENT < most < MOST_UNSENT + 2 * MEBIBYTE
-        before = reading.received
-        wait_for(lambda: reading.received > before)  # the heartbeat goes on
-        assert not reading.ended.is_set()
-        idle.close()
-        reading.close()
+        yield made
     finally:
-        server.stop()
+        made.idle.close()
+        made.reading.close()
+        made.server.stop()
+
+
+def test_a_browser_that_stops_reading_is_let_go(page: Page) -> None:
+    """No more than so much waits for it; other browsers hear all, and the server goes on."""
+    most = 0
+    while most <= MOST_UNSENT and len(page.clients) == 2:
+        page.send()
+        most = max(most, unsent(page.first))
+    wait_for(lambda: len(page.clients) == 1)
+    assert list(page.clients.values()) == [page.second]
+    assert MOST_UNSENT < most < MOST_UNSENT + 2 * MEBIBYTE
+    before = page.reading.received
+    wait_for(lambda: page.reading.received > before)  # the heartbeat goes on
+    assert not page.reading.ended.is_set()
+
+
+def test_curves_wait_for_a_browser_that_does_not_read(page: Page) -> None:
+    """Both ask for them; who reads has every row, and nothing more is put behind what waits for the other."""
+    (panel,) = (item.draw.__self__ for item in page.server._renderer._items if item.title == PlotsPanel.title)
+    while unsent(page.first) <= plots.MOST_UNSENT:
+        page.send()
+    for client in (page.first, page.second):
+        panel._sent[client.client_id] = {}  # as the button of its page does
+    rows = len(room_snapshot().series)
+    wait_for(lambda: panel._sent[page.second.client_id].get("series", (0, 0))[1] == rows)
+    wait_for(lambda: unsent(page.second) == 0)
+    assert panel._sent[page.first.client_id] == {}
