@@ -19,7 +19,7 @@ from hectorscope.web.server import PageServer
 from slam_core.results import Verdict
 from tests.browser.conftest import PATIENCE, Open, Show
 from tests.page import StillEngine, room_snapshot
-from tests.pictures import noise_bytes
+from tests.pictures import noise_bytes, picture_bytes
 from tests.scene import PROJECT, choose_own, look
 
 pytestmark = pytest.mark.browser
@@ -198,6 +198,20 @@ def test_a_viewer_sees_and_does_nothing(station: tuple[StillEngine, PageServer],
     own.evaluate("window.hectorscope.request('station', {mark: ['note', 2, 2, 'operator']})")
     assert sent(own, engine, PutMark).text == "operator"
     assert len(acted(engine)) == 1
+
+
+def test_a_viewer_sees_the_pictures_of_marks(station: tuple[StillEngine, PageServer], open_page: Open) -> None:
+    """It asks for them, which changes nothing, and can put none."""
+    engine, server = station
+    picture = picture_of(picture_bytes())
+    engine.show(replace(live(annotations=(replace(MARKS[0], picture=picture),)), sequence=9))
+    page = open_page(server.viewers_url)
+    page.get_by_role("tab", name="Station").click()
+    page.wait_for_function("document.querySelector('.hs-station-picture img')?.naturalWidth === 64")
+    page.evaluate("window.hectorscope.request('station', {picture: [1, 'AAEC']})")
+    page.evaluate(ASK_FOR_CURVES)
+    page.wait_for_function(CURVES)  # messages of a page are read in order: the server has that before, too
+    assert acted(engine) == []
 
 
 def ask(page: Page, text: str) -> None:
