@@ -110,8 +110,9 @@ def document(
 
 Written by `make bench` (`python -m benchmarks.performance`); do not edit. More measurements are run by hand:
 `python -m benchmarks.page` for what the page costs, `python -m benchmarks.reading BAG...` for how long it takes to
-read others, `python -m benchmarks.hour` for [an hour at 40 Hz](long-drives.md#an-hour-at-40-hz), and
-`python -m benchmarks.consistency` for [the filter alone](navigation-filter.md).
+read others, `python -m benchmarks.hour` for [an hour at 40 Hz](long-drives.md#an-hour-at-40-hz),
+`python -m benchmarks.latency`, `benchmarks.faults` and `benchmarks.soak` for [a live run](station.md#measured),
+and `python -m benchmarks.consistency` for [the filter alone](navigation-filter.md).
 
 Errors are root mean squares in the plane: raw starts at the first pose, aligned takes the best rigid motion out.
 

@@ -109,13 +109,70 @@
     if (told) told.textContent = now.records === null ? "" : `${now.recorded} MB recorded`;
   }
 
+  // A picture is made small here, so that one message holds it; the server decodes it and makes it anew.
+  const SIDES = [1024, 800, 640, 480, 320]; // pixels
+  const QUALITIES = [0.8, 0.6, 0.4];
+  const addresses = new Map(); // of the pictures, by their keys
+  async function small(file) {
+    const image = await createImageBitmap(file);
+    const canvas = document.createElement("canvas");
+    for (const side of SIDES) {
+      const scale = Math.min(1, side / Math.max(image.width, image.height));
+      [canvas.width, canvas.height] = [image.width, image.height].map((each) => Math.max(1, Math.round(each * scale)));
+      canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+      for (const quality of QUALITIES) {
+        const content = canvas.toDataURL("image/jpeg", quality).split(",")[1];
+        if (content.length * 0.75 <= now.most) return content;
+      }
+    }
+    throw new Error("too large");
+  }
+  async function send(number, file) {
+    const told = find("-picture-told");
+    told.textContent = "";
+    try {
+      request("station", { picture: [number, await small(file)] });
+    } catch {
+      told.textContent = "This file cannot be read as a picture: choose a whole JPEG, PNG or WebP.";
+    }
+  }
+  function chooser(number) {
+    const label = Object.assign(document.createElement("label"), { className: "hs-reset hs-station-camera", textContent: "📷", title: `A picture for mark ${number}` });
+    const field = Object.assign(document.createElement("input"), { type: "file", accept: "image/*" });
+    if (matchMedia("(pointer: coarse)").matches) field.setAttribute("capture", "environment");
+    field.setAttribute("aria-label", `Picture for mark ${number}`);
+    field.addEventListener("change", () => { if (field.files[0]) send(number, field.files[0]); field.value = ""; field.blur(); });
+    label.append(field);
+    return label;
+  }
+  function thumbnail(number, key) {
+    const link = Object.assign(document.createElement("a"), { className: "hs-station-picture", target: "_blank", rel: "noopener" });
+    const image = Object.assign(document.createElement("img"), { alt: `Picture of mark ${number}` });
+    link.dataset.hsPicture = key;
+    link.append(image);
+    fill(link);
+    return link;
+  }
+  function fill(link) {
+    const address = addresses.get(link.dataset.hsPicture);
+    if (address) link.href = link.firstChild.src = address;
+    else request("pictures", { key: link.dataset.hsPicture });
+  }
+  function pictured(key, content) {
+    if (!addresses.has(key)) {
+      const bytes = Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0));
+      addresses.set(key, URL.createObjectURL(new Blob([bytes], { type: "image/jpeg" })));
+    }
+    for (const link of document.querySelectorAll(`[data-hs-picture="${key}"]`)) fill(link);
+  }
+
   let listed = "";
   function list() {
     const home = find("-marks");
     const key = JSON.stringify(now.marks);
     if (!home || (key === listed && home.childElementCount === now.marks.length) || home.contains(document.activeElement)) return;
     listed = key;
-    home.replaceChildren(...now.marks.map(([number, kind, x, y, text]) => {
+    home.replaceChildren(...now.marks.map(([number, kind, x, y, text, key]) => {
       const row = document.createElement("li");
       const name = Object.assign(document.createElement("b"), { textContent: `${number} ${kind}`, title: `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m` });
       const field = Object.assign(document.createElement("input"), { type: "text", maxLength: 200, value: text });
@@ -123,7 +180,7 @@
       field.addEventListener("change", () => { request("station", { edit: [number, kind, field.value] }); field.blur(); });
       const away = Object.assign(document.createElement("button"), { type: "button", className: "hs-reset", textContent: "×", title: `Remove mark ${number}` });
       away.addEventListener("click", () => { away.blur(); request("station", { remove: number }); });
-      row.append(name, field, away);
+      row.append(name, field, ...(key ? [thumbnail(number, key)] : []), chooser(number), away);
       return row;
     }));
   }
@@ -166,5 +223,5 @@
     if (began && loud()) beep();
     window.__viserMutable?.requestRender?.();
   }
-  Object.assign(window.hectorscope, { station, beeps: () => beeps });
+  Object.assign(window.hectorscope, { station, pictured, beeps: () => beeps });
 })();

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,16 @@ import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
 from hectorscope.run.annotations import Annotation
+from hectorscope.run.pictures import picture_of
 from hectorscope.session.commands import Command
 from hectorscope.session.snapshot import Snapshot
-from hectorscope.session.station_commands import HandOver, PutMark, Resume, SetPose
+from hectorscope.session.station_commands import HandOver, PutMark, PutPicture, Resume, SetPose
 from hectorscope.session.station_state import StationState
 from hectorscope.web.server import PageServer
 from slam_core.results import Verdict
 from tests.browser.conftest import PATIENCE, Open, Show
 from tests.page import StillEngine, room_snapshot
+from tests.pictures import noise_bytes, picture_bytes
 from tests.scene import PROJECT, choose_own, look
 
 pytestmark = pytest.mark.browser
@@ -118,6 +121,29 @@ def test_marks_are_drawn_and_listed_as_text(show: Show, open_page: Open) -> None
     assert page.locator(".hs-station-marks li b b").count() == 0
 
 
+def test_a_picture_is_chosen_made_small_and_shown(show: Show, open_page: Open, tmp_path: Path) -> None:
+    """A large photograph fits into one request; what is no picture is not sent; other pages show it, too."""
+    show.engine.show(live(annotations=MARKS))
+    page = above(open_page(show.url))
+    photograph, text = tmp_path / "photo.png", tmp_path / "text.jpg"
+    photograph.write_bytes(noise_bytes((1600, 1200)))
+    text.write_text("no picture")
+    field = page.get_by_label("Picture for mark 2")
+    assert field.get_attribute("accept") == "image/*"
+    field.set_input_files(text)
+    expect(page.locator("[data-hs-station-picture-told]")).to_contain_text("cannot be read as a picture")
+    assert not any(isinstance(command, PutPicture) for command in show.engine.sent)
+    field.set_input_files(photograph)
+    put = sent(page, show.engine, PutPicture)
+    assert put.number == 2
+    picture = picture_of(put.content)
+    show.engine.show(replace(live(annotations=(MARKS[0], replace(MARKS[1], picture=picture))), sequence=9))
+    for each in (page, above(open_page(show.url))):
+        shown = each.get_by_alt_text("Picture of mark 2")
+        expect(shown).to_be_visible()
+        each.wait_for_function("document.querySelector('.hs-station-picture img')?.naturalWidth > 100")
+
+
 @pytest.mark.slow
 def test_it_sounds_while_tracking_is_lost_where_that_is_allowed(show: Show, open_page: Open) -> None:
     """In a browser that switched the sound on, and not in another one."""
@@ -172,6 +198,20 @@ def test_a_viewer_sees_and_does_nothing(station: tuple[StillEngine, PageServer],
     own.evaluate("window.hectorscope.request('station', {mark: ['note', 2, 2, 'operator']})")
     assert sent(own, engine, PutMark).text == "operator"
     assert len(acted(engine)) == 1
+
+
+def test_a_viewer_sees_the_pictures_of_marks(station: tuple[StillEngine, PageServer], open_page: Open) -> None:
+    """It asks for them, which changes nothing, and can put none."""
+    engine, server = station
+    picture = picture_of(picture_bytes())
+    engine.show(replace(live(annotations=(replace(MARKS[0], picture=picture),)), sequence=9))
+    page = open_page(server.viewers_url)
+    page.get_by_role("tab", name="Station").click()
+    page.wait_for_function("document.querySelector('.hs-station-picture img')?.naturalWidth === 64")
+    page.evaluate("window.hectorscope.request('station', {picture: [1, 'AAEC']})")
+    page.evaluate(ASK_FOR_CURVES)
+    page.wait_for_function(CURVES)  # messages of a page are read in order: the server has that before, too
+    assert acted(engine) == []
 
 
 def ask(page: Page, text: str) -> None:

@@ -1,6 +1,7 @@
 """What an operator does with a stream: marks, the pose by hand, a pause of mapping, the way back."""
 
 import json
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,10 +11,19 @@ import pytest
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.session.commands import Configure, Fork, Restart, Save, Seek, Undo
 from hectorscope.session.station import Station
-from hectorscope.session.station_commands import EditMark, PutMark, Record, RemoveMark, SetPose, ShowReturn
+from hectorscope.session.station_commands import (
+    EditMark,
+    PutMark,
+    PutPicture,
+    Record,
+    RemoveMark,
+    SetPose,
+    ShowReturn,
+)
 from hectorscope.sources import open_source
 from tests.conftest import ROOT
 from tests.engines import after, running, until
+from tests.pictures import picture_bytes
 from tests.sources import MemoryRecording, MemoryStream
 from tests.streams import Robot
 
@@ -61,6 +71,24 @@ def test_marks_are_kept_edited_and_taken_back(robot: Robot, tmp_path: Path) -> N
         (1, "victim", "two people"),
         (2, "hazard", ""),
     ]
+
+
+def test_a_mark_with_a_picture_comes_back_by_undo(robot: Robot, tmp_path: Path) -> None:
+    """What is no picture is refused with the reason; a removed mark has its picture again; both are saved."""
+    robot.drive_on(4.0)
+    refused = robot.after(PutMark("victim", 1.0, 2.0), PutPicture(1, b"/etc/passwd"))
+    assert "cannot be read as a picture" in refused.log[-1].text
+    assert refused.station.annotations[0].picture is None
+    shown = robot.after(PutPicture(1, picture_bytes())).station.annotations
+    assert shown[0].picture is not None
+    assert robot.after(RemoveMark(1)).station.annotations == ()
+    assert robot.after(Undo()).station.annotations == shown
+    robot.after(Save())
+    robot.until(lambda now: any(entry.text.startswith("Saved") for entry in now.log))
+    with zipfile.ZipFile(tmp_path / "out" / "pictures.zip") as archive:
+        assert archive.read("mark_1.jpg") == shown[0].picture.content
+    figures = json.loads((tmp_path / "out" / "metrics.json").read_text(encoding="utf-8"))
+    assert figures["marks"][0]["picture"] == "mark_1.jpg"
 
 
 def test_a_mark_that_cannot_be_is_refused(robot: Robot) -> None:

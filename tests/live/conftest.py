@@ -38,6 +38,16 @@ class Replay:
         self.process.wait()
 
 
+def started(recording: Path, *arguments: str, scheme: str = "ws") -> Replay:
+    """A replay server of a scheme, with the arguments of its program; to be killed."""
+    command = [sys.executable, "-m", f"tests.live.{SERVERS[scheme]}", str(recording), *arguments]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    greeting = process.stdout.readline().split()
+    assert greeting[:1] == ["listening"], "the replay server did not start"
+    return Replay(process, int(greeting[1]), scheme)
+
+
 @pytest.fixture(scope="session")
 def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Six seconds through the arena with everything on board; tests may ask for another container."""
@@ -52,12 +62,7 @@ def replay() -> Iterator[Callable[..., Replay]]:
     running: list[Replay] = []
 
     def start(recording: Path, *arguments: str, scheme: str = "ws") -> Replay:
-        command = [sys.executable, "-m", f"tests.live.{SERVERS[scheme]}", str(recording), *arguments]
-        process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
-        assert process.stdout is not None
-        greeting = process.stdout.readline().split()
-        assert greeting[:1] == ["listening"], "the replay server did not start"
-        running.append(Replay(process, int(greeting[1]), scheme))
+        running.append(started(recording, *arguments, scheme=scheme))
         return running[-1]
 
     yield start

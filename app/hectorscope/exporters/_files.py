@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 TOGETHER = 4096  # rows
+PICTURES = "pictures.zip"  # of the marks
 
 
 def exact_seconds(start_ns: int, seconds: float) -> str:

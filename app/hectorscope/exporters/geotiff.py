@@ -12,7 +12,7 @@ import tifffile
 from numpy.typing import NDArray
 
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import write_whole
+from hectorscope.exporters._files import PICTURES, write_whole
 from hectorscope.exporters._rescue_map import Picture, Place, picture
 from hectorscope.run.results import Run
 
@@ -112,6 +112,12 @@ def _located(run: Run, drawn: Picture) -> tuple[NDArray[np.float64], Keys]:
     return affine(drawn.place, where["east_m"], where["north_m"], turn), earth_keys(*origin)
 
 
+def described(run: Run) -> str | None:
+    """Which files of pictures.zip show what is marked in the picture, a line each; None without any."""
+    shown = (mark for mark in run.annotations if mark.picture)
+    return "\n".join(f"mark {mark.number} {mark.kind}: {PICTURES}/{mark.picture_name}" for mark in shown) or None
+
+
 def _write(run: Run, folder: Path) -> None:
     if not run.maps:
         return
@@ -122,7 +128,7 @@ def _write(run: Run, folder: Path) -> None:
     tags = [*place_tags(A), *key_tags(keys)]
     tifffile.imwrite(
         content, drawn.rgb, photometric="rgb", compression="zlib", predictor=True, rowsperstrip=64, metadata=None,
-        software="Hectorscope", extratags=tags,
+        software="Hectorscope", description=described(run), extratags=tags,
     )  # fmt: skip
     write_whole(folder / "map.tif", content.getvalue())
     write_whole(folder / "map.tfw", world_file(A).encode())

@@ -1,6 +1,7 @@
 """report.html: a run on one page that needs no network: map, curves, findings, figures, settings, recording."""
 
 import math
+from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
@@ -71,6 +72,14 @@ def annotations(run: Run) -> Iterator[tuple[str, str]]:
         yield f"Mark {mark.number}: {mark.kind}", f"{where} {mark.text}".rstrip()
 
 
+def pictures(run: Run) -> Iterator[tuple[str, str]]:
+    """Those of the marks: what each shows, and its content for an address."""
+    for mark in run.annotations:
+        if mark.picture:
+            title = f"Mark {mark.number}: {mark.kind} {mark.text}".rstrip()
+            yield title, b64encode(mark.picture.content).decode()
+
+
 def truth(errors: Mapping[str, float]) -> Iterator[tuple[str, str]]:
     """The errors against a truth, where there is one."""
     if errors:
@@ -115,6 +124,7 @@ def page(run: Run) -> str:
         notes=run.metrics.get("notes", ()),
         marks=listed(marks(series, run.start_ns, run.settings, SourceReport()), run.start_ns)[:MOST_MARKS],
         figures=[*figures(run), *annotations(run)],
+        pictures=list(pictures(run)),
         changed=changed(run),
         changes=[((change.time_ns - run.start_ns) / 1e9, change) for change in run.settings.changes],
         toml=to_toml(run.settings, run.report.sensors),

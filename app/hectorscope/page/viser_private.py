@@ -57,6 +57,25 @@ def run_script(client: viser.ClientHandle, source: str) -> None:
         log.warning("this viser cannot run scripts in the page: %s", error)
 
 
+def unsent(client: viser.ClientHandle) -> int:
+    """Characters of the scripts that wait for a browser, which grow while it does not read; viser drops none."""
+    try:
+        buffer = client._websock_connection.get_message_buffer()
+        with buffer.buffer_lock:
+            return sum(len(getattr(message, "source", "")) for message in buffer.message_from_id.values())
+    except AttributeError as error:
+        log.warning("this viser does not tell what waits for a browser: %s", error)
+        return 0
+
+
+def hang_up(client: viser.ClientHandle) -> None:
+    """End the connection of one browser at once: one that does not read would not hear a farewell."""
+    server = client._viser_server._websock_server
+    connection, loop = server._live_connections.get(client.client_id), server._background_event_loop
+    if connection is not None and loop is not None:
+        loop.call_soon_threadsafe(connection.transport.abort)
+
+
 def set_png(image: viser.ImageHandle, png: bytes) -> None:
     """Give an image node bytes that are encoded already, instead of pixels that viser would encode slowly."""
     image._format, image._data = "png", png

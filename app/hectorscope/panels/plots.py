@@ -23,6 +23,7 @@ from hectorscope.panels._truth_error import ERROR_COLUMNS, truth_error
 from hectorscope.session.snapshot import Snapshot
 
 COMPARED_TABLES = {"apart": APART_COLUMNS, "errors": ERRORS_COLUMNS, "maps": MAPS_COLUMNS}
+MOST_UNSENT = 2**20  # characters that wait for a browser
 BATCH = 4000  # rows sent at once: one who joins a long run gets them over some seconds
 Table = NDArray[np.float32]
 
@@ -58,6 +59,8 @@ class PlotsPanel:
             if key not in clients:
                 del self._sent[key]
                 continue
+            if viser_private.unsent(clients[key]) > MOST_UNSENT:
+                continue  # it gets them once it has read what was sent
             for script in self.news(key, snapshot):
                 self._scene.run(script, clients[key])
 

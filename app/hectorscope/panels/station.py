@@ -1,6 +1,8 @@
 """The operator's station: marks, the pose by hand, the way back, mapping and recording (static/station.js)."""
 
+import binascii
 import json
+from base64 import b64decode, b64encode
 from functools import partial
 from time import monotonic
 from typing import Any
@@ -11,12 +13,14 @@ from hectorscope.page.scene import Scene
 from hectorscope.panels import _own, _request, _workspace
 from hectorscope.panels._handles import put
 from hectorscope.panels._link import link_html
-from hectorscope.run.annotations import KINDS, LONGEST, MOST
+from hectorscope.run.annotations import KINDS, LONGEST, MOST, Annotation
+from hectorscope.run.pictures import MOST_SENT
 from hectorscope.session.commands import Command, Configure
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.station_commands import (
     EditMark,
     PutMark,
+    PutPicture,
     Record,
     RemoveMark,
     Resume,
@@ -41,6 +45,7 @@ class StationPanel:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._sent: tuple[str, int] = "", 0
+        self._marks: tuple[Annotation, ...] = ()
         with _workspace.tab(scene, self.title, Icon.MAP_PIN):
             self._link = scene.server.gui.add_html("")
             scene.server.gui.add_html(FORM)
@@ -49,9 +54,11 @@ class StationPanel:
             )
         self._resume.on_click(lambda _: scene.send(Resume()))
         _request.listen(scene, "station", lambda _, asked: scene.send(command(asked)))
+        _request.listen(scene, "pictures", self._show, for_viewers=True)
 
     def draw(self, snapshot: Snapshot) -> None:
         """Tell every page."""
+        self._marks = snapshot.station.annotations
         put(self._link, link_html(snapshot.report.link))
         if self._resume.visible != snapshot.station.past:
             self._resume.visible = snapshot.station.past
@@ -59,6 +66,14 @@ class StationPanel:
         if told != self._sent:
             self._sent = told
             self._scene.run(told[0])
+
+    def _show(self, client: int, asked: dict[str, Any]) -> None:
+        """Give a browser the picture that it asks for."""
+        key, asking = asked.get("key"), self._scene.server.get_clients().get(client)
+        found = next((mark.picture for mark in self._marks if mark.picture and mark.picture.key == key), None)
+        if found is not None and asking is not None:
+            content = b64encode(found.content).decode()
+            self._scene.run(f"window.hectorscope?.pictured?.('{found.key}', '{content}')", asking)
 
 
 def command(asked: dict[str, Any]) -> Command:
@@ -68,6 +83,8 @@ def command(asked: dict[str, Any]) -> Command:
             return PutMark(_kind(kind), _request.metres(x), _request.metres(y), _request.words(words, LONGEST))
         case {"edit": [number, kind, words]}:
             return EditMark(_request.whole(number, 0, MOST_NUMBERS), _kind(kind), _request.words(words, LONGEST))
+        case {"picture": [number, content]}:
+            return PutPicture(_request.whole(number, 0, MOST_NUMBERS), _bytes(content))
         case {"remove": number}:
             return RemoveMark(_request.whole(number, 0, MOST_NUMBERS))
         case {"pose": [x, y, yaw]}:
@@ -92,20 +109,34 @@ def _kind(word: Any) -> str:
     return str(word)
 
 
+def _bytes(content: Any) -> bytes:
+    if not isinstance(content, str):
+        raise _request.BadRequest
+    try:
+        return b64decode(content, validate=True)
+    except binascii.Error as error:
+        raise _request.BadRequest from error
+
+
 def script_of(snapshot: Snapshot) -> str:
     """The call in the page; text that somebody wrote stays text."""
     station, result = snapshot.station, snapshot.result
     way = station.way_back
     told = {
         "live": snapshot.playback.live,
-        "marks": [[m.number, m.kind, m.x, m.y, m.text] for m in station.annotations[:MOST]],
+        "marks": [_listed(mark) for mark in station.annotations[:MOST]],
         "way": None if way is None else way.round(2).tolist(),
         "records": station.records,
         "recorded": round(station.recorded / 1e6, 1),
         "mapping": snapshot.config.map.update,
+        "most": MOST_SENT,
         "lost": result is not None and result.tracking == "lost",
     }
     return f"window.hectorscope?.station?.({json.dumps(told)})"
+
+
+def _listed(mark: Annotation) -> list[int | float | str]:
+    return [mark.number, mark.kind, mark.x, mark.y, mark.text, mark.picture.key if mark.picture else ""]
 
 
 _button = partial(_own.wide_button, "station")
@@ -117,6 +148,7 @@ FORM = (
     ' placeholder="text, if any"></label>'
     + _button("mark", "Set the mark by a click", "Then click its place in the map. Escape gives up.")
     + '<ol class="hs-station-marks" data-hs-station-marks></ol>'
+    + '<p class="hs-station-recorded" role="status" data-hs-station-picture-told></p>'
     + _button("way", "Show the way back", "A short way to the start over free cells, as the robot drives.")
     + _button("pose", "Set the pose by a drag", "Press where the robot is, drag to where it looks. Streams only.")
     + _button("mapping", "Pause mapping", "The map stays as it is, and the pose is still followed in it.")

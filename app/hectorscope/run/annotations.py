@@ -5,12 +5,14 @@ from math import isfinite
 from typing import Any, Literal, get_args
 
 from hectorscope.common.terminal import printable
+from hectorscope.run.pictures import Picture
 from slam_core.errors import SlamError
 
 Kind = Literal["victim", "hazard", "door", "note"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 MOST = 500
 LONGEST = 200  # characters
+MOST_BYTES = 16 * 2**20  # of all pictures of a run
 PLACE = ("x", "y", "robot_x", "robot_y", "robot_yaw")
 
 
@@ -22,7 +24,7 @@ class AnnotationError(SlamError):
 class Annotation:
     """One mark. number: it keeps it, and no other one of the run gets it. time_ns: of the scan that was shown.
 
-    x, y: metres in the map. pose: x, y, yaw of the robot then.
+    x, y: metres in the map. pose: x, y, yaw of the robot then. picture: of what is there, if any.
     """
 
     number: int
@@ -32,9 +34,15 @@ class Annotation:
     y: float
     pose: tuple[float, float, float]
     text: str = ""
+    picture: Picture | None = None
+
+    @property
+    def picture_name(self) -> str:
+        """Of the file in the archive of the pictures; empty without one."""
+        return f"mark_{self.number}.jpg" if self.picture else ""
 
     def to_tree(self) -> dict[str, int | str | list[float]]:
-        """Plain values for a file that is read again; place: PLACE."""
+        """Plain values for a file that is read again, without the picture; place: PLACE."""
         place = [self.x, self.y, *self.pose]
         return {
             "number": self.number,
@@ -54,6 +62,7 @@ class Annotation:
             "y_m": self.y,
             "robot": list(self.pose),
             "text": self.text,
+            **({"picture": self.picture_name} if self.picture else {}),
         }
 
 
@@ -78,6 +87,14 @@ class Annotations:
         new = replace(self[number], kind=checked(kind), text=text.strip()[:LONGEST])
         return Annotations(tuple(new if mark.number == number else mark for mark in self.marks), self.given)
 
+    def pictured(self, number: int, picture: Picture) -> "Annotations":
+        """One of them with a picture, in place of that which it had."""
+        new = replace(self[number], picture=picture)
+        marks = tuple(new if mark.number == number else mark for mark in self.marks)
+        if sum(len(mark.picture.content) for mark in marks if mark.picture) > MOST_BYTES:
+            raise AnnotationError(f"The pictures take more than {MOST_BYTES >> 20} MiB: remove some marks")
+        return Annotations(marks, self.given)
+
     def removed(self, number: int) -> "Annotations":
         """One less; its number is not given again."""
         gone = self[number]
@@ -85,10 +102,11 @@ class Annotations:
 
     def joined(self, others: "Annotations") -> "Annotations":
         """With those of others that are not there, which keep their numbers if these are free."""
-        known, given = {replace(mark, number=0) for mark in self.marks}, max(self.given, others.given)
+        known = {replace(mark, number=0, picture=None) for mark in self.marks}
         joined, numbers = list(self.marks), {mark.number for mark in self.marks}
+        given = max(self.given, others.given)
         for mark in others.marks:
-            if replace(mark, number=0) not in known and len(joined) < MOST:
+            if replace(mark, number=0, picture=None) not in known and len(joined) < MOST:
                 given += mark.number in numbers
                 joined.append(replace(mark, number=given) if mark.number in numbers else mark)
         return Annotations(tuple(joined), given)

@@ -53,7 +53,7 @@ def write_checkpoint(folder: Path, saved: Saved) -> None:
     """OSError if there is no room."""
     content = pickle.dumps(saved, pickle.HIGHEST_PROTOCOL)
     head = f"{MAGIC} {our_version()} {hashlib.sha256(content).hexdigest()}\n"
-    write_durably(folder / CHECKPOINT, head.encode() + content)
+    write_durably(folder / CHECKPOINT, head.encode(), content)
 
 
 def read_checkpoint(folder: Path) -> Saved | None:

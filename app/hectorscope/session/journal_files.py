@@ -153,11 +153,11 @@ def _remove(folder: Path) -> None:
         return
 
 
-def write_durably(path: Path, content: bytes) -> None:
+def write_durably(path: Path, *parts: bytes) -> None:
     """Under another name first, and on the disk before it takes its own: one of both is always whole."""
     part = path.with_name(f".{path.name}.part")
     with part.open("wb") as file:
-        file.write(content)
+        file.writelines(parts)
         file.flush()
         os.fsync(file.fileno())
     part.replace(path)

@@ -12,6 +12,7 @@ import numpy as np
 from hectorscope.inputs import Item, Source, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
 from hectorscope.run.annotations import AnnotationError
+from hectorscope.run.pictures import picture_of
 from hectorscope.session.commands import Command, Export, GoLive, Inspect, ListRecordings, Seek
 from hectorscope.session.control import Control
 from hectorscope.session.journal import Journal
@@ -21,6 +22,7 @@ from hectorscope.session.station_commands import (
     GiveUpPast,
     HandOver,
     PutMark,
+    PutPicture,
     Record,
     RemoveMark,
     Resume,
@@ -38,6 +40,7 @@ from slam_core.results import PlanarGaussian
 
 POSE_SIGMAS = (0.3, 0.3, 0.2)  # m, m, rad: of a pose that a hand shows
 OFFERED_S = 600.0  # seconds that an earlier run is offered
+MarkCommand = PutMark | EditMark | PutPicture | RemoveMark
 UNLOGGED = (Inspect, Seek, GoLive, ListRecordings, Export)  # a look changes nothing
 
 
@@ -170,7 +173,7 @@ class Station:
                 case GiveUpPast():
                     if self._journal is not None:
                         self._journal.give_up_past()
-                case PutMark() | EditMark() | RemoveMark():
+                case PutMark() | EditMark() | PutPicture() | RemoveMark():
                     self._mark(command)
                 case SetPose():
                     self._set_pose(command)
@@ -179,7 +182,7 @@ class Station:
         except SlamError as error:
             self._session.log(str(error), "warning", answer=True)
 
-    def _mark(self, command: PutMark | EditMark | RemoveMark) -> None:
+    def _mark(self, command: MarkCommand) -> None:
         run, before = self._session.run, self._session.run.annotations
         result = run.pipeline.result
         match command:
@@ -191,6 +194,9 @@ class Station:
                 what = f"mark {run.annotations.given}"
             case EditMark(number, kind, text):
                 run.annotations, what = before.edited(number, kind, text), f"edited mark {number}"
+            case PutPicture(number, content):
+                run.annotations = before.pictured(number, picture_of(content))
+                what = f"picture of mark {number}"
             case RemoveMark(number):
                 run.annotations, what = before.removed(number), f"removed mark {number}"
         self._session.undone.push(what, KeptMarks(run, before))
@@ -265,10 +271,12 @@ def values(config: SlamConfig) -> dict[str, Any]:
     return {leaf.name: leaf.value for leaf in leaves(config)}
 
 
-def sentence(command: PutMark | EditMark | RemoveMark) -> str:
+def sentence(command: MarkCommand) -> str:
     """What a mark is, for the log."""
     if isinstance(command, RemoveMark):
         return "it can be brought back for a minute"
+    if isinstance(command, PutPicture):
+        return "it is kept with the mark"
     return f"{command.kind} {command.text}".strip()
 
 
@@ -276,4 +284,6 @@ def plain(value: Any) -> Any:
     """A command as something that JSON holds."""
     if is_dataclass(value):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, bytes):
+        return f"{len(value)} bytes"
     return value if isinstance(value, str | int | float | bool | None) else str(value)

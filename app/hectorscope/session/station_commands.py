@@ -52,6 +52,14 @@ class EditMark(StationCommand):
 
 
 @dataclass(frozen=True, slots=True)
+class PutPicture(StationCommand):
+    """A picture for the mark of this number, as a browser sent it."""
+
+    number: int
+    content: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class RemoveMark(StationCommand):
     """Take away the mark of this number; it can be brought back for a minute."""
 

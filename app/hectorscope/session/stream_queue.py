@@ -6,12 +6,15 @@ from collections import deque
 from hectorscope.inputs import Item
 from slam_core.measurements import LaserScan
 
+MOST_ITEMS = 100_000  # of a live stream: minutes, which wait only while nobody takes any, as behind a failure
+
 
 class StreamQueue:
     """Bounded by its scans: a recording waits for room, a live stream gives up its oldest waiting scan.
 
-    Everything else is small and precious (the filter integrates it), so it is never given up; the order of
-    arrival is kept. One thread calls `put` and `finish`, one calls `get`; `close` may come from anywhere.
+    Everything else is small and precious (the filter integrates it), so it is not given up, but where nobody has
+    taken any for minutes: then the oldest items go. The order of arrival is kept. One thread calls `put` and
+    `finish`, one calls `get`; `close` may come from anywhere.
     """
 
     def __init__(self, live: bool, scans: int = 16) -> None:
@@ -31,9 +34,16 @@ class StreamQueue:
                 self._make_room()
                 self._waiting.append(slot)
             if not self._closed:
+                while self._live and len(self._slots) >= MOST_ITEMS:
+                    self._give_up(self._slots.popleft())
                 self._slots.append(slot)
                 self._changed.notify_all()
             return not self._closed
+
+    def _give_up(self, slot: list[Item]) -> None:
+        if self._waiting and self._waiting[0] is slot:
+            self._waiting.popleft()
+            self.dropped += 1
 
     def _make_room(self) -> None:
         while len(self._waiting) >= self._scans and not self._closed:

@@ -1,8 +1,15 @@
-"""A word to every page each second, so that a page whose link is broken knows it (static/link.js)."""
+"""Each second: a word to every page, which knows by it that its link holds, and a limit to what waits for one."""
+
+import logging
 
 from hectorscope.page.scene import Scene
+from hectorscope.page.viser_private import hang_up, unsent
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.web.roles import Roles
+
+MOST_UNSENT = 16 * 2**20  # characters of scripts that may wait for one browser
+
+log = logging.getLogger(__name__)
 
 
 class Heartbeat:
@@ -32,3 +39,23 @@ class InControl:
         """Tell it."""
         if self._roles.one_operator:
             self._scene.run(self._roles.script())
+
+
+class SlowBrowsers:
+    """Ends the connections of browsers that read too little, for which messages would fill the memory.
+
+    Their pages connect again by themselves, and then get what is true by then instead of all that was.
+    """
+
+    title = "Slow browsers"
+    rate = 1.0
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def draw(self, _snapshot: Snapshot) -> None:
+        """Look at each of them."""
+        for number, client in self._scene.server.get_clients().items():
+            if unsent(client) > MOST_UNSENT:
+                log.warning("browser %d reads too slowly: its connection is ended", number)
+                hang_up(client)

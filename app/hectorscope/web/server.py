@@ -20,7 +20,7 @@ from hectorscope.views import view_classes
 from hectorscope.web.access_control import HEALTH, AccessControl, is_loopback
 from hectorscope.web.address import Address, Certificate, listen
 from hectorscope.web.guarded_server import open_server, stop_server
-from hectorscope.web.heartbeat import Heartbeat, InControl
+from hectorscope.web.heartbeat import Heartbeat, InControl, SlowBrowsers
 from hectorscope.web.lessons import lessons_file
 from hectorscope.web.metrics import METRICS, metrics
 from hectorscope.web.renderer import Renderer
@@ -104,7 +104,7 @@ class PageServer:
             views = made(view_classes(), self.scene)  # before the panels, which list the views' layers
             panels = made(panel_classes(), self.scene)
         self.roles.open = self.scene.for_viewers
-        beats = (Heartbeat(self.scene), InControl(self.scene, self.roles))
+        beats = (Heartbeat(self.scene), InControl(self.scene, self.roles), SlowBrowsers(self.scene))
         self._renderer = Renderer(self.scene, self.driver.mailbox, [*views, *panels, *beats])
         self._renderer.start()
 

@@ -1,20 +1,28 @@
 import json
 import math
+import zipfile
+from base64 import b64encode
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 
 from hectorscope.exporters import FormatError, chosen, exporters
 from hectorscope.exporters.occupancy import GREYS, description, pgm
 from hectorscope.exporters.tum import tum_lines
+from hectorscope.run.annotations import Annotation
 from hectorscope.run.map_image import MapImage
+from hectorscope.run.pictures import picture_of
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from hectorscope.run.settings_file import read_toml
 from slam_core.localization.prior_map import SavedLevel
+from tests.pictures import picture_bytes
 
+PICTURE = picture_of(picture_bytes())
+MARK = Annotation(3, "victim", 0, 1.5, 2.1, (1.0, 2.0, 0.0), "two", PICTURE)
 START_NS = 1_700_000_000_123_456_789
 
 
@@ -25,7 +33,13 @@ def finished() -> Run:
     cells = np.array([[1, 1, 0], [2, 2, 2]], np.uint8)
     level = SavedLevel(0.05, np.array([-30, 40]), np.array([[-1, -1, 0], [2, 2, 2]], np.float32))
     return Run(
-        START_NS, trajectory, (MapImage(0, 0.05, -1.5, 2.0, cells, 1),), Settings(), {"wall_s": 2}, (level,)
+        START_NS,
+        trajectory,
+        (MapImage(0, 0.05, -1.5, 2.0, cells, 1),),
+        Settings(),
+        {"wall_s": 2},
+        (level,),
+        annotations=(MARK,),
     )
 
 
@@ -40,12 +54,13 @@ def test_every_exporter_leaves_exactly_its_files(finished: Run, tmp_path: Path):
 
 
 def test_formats_are_chosen_by_name():
-    """One, several with spaces or capitals, everything; in the order of the folder. Unasked, seven files."""
+    """One, several with spaces or capitals, everything; in the order of the folder. Unasked, eight files."""
     assert [exporter.name for exporter in chosen("tum")] == ["tum"]
     assert [exporter.name for exporter in chosen("CSV, default")] == [*(e.name for e in chosen()), "csv"]
     assert chosen("all") == exporters()
     assert {name for exporter in chosen() for name in exporter.files} == {
         "map.npz", "map.pgm", "map.yaml", "trajectory.tum", "config.toml", "metrics.json", "navigation.csv",
+        "pictures.zip",
     }  # fmt: skip
 
 
@@ -131,3 +146,19 @@ def test_config_and_metrics_can_be_read_back(finished: Run, tmp_path: Path):
         exporter.write(finished, tmp_path)
     assert read_toml(tmp_path / "config.toml") == finished.settings
     assert json.loads((tmp_path / "metrics.json").read_text()) == {"wall_s": 2}
+
+
+def test_pictures_of_marks_are_written_by_their_numbers(finished: Run, tmp_path: Path):
+    """As they are kept; the map, the figures and the report name or show them; without any, no archive is left."""
+    for exporter in chosen("pictures,geotiff,report"):
+        exporter.write(finished, tmp_path)
+    with zipfile.ZipFile(tmp_path / "pictures.zip") as archive:
+        assert {name: archive.read(name) for name in archive.namelist()} == {"mark_3.jpg": PICTURE.content}
+    with tifffile.TiffFile(tmp_path / "map.tif") as file:
+        assert file.pages[0].description == "mark 3 victim: pictures.zip/mark_3.jpg"  # type: ignore[union-attr]
+    shown = b64encode(PICTURE.content).decode()
+    assert f'src="data:image/jpeg;base64,{shown}"' in (tmp_path / "report.html").read_text()
+    assert MARK.told(0)["picture"] == "mark_3.jpg"
+    (exporter,) = chosen("pictures")
+    exporter.write(replace(finished, annotations=()), tmp_path)
+    assert not (tmp_path / "pictures.zip").exists()

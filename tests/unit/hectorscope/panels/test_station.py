@@ -12,13 +12,22 @@ from hectorscope.panels._request import FARTHEST, BadRequest
 from hectorscope.panels.station import command, script_of
 from hectorscope.run.annotations import LONGEST, Annotation
 from hectorscope.session.commands import Configure
-from hectorscope.session.station_commands import EditMark, PutMark, Record, RemoveMark, SetPose, ShowReturn
+from hectorscope.session.station_commands import (
+    EditMark,
+    PutMark,
+    PutPicture,
+    Record,
+    RemoveMark,
+    SetPose,
+    ShowReturn,
+)
 from hectorscope.session.station_state import StationState
 from tests.page import room_snapshot
 
 ASKED = {
     '{"mark": ["victim", 1, 2.5, "two"]}': PutMark("victim", 1.0, 2.5, "two"),
     '{"edit": [3, "door", ""]}': EditMark(3, "door", ""),
+    '{"picture": [3, "AAEC"]}': PutPicture(3, b"\x00\x01\x02"),
     '{"remove": 3}': RemoveMark(3),
     '{"pose": [1e99, 2, 1]}': SetPose(FARTHEST, 2.0, 1.0),
     '{"way": true}': ShowReturn(True),
@@ -27,7 +36,9 @@ ASKED = {
 }
 REFUSED = (
     '{"mark": ["gold", 1, 2, ""]}', '{"mark": ["note", "1", 2, ""]}', '{"mark": ["note", 1, 2, 3]}',
-    '{"mark": ["note", NaN, 2, ""]}', '{"mark": [["note"], 1, 2, ""]}', '{"mark": 1}', '{"remove": 1.5}',
+    '{"mark": ["note", NaN, 2, ""]}', '{"mark": [["note"], 1, 2, ""]}', '{"mark": 1}',
+    '{"picture": [3, "../etc"]}',
+    '{"picture": [3, null]}', '{"picture": ["a.jpg", "AAEC"]}', '{"remove": 1.5}',
     '{"way": 1}', '{"record": null}', '{"pose": [1, 2]}', '{"pose": [1, 2, Infinity]}', "{}",
 )  # fmt: skip
 
@@ -58,7 +69,7 @@ def test_the_page_is_told_in_json() -> None:
     state = StationState((mark,), np.array([[0.0, 0.004]]), True, 2_000_000)
     script = script_of(replace(room_snapshot(), station=state))
     told = json.loads(script.removeprefix("window.hectorscope?.station?.(").removesuffix(")"))
-    assert told["marks"] == [[1, "note", 1.0, 2.0, '</script>"\\']]
+    assert told["marks"] == [[1, "note", 1.0, 2.0, '</script>"\\', ""]]
     assert (told["way"], told["records"], told["recorded"], told["lost"]) == ([[0.0, 0.0]], True, 2.0, False)
 
 

@@ -4,7 +4,7 @@ import threading
 
 import numpy as np
 
-from hectorscope.session.stream_queue import StreamQueue
+from hectorscope.session.stream_queue import MOST_ITEMS, StreamQueue
 from slam_core.measurements import Height, LaserScan
 
 
@@ -35,6 +35,18 @@ def test_live_gives_up_the_oldest_scan_and_nothing_else() -> None:
         queue.put(scan(stamp) if stamp % 2 else Height(stamp, 0.0))
     assert drain(queue) == [0, 2, 4, 6, 8, 10, 12, 14, 16, 17, 18, 19]
     assert queue.dropped == 8
+
+
+def test_a_live_stream_that_nobody_takes_stays_bounded() -> None:
+    """As behind a failure: the newest items stay, inertial data among them, and scans that go are counted."""
+    queue = StreamQueue(live=True, scans=3)
+    queue.put(scan(0))
+    for stamp_ns in range(1, MOST_ITEMS + 10):
+        queue.put(Height(stamp_ns, 0.0))
+    queue.put(scan(MOST_ITEMS + 10))
+    queue.finish()
+    assert queue.dropped == 1
+    assert drain(queue) == list(range(11, MOST_ITEMS + 11))
 
 
 def test_room_made_by_a_reader_is_used_again() -> None:
