@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from hectorscope.panels._xray_places import compared
 from hectorscope.panels._xray_shown import Dots, Heat, Mark, Shown, ellipse, line, outline, robot
 from hectorscope.panels._xray_wanted import Wanted
 from hectorscope.run.xray.attitude import passage
-from hectorscope.run.xray.covariances import Cloud, fusion
+from hectorscope.run.xray.covariances import Cloud, Fusion, fusion
 from hectorscope.run.xray.landscape import FOUND, SIDE, Around, Basin, Landscape, is_same, landscape
 from hectorscope.run.xray.lens import lens
 from hectorscope.run.xray.specimen import Specimen
@@ -181,13 +182,14 @@ def _covariance(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[S
         return
     specimen, levels = opened.specimen, len(opened.specimen.grids)
     cloud: Cloud = opened.keep(("cloud", wanted.noise), lambda: Cloud(specimen, wanted.noise))
-    found = opened.keep(("fusion", wanted.omega), lambda: fusion(specimen, wanted.omega))
+    run_omega = specimen.config.fusion.omega
+    fused: Fusion = opened.keep("fusion", lambda: fusion(specimen, run_omega))
+    found = fused.at(wanted.omega)
     named = {
         "prior": found.P, "match": found.R, "sampled": found.sampled, "fused": found.fused,
         "optimal": found.optimal, "kalman": found.kalman,
     }  # fmt: skip
     largest = max(float(np.linalg.eigvalsh(C[:2, :2])[-1]) for C in named.values())
-    run_omega = specimen.config.fusion.omega
     scale = SIGMAS_SHARE / max(largest, 1e-12) ** 0.5
     while True:
         marks = [ellipse(kind, 0, specimen.matched, C, scale) for kind, C in named.items()]
@@ -196,7 +198,9 @@ def _covariance(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[S
             marks.append(ellipse("cloud", 0, mean, cloud.covariance, scale))
         note = f"<p>Ellipses of {number(scale)} σ around ξ*; the cloud is enlarged alike.</p>"
         text = words.covariance_html(found, cloud, specimen.matched, run_omega) + note
-        yield Shown(text, marks, _cloud_dots(specimen, cloud, scale), level=0, levels=levels)
+        key = "dots of the cloud", wanted.noise, len(cloud), scale  # the same are not sent again
+        dots: Dots = opened.keep(key, partial(_cloud_dots, specimen, cloud, scale))
+        yield Shown(text, marks, dots, level=0, levels=levels)
         if cloud.whole:
             return
         ends = time.monotonic() + SLICE_S

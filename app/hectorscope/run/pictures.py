@@ -10,7 +10,7 @@ from PIL import Image, ImageOps
 from slam_core.errors import SlamError
 
 MOST_SENT = 44_000  # bytes that a browser sends: one request holds them, and a page makes them so few
-MOST_PIXELS = 1 << 24  # of one that is decoded
+MOST_PIXELS = 1 << 22  # of one that is decoded: some 40 ms of the engine
 LARGEST = 1024  # pixels of the longer side of one that is kept
 QUALITIES = (80, 60, 40)
 MOST_KEPT = 200_000  # bytes

@@ -1,6 +1,6 @@
 """Prior, scan and their fusion by eqs. (18)-(20), beside the Kalman update; and a cloud that shows the truth."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,10 @@ class Fusion:
     fused: Float64s
     kalman: Float64s
     optimal: Float64s
+
+    def at(self, omega: float) -> "Fusion":
+        """The same with another omega: nothing else depends on it."""
+        return replace(self, omega=omega, fused=fused(self.P, self.R, omega))
 
 
 def fusion(specimen: Specimen, omega: float) -> Fusion:

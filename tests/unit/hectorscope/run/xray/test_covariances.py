@@ -26,6 +26,16 @@ def test_fused_covariances_are_those_of_the_core():
     np.testing.assert_allclose(found.kalman, intersect(P, np.eye(3), R, zero, 0.5, "kalman")[1], rtol=1e-6)
 
 
+def test_another_omega_changes_the_fused_covariance_alone():
+    """It is that of (18) with it; all else is the same object, so that a slider costs next to nothing."""
+    first = fusion(specimen(), 0.3)
+    other = first.at(0.7)
+    assert other.omega == 0.7
+    np.testing.assert_array_equal(other.fused, fusion(specimen(), 0.7).fused)
+    assert other.sampled is first.sampled
+    assert other.R is first.R
+
+
 def test_no_omega_has_a_smaller_determinant_than_the_best():
     """Against a search of another kind, on covariances that are each better in one direction."""
     P, R = np.diag([1.0, 0.01, 0.1]), np.diag([0.02, 2.0, 0.1])
