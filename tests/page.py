@@ -29,12 +29,21 @@ class StillEngine:
     def __init__(self, snapshot: Snapshot | None = None) -> None:
         self.mailbox: Mailbox[Snapshot] = Mailbox()
         self.sent: list[Command] = []
+        self._run = 0
         if snapshot is not None:
             self.show(snapshot)
 
     def show(self, snapshot: Snapshot) -> None:
         """Make it the newest."""
-        self.mailbox.put(snapshot)
+        run, cut = snapshot.ahead.lineage
+        known = replace(snapshot.ahead, lineage=(run + self._run, cut))
+        self.mailbox.put(replace(snapshot, epoch=snapshot.epoch + self._run, ahead=known))
+
+    def begin(self, snapshot: Snapshot) -> None:
+        """As if nothing had been shown or sent before: of whatever run it is, it is another one."""
+        self._run += 1000
+        self.sent.clear()
+        self.show(snapshot)
 
     def send(self, command: Command) -> None:
         """Remember it."""

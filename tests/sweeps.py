@@ -1,9 +1,6 @@
 """What tests of sweeps share: recordings, specs on them, the table without its times, processes and waiting."""
 
 import csv
-import os
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -38,13 +35,6 @@ def timeless(folder: Path) -> list[list[str]]:
         rows = list(csv.reader(file))
     kept = [k for k, name in enumerate(rows[0]) if name not in TIMES]
     return [[row[k] for k in kept] for row in rows]
-
-
-def hectorscope(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """The command in a process of its own."""
-    command = [sys.executable, "-m", "hectorscope.cli.main", *map(str, arguments)]
-    wide = {**os.environ, "COLUMNS": "160"}
-    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, env=wide, check=False)
 
 
 def children(process: int | str = "self") -> set[int]:

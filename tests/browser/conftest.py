@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,10 @@ FLAGS = (
     "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
     "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
     "--disable-sync",
+    # Without these a page takes a third more of a processor to open, and twice as much to draw: software graphics
+    # put the window together, and each new window has a page for an address bar that nobody sees.
+    "--disable-gpu-compositing",
+    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup,OptimizationHints,MediaRouter,PaintHolding",
 )  # fmt: skip
 SIZE: ViewportSize = {"width": 1000, "height": 640}
 KEPT = "localStorage.getItem('hectorscope') ?? localStorage.setItem('hectorscope', %s)"
@@ -39,6 +44,26 @@ UPLOADS = 8 * 2**20  # bytes that the server with recordings takes
 PATIENCE = 60_000  # milliseconds: software graphics on a busy machine
 
 expect.set_options(timeout=PATIENCE)
+
+# Everything that this browser chose, and where the camera was, as of a page that has just been opened.
+KEEP = """() => {
+  window.hectorscope.own.set('theme', 'dark');
+  window.begun = [JSON.parse(localStorage.getItem('hectorscope')), window.hectorscope.cameraNow().pose];
+}"""
+AS_OPENED = """(choices) => {
+  const { own, camera } = window.hectorscope, [chosen, pose] = window.begun;
+  document.activeElement?.blur();
+  for (const [key, value] of Object.entries({ ...chosen, camera: null, ...choices })) own.set(key, value);
+  document.querySelector('canvas[data-engine]').dispatchEvent(new WheelEvent('wheel'));
+  camera('free');
+  document.querySelector('canvas[data-engine]').dispatchEvent(new WheelEvent('wheel'));
+  window.__viserMutable.cameraControl.setLookAt(...pose, false);
+  camera((choices.layout ?? chosen.layout) === 'side' ? 'top' : 'fit');
+}"""
+BEGUN = """(() => {
+  const at = window.__viserMutable.nodeRefFromName['/robot']?.position;
+  return !!at && Math.hypot(at.x, at.y) < 1e-3 && window.hectorscope.levels().places.length === 3;
+})()"""
 
 Open = Callable[..., Page]
 
@@ -68,6 +93,13 @@ def open_page(browser: Browser) -> Iterator[Open]:
     size: of the window. own: what this browser has kept (static/browser.js); without plots the scene is larger.
     before: a script that runs before those of the page.
     """
+    with fresh_pages(browser) as opened:
+        yield opened
+
+
+@contextmanager
+def fresh_pages(browser: Browser) -> Iterator[Open]:
+    """The function of `open_page`, and in the end no page."""
     contexts, errors = [], []
 
     def opened(
@@ -106,14 +138,58 @@ class Show:
         return self.server.url
 
 
-@pytest.fixture
-def show() -> Iterator[Show]:
-    """The room of tests/page.py, served."""
-    engine = StillEngine(room_snapshot())
+@pytest.fixture(scope="module")
+def one_show() -> Iterator[Show]:
+    """One server for a file of tests; they ask for `show`."""
+    engine = StillEngine()
     server = PageServer(engine, port=0)
     server.start()
     yield Show(engine, server)
     server.stop()
+
+
+@pytest.fixture
+def show(one_show: Show) -> Show:
+    """The room of tests/page.py, served, as a run that has just begun; nothing was asked of it."""
+    one_show.engine.begin(room_snapshot())
+    one_show.server.scene.show(asked=frozenset())
+    return one_show
+
+
+@pytest.fixture(scope="module")
+def kept(browser: Browser) -> Iterator[Open]:
+    """`kept(url, own)`: a page that a file of tests opens once, as it was then: to open another takes seconds.
+
+    For tests that leave nothing behind but what this browser has chosen, where it looks, what Escape closes, and
+    the open tab.
+    """
+    pages: dict[str, Page] = {}
+    with fresh_pages(browser) as opened:
+
+        def as_opened(url: str, **own: Any) -> Page:
+            if url not in pages:
+                pages[url] = opened(url)
+                pages[url].evaluate(KEEP)
+            page = pages[url]
+            page.keyboard.press("Escape")
+            page.mouse.move(0, 0)
+            page.get_by_role("tab", name="Live").click()
+            page.evaluate(AS_OPENED, own)
+            return page
+
+        yield as_opened
+
+
+@pytest.fixture
+def again(show: Show, kept: Open) -> Open:
+    """`again(own)`: the kept page of `show`, once the run that has just begun is there."""
+
+    def begun(**own: Any) -> Page:
+        page = kept(show.url, **own)
+        page.wait_for_function(BEGUN)
+        return page
+
+    return begun
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +262,7 @@ def engine(request: pytest.FixtureRequest) -> Iterator[Engine]:
         yield made
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def url(engine: Engine) -> Iterator[str]:
     """The page of that run."""
     server = PageServer(engine, port=0)

@@ -25,8 +25,8 @@ def shown(engine: Engine) -> StepResult:
     return result
 
 
-def seen_from_above(open_page: Open, url: str) -> Page:
-    page = open_page(url)
+def seen_from_above(opened: Open, url: str) -> Page:
+    page = opened(url)
     choose_own(page, layout="one")
     look(page, "top")
     return page
@@ -39,11 +39,11 @@ def click(page: Page, x: float, y: float) -> None:
 
 
 def test_a_click_on_a_beam_shows_its_figures_for_each_shown_scan(
-    engine: Engine, url: str, open_page: Open
+    engine: Engine, url: str, kept: Open, open_page: Open
 ) -> None:
     """Range and residual of that beam; another scan has other figures; Escape closes; others see nothing."""
     result = shown(engine)
-    page, other = seen_from_above(open_page, url), seen_from_above(open_page, url)
+    page, other = seen_from_above(kept, url), seen_from_above(open_page, url)
     ends = transform_points(result.planar, result.points)
     assert result.sweep is not None
     click(page, *ends[60].tolist())
@@ -64,10 +64,10 @@ def test_a_click_on_a_beam_shows_its_figures_for_each_shown_scan(
     until(engine, lambda now: not now.views)
 
 
-def test_a_click_on_a_cell_shows_its_probabilities_and_times(engine: Engine, url: str, open_page: Open) -> None:
+def test_a_click_on_a_cell_shows_its_probabilities_and_times(engine: Engine, url: str, kept: Open) -> None:
     """Of every level, and when it was written; a place that is not known closes the card."""
     result = shown(engine)
-    page = seen_from_above(open_page, url)
+    page = seen_from_above(kept, url)
     click(page, float(result.planar[0]) + 0.3, float(result.planar[1]))
     card = page.locator(CARD)
     expect(card).to_contain_text("written first")
@@ -77,9 +77,9 @@ def test_a_click_on_a_cell_shows_its_probabilities_and_times(engine: Engine, url
     expect(card).to_be_hidden()
 
 
-def test_the_keyboard_alone_looks_at_beams(engine: Engine, url: str, open_page: Open) -> None:
+def test_the_keyboard_alone_looks_at_beams(engine: Engine, url: str, kept: Open) -> None:
     """L shows the beam ahead, its buttons take the focus in turn, and keep it from beam to beam."""
-    page = seen_from_above(open_page, url)
+    page = seen_from_above(kept, url)
     page.keyboard.press("b")
     number = page.locator("[data-hs-number]")
     expect(number).to_have_attribute("data-hs-number", "90")
@@ -93,9 +93,9 @@ def test_the_keyboard_alone_looks_at_beams(engine: Engine, url: str, open_page: 
     expect(page.locator(CARD)).to_be_hidden()
 
 
-def test_two_clicks_measure_a_distance(url: str, open_page: Open) -> None:
+def test_two_clicks_measure_a_distance(url: str, kept: Open) -> None:
     """In metres of the map, whatever was clicked; no card comes up meanwhile, and Escape takes the line away."""
-    page = seen_from_above(open_page, url)
+    page = seen_from_above(kept, url)
     page.keyboard.press("d")
     expect(page.locator(".hs-measure-hint")).to_be_visible()
     click(page, 0.0, 0.0)
@@ -111,9 +111,9 @@ def test_two_clicks_measure_a_distance(url: str, open_page: Open) -> None:
 
 
 @pytest.mark.slow
-def test_an_entry_of_the_legend_hides_its_layer_in_this_browser(url: str, open_page: Open) -> None:
+def test_an_entry_of_the_legend_hides_its_layer_in_this_browser(url: str, kept: Open, open_page: Open) -> None:
     """It stays there to be clicked again; other browsers keep theirs."""
-    page, other = seen_from_above(open_page, url), seen_from_above(open_page, url)
+    page, other = seen_from_above(kept, url), seen_from_above(open_page, url)
     visible = "window.__viserMutable.nodeRefFromName['/trajectory'].visible"
     entry = page.locator(".hs-legend .hs-entry", has_text="trajectory")
     for shown in (False, True):

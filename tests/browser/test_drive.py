@@ -48,9 +48,11 @@ def drive() -> Iterator[Drive]:
 
 
 @pytest.fixture
-def page(drive: Drive, open_page: Open) -> Page:
-    made = open_page(drive.server.url)
-    expect(made.locator(".hs-drive")).to_be_visible()  # its keys are heard from then on
+def page(drive: Drive, kept: Open) -> Page:
+    """With the faults folded away."""
+    made = kept(drive.server.url)
+    expect(made.locator(CARD)).to_be_visible()  # its keys are heard from then on
+    made.evaluate("(card) => (document.querySelector(`${card} details`).open = false)", CARD)
     return made
 
 

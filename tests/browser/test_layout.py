@@ -1,5 +1,6 @@
 """The page on small screens and on a projector, and what each browser keeps for itself."""
 
+import json
 from dataclasses import replace
 from typing import Any
 
@@ -136,16 +137,14 @@ def test_each_browser_keeps_its_camera(show: Show, open_page: Open) -> None:
 )
 def test_what_a_browser_kept_of_another_version_does_no_harm(show: Show, open_page: Open, kept: str) -> None:
     """What does not fit is as if it had never been chosen."""
-    page = open_page(show.url)
-    page.evaluate("(text) => localStorage.setItem('hectorscope', text)", kept)
-    page.reload()
-    page.wait_for_function("window.hectorscope?.levels?.().places.length")
-    assert page.evaluate("['theme', 'gap', 'layout'].map(window.hectorscope.own.get)") == ["dark", 0.5, "stacked"]
+    page = open_page(show.url, before=f"localStorage.setItem('hectorscope', {json.dumps(kept)})")
+    chosen = page.evaluate("['theme', 'gap', 'layout', 'plots'].map(window.hectorscope.own.get)")
+    assert chosen == ["dark", 0.5, "stacked", "below"]
 
 
-def test_the_page_says_what_is_shared(show: Show, open_page: Open) -> None:
+def test_the_page_says_what_is_shared(again: Open) -> None:
     """The run and the settings belong to all browsers, camera and layers to this one."""
-    page = open_page(show.url)
+    page = again()
     content = "getComputedStyle(document.querySelector('div:has(> div > .hs-bar-transport)'), '::after').content"
     assert "shared by every browser" in page.evaluate(content)
     page.get_by_role("tab", name="Settings").click()
@@ -172,9 +171,9 @@ def test_a_presentation_has_large_type(show: Show, open_page: Open, size: Viewpo
     assert run["x"] + run["width"] <= losses["x"] + 1
 
 
-def test_a_question_mark_shows_the_keys(show: Show, open_page: Open) -> None:
+def test_a_question_mark_shows_the_keys(again: Open) -> None:
     """And takes them away; where something is typed it is a letter, and no key acts."""
-    page = open_page(show.url)
+    page = again()
     page.keyboard.press("?")
     expect(page.get_by_role("dialog", name="Keys")).to_be_visible()
     expect(page.locator(".hs-keys dt").first).to_have_text("space")
@@ -189,9 +188,9 @@ def test_a_question_mark_shows_the_keys(show: Show, open_page: Open) -> None:
     expect(page.get_by_role("dialog", name="Keys")).to_be_hidden()
 
 
-def test_full_screen(show: Show, open_page: Open) -> None:
+def test_full_screen(again: Open) -> None:
     """The button and the key F."""
-    page = open_page(show.url)
+    page = again()
     button(page, "Full screen").click()
     page.wait_for_function("document.fullscreenElement === document.documentElement")
     page.keyboard.press("f")
@@ -241,9 +240,9 @@ def names(page: Page) -> list[str]:
     return found
 
 
-def test_names_belong_to_the_levels_that_are_seen(show: Show, open_page: Open) -> None:
+def test_names_belong_to_the_levels_that_are_seen(again: Open) -> None:
     """In a stack and from above, alone, and not at all; in the colours of the theme."""
-    page = open_page(show.url)
+    page = again()
     every = ["level 0 · 25 cm", "level 1 · 50 cm", "level 2 · 100 cm"]
     expect(page.locator(".hs-names span:visible")).to_have_text(every)
     colour = "getComputedStyle(document.querySelector('.hs-names span')).color"
@@ -258,9 +257,9 @@ def test_names_belong_to_the_levels_that_are_seen(show: Show, open_page: Open) -
     expect(page.locator(".hs-names span:visible")).to_have_count(0)
 
 
-def test_a_layer_on_demand_is_sent_once_a_browser_shows_it(show: Show, open_page: Open) -> None:
+def test_a_layer_on_demand_is_sent_once_a_browser_shows_it(show: Show, again: Open) -> None:
     """Until then the server sends nothing of it."""
-    page = open_page(show.url)
+    page = again()
     assert not show.server.scene.display.asked
     page.get_by_role("tab", name="Display").click()
     page.get_by_role("checkbox", name="Surfels").check()

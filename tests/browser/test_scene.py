@@ -44,9 +44,9 @@ def expect(page: Page, place: tuple[float, ...], colour: Rgb) -> None:
 
 
 @pytest.mark.parametrize("level", range(LEVELS))
-def test_each_level_shows_its_cells(show: Show, open_page: Open, level: int) -> None:
+def test_each_level_shows_its_cells(again: Open, level: int) -> None:
     """Alone and from above, every level has free, occupied and unknown cells where the map has them."""
-    page = open_page(show.url, own={"layout": "one", "level": level, "layers": {"grid": False}, "plots": "off"})
+    page = again(layout="one", level=level, layers={"grid": False})
     page.wait_for_function(f"window.__viserMutable.nodeRefFromName['/floor/map/level{level}']?.visible")
     look(page, "top")
     expect(page, FREE, DARK.free)
@@ -54,9 +54,9 @@ def test_each_level_shows_its_cells(show: Show, open_page: Open, level: int) -> 
     expect(page, UNKNOWN, DARK.background)
 
 
-def test_cells_are_crisp(show: Show, open_page: Open) -> None:
+def test_cells_are_crisp(show: Show, again: Open) -> None:
     """Every map texture is drawn without smoothing, also after new pictures arrived."""
-    page = open_page(show.url)
+    page = again()
     crisp = f"{CRISP.format(filter=NEAREST)}({TEXTURES})"
     page.wait_for_function(crisp)
     page.evaluate(f"window.before = {TEXTURES}.map((texture) => texture.image)")
@@ -67,9 +67,9 @@ def test_cells_are_crisp(show: Show, open_page: Open) -> None:
     page.wait_for_function(crisp)
 
 
-def test_a_scan_compiles_nothing_that_one_before_it_compiled(show: Show, open_page: Open) -> None:
+def test_a_scan_compiles_nothing_that_one_before_it_compiled(show: Show, again: Open) -> None:
     """Scans follow each other, each with a material of its own; their program is compiled once."""
-    page = open_page(show.url)
+    page = again()
     for sequence in range(2, 8):
         show.engine.show(replace(room_snapshot(sequence), result=step_result(sequence, beams=100 + sequence)))
         page.wait_for_function(OTHER_SCAN)
@@ -78,9 +78,9 @@ def test_a_scan_compiles_nothing_that_one_before_it_compiled(show: Show, open_pa
     assert page.evaluate("window.programs") == 0
 
 
-def test_levels_stack_without_hiding_the_finest_from_above(show: Show, open_page: Open) -> None:
+def test_levels_stack_without_hiding_the_finest_from_above(again: Open) -> None:
     """In a stack the levels lie over each other; looked at from above, the finest one is seen."""
-    page = open_page(show.url, own={"layers": {"grid": False}, "plots": "off"})
+    page = again(layers={"grid": False})
     page.wait_for_function("window.__viserMutable.nodeRefFromName['/floor/map/level2'].position.z > 0")
     heights = [node(page, f"/floor/map/level{i}")["position"][2] for i in range(LEVELS)]  # type: ignore[index]
     assert heights == pytest.approx([0.0, 6.5, 13.0])  # half of what is shown, 12 m and a margin
@@ -107,11 +107,11 @@ def test_the_first_view_fits_the_map(show: Show, open_page: Open, layout: str) -
     assert max((max(columns) - min(columns)) / (right - left), (max(rows) - min(rows)) / (bottom - top)) > 0.6
 
 
-def test_light_and_dark(show: Show, open_page: Open) -> None:
+def test_light_and_dark(show: Show, again: Open, open_page: Open) -> None:
     """Each browser has a theme, which changes the map in an open page."""
-    chosen = {"layout": "one", "layers": {"grid": False}, "plots": "off"}
-    page = open_page(show.url, own=chosen | {"theme": "light"})
-    other = open_page(show.url, own=chosen)
+    chosen = {"layout": "one", "layers": {"grid": False}}
+    page = again(theme="light", **chosen)
+    other = open_page(show.url, own={**chosen, "plots": "off"})
     for each, theme in ((page, LIGHT), (other, DARK)):
         look(each, "top")
         expect(each, FREE, theme.free)
@@ -121,9 +121,9 @@ def test_light_and_dark(show: Show, open_page: Open) -> None:
     expect(page, WALL, DARK.occupied)
 
 
-def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
+def test_layers_are_switched_off(again: Open) -> None:
     """A hidden layer is gone from the picture, the others stay."""
-    page = open_page(show.url, own={"layout": "one", "plots": "off"})
+    page = again(layout="one")
     look(page, "top")
     choose_own(page, layers={"map": False})
     page.wait_for_function("!window.__viserMutable.nodeRefFromName['/floor/map'].visible")
@@ -133,24 +133,26 @@ def test_layers_are_switched_off(show: Show, open_page: Open) -> None:
 
 
 @pytest.mark.parametrize("colour", [LIGHT.trajectory, DARK.truth, LIGHT.fused])
-def test_lines_come_through_the_film_curve(show: Show, open_page: Open, colour: Rgb) -> None:
+def test_lines_come_through_the_film_curve(show: Show, again: Open, colour: Rgb) -> None:
     """Viser sends lines through a film curve; what was made for that comes out as it should."""
-    page = open_page(show.url, own={"layers": {"map": False}, "plots": "off"})
+    page = again(layers={"map": False})
     ends = np.array([[[-6.0, 3.0, 0.3], [6.0, 3.0, 0.3]]], np.float32)
-    show.server.scene.server.scene.add_line_segments(
+    line = show.server.scene.server.scene.add_line_segments(
         "/line", ends, for_lines(colour), thickness=30.0, thickness_units="screen"
     )
-    page.wait_for_function("'/line' in window.__viserMutable.nodeRefFromName")
+    page.wait_for_function("!!window.__viserMutable.nodeRefFromName['/line']")
     look(page, "top")
     expect(page, (4.0, 3.0, 0.3), colour)
+    line.remove()
+    page.wait_for_function("!window.__viserMutable.nodeRefFromName['/line']")
 
 
 @pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
-def test_lines_and_points_have_the_colours_of_the_legend(show: Show, open_page: Open, theme: Theme) -> None:
+def test_lines_and_points_have_the_colours_of_the_legend(again: Open, theme: Theme) -> None:
     """The server draws for all in one set of colours; each browser sees those of its own theme."""
     name = "dark" if theme.dark else "light"
     hidden = ("map", "grid", "truth", "prior", "match", "fused", "frames")
-    page = open_page(show.url, own={"theme": name, "layers": dict.fromkeys(hidden, False), "plots": "off"})
+    page = again(theme=name, layers=dict.fromkeys(hidden, False))
     look(page, "top")
     colour = """(name) => { const found = []; window.__viserMutable.nodeRefFromName[name].traverse(
       ({material}) => material && found.push(material.color.getHexString('srgb'))); return found[0]; }"""
@@ -176,9 +178,9 @@ def test_everybody_sees_the_same(show: Show, open_page: Open) -> None:
         assert node(first, name) == node(late, name)
 
 
-def test_the_robot_is_seen_from_far(show: Show, open_page: Open) -> None:
+def test_the_robot_is_seen_from_far(again: Open) -> None:
     """From far away the robot is drawn larger than it is, from near as it is."""
-    page = open_page(show.url)
+    page = again()
     look(page, "free")
     scale = "window.__viserMutable.nodeRefFromName['/robot/hull'].scale.x"
     for distance, expected in ((400.0, f"{scale} > 5"), (4.0, f"{scale} === 1")):

@@ -1,6 +1,5 @@
 import hashlib
 import json
-import os
 import signal
 import socket
 import subprocess
@@ -19,27 +18,10 @@ from hectorscope.run.settings_file import read_toml
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, leaves, with_values
 from slam_core.measurements import Imu, LaserScan
+from tests.commands import MISTAKE, PATIENCE_S, called, hectorscope, refused
 from tests.ros_messages import Messages, write_bag
 
-PATIENCE_S = 180.0
-MISTAKE, LOST, INTERRUPTED = 2, 3, 130
-
-
-def hectorscope(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """The command in a process of its own."""
-    command = [sys.executable, "-m", "hectorscope.cli.main", *map(str, arguments)]
-    wide = {**os.environ, "COLUMNS": "100"}
-    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, env=wide, check=False)
-
-
-def refused(*arguments: object) -> str:
-    """The one line on stderr of a command that must exit with 2 and without a traceback."""
-    done = hectorscope(*arguments)
-    assert done.returncode == MISTAKE, done.stderr
-    assert "Traceback" not in done.stderr
-    lines = [line for line in done.stderr.splitlines() if line.startswith("hectorscope: ")]
-    assert len(lines) == 1, done.stderr
-    return lines[0]
+LOST, INTERRUPTED = 3, 130
 
 
 @pytest.fixture(scope="module")
@@ -103,14 +85,14 @@ def test_the_file_overrides_the_preset_and_flags_override_both(tmp_path: Path):
 
 def test_export_chooses_the_files(bag: Path, tmp_path: Path):
     """Those that are named, and no other."""
-    done = hectorscope("run", bag, "--out", tmp_path, "--export", "kitti,csv")
+    done = called("run", bag, "--out", tmp_path, "--export", "kitti,csv")
     assert done.returncode == 0, done.stderr
     assert {path.name for path in tmp_path.iterdir()} == {"trajectory.kitti", "times.txt", "series.csv"}
 
 
 def test_export_all_leaves_every_format(bag: Path, tmp_path: Path):
     """Of a real run; the report names the recording by its hash, and nothing unfinished stays."""
-    done = hectorscope("run", bag, "--out", tmp_path, "--export", "all")
+    done = called("run", bag, "--out", tmp_path, "--export", "all")
     assert done.returncode == 0, done.stderr
     names = {name for exporter in exporters() for name in exporter.files}
     assert {path.name for path in tmp_path.iterdir()} == {*names, "replay.html"}
@@ -177,8 +159,8 @@ def test_a_run_that_ends_lost_says_so(tmp_path: Path):
 def test_one_folder_takes_the_results_of_one_run(bag: Path, tmp_path: Path):
     """A second program is told; the lock goes with the first one."""
     with reserved(tmp_path):
-        assert f"another run writes into {tmp_path}" in refused("run", bag, "--out", tmp_path)
-    assert hectorscope("run", bag, "--out", tmp_path).returncode == 0
+        assert f"another run writes into {tmp_path}" in refused("run", bag, "--out", tmp_path, by=hectorscope)
+    assert called("run", bag, "--out", tmp_path).returncode == 0
 
 
 @pytest.mark.parametrize("flag", [["--out", ""], ["--out="]])
@@ -190,9 +172,9 @@ def test_an_empty_value_is_refused(bag: Path, flag: list[str]):
 def test_a_run_is_repeated_by_its_own_settings(bag: Path, tmp_path: Path):
     """config.toml of one run, given to another, makes the same trajectory to the last byte."""
     first, second = tmp_path / "first", tmp_path / "second"
-    assert hectorscope("run", bag, "--out", first, "--fusion.omega", "0.4", "--map.levels", "2").returncode == 0
+    assert called("run", bag, "--out", first, "--fusion.omega", "0.4", "--map.levels", "2").returncode == 0
     assert read_toml(first / "config.toml").start.fusion.omega == 0.4
-    assert hectorscope("run", bag, "--out", second, "--config", first / "config.toml").returncode == 0
+    assert called("run", bag, "--out", second, "--config", first / "config.toml").returncode == 0
     assert (first / "trajectory.tum").read_bytes() == (second / "trajectory.tum").read_bytes()
     assert (first / "config.toml").read_bytes() == (second / "config.toml").read_bytes()
 
@@ -200,8 +182,8 @@ def test_a_run_is_repeated_by_its_own_settings(bag: Path, tmp_path: Path):
 def test_a_run_is_localised_in_the_map_of_another(bag: Path, tmp_path: Path):
     """The same map to the last byte afterwards, poses in its frame, and a note of where the robot was found."""
     first, second = tmp_path / "first", tmp_path / "second"
-    assert hectorscope("run", bag, "--out", first).returncode == 0
-    done = hectorscope("run", bag, "--out", second, "--map", first, "--start", "origin")
+    assert called("run", bag, "--out", first).returncode == 0
+    done = called("run", bag, "--out", second, "--map", first, "--start", "origin")
     assert done.returncode == 0, done.stderr
     assert (first / "map.npz").read_bytes() == (second / "map.npz").read_bytes()
     figures = json.loads((second / "metrics.json").read_text())
@@ -215,7 +197,7 @@ def test_a_map_that_cannot_be_used_is_refused_before_any_work(bag: Path, tmp_pat
     out = ["--out", tmp_path / "out"]
     assert "nowhere does not exist" in refused("run", bag, *out, "--map", tmp_path / "nowhere")
     assert "makes a new map" in refused("run", bag, *out, "--map", tmp_path, "--mode", "map")
-    assert "needs a saved map" in refused("view", bag, "--mode", "continue")
+    assert "needs a saved map" in refused("view", bag, "--mode", "continue", by=hectorscope)
     assert "is no pose" in refused("run", bag, *out, "--map", tmp_path, "--start", "nan", "0", "-1")
     assert not (tmp_path / "out").exists()
 
@@ -251,30 +233,31 @@ def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path:
     assert "so in milli-g and not in m/s²" in line
     assert f"run again with --repair, or with {' '.join(flags)}, or without the IMU by --imu-topic none" in line
     assert not (tmp_path / "out").exists()
-    done = hectorscope("run", lying_bag, "--out", tmp_path / "out", *flags)
+    done = called("run", lying_bag, "--out", tmp_path / "out", *flags)
     assert done.returncode == 0, done.stderr
-    mended = hectorscope("run", lying_bag, "--out", tmp_path / "mended", "--repair")
+    mended = called("run", lying_bag, "--out", tmp_path / "mended", "--repair")
     assert mended.returncode == 0, mended.stderr
     assert "(--imu-accel-unit mg)" in mended.stdout
     again = ("--config", tmp_path / "mended/config.toml")
-    assert hectorscope("run", lying_bag, "--out", tmp_path / "again", *again).returncode == 0
+    assert called("run", lying_bag, "--out", tmp_path / "again", *again).returncode == 0
     first, *others = ((tmp_path / name / "trajectory.tum").read_bytes() for name in ("out", "mended", "again"))
     assert first == others[0] == others[1]
 
 
 def test_an_inspection_shows_what_is_left_after_a_repair(lying_bag: Path):
     """With --repair the recording is read again: what was repaired, and nothing wrong with it any more."""
-    found = hectorscope("inspect", lying_bag).stdout
+    found = called("inspect", lying_bag).stdout
     assert "repair: --repair, or --imu-accel-unit mg --imu-gyro-unit deg/s" in found
-    mended = hectorscope("inspect", lying_bag, "--repair").stdout
+    mended = called("inspect", lying_bag, "--repair").stdout
     assert "not in m/s²: --imu-accel-unit mg" in mended
     assert "wrong with them" not in mended
 
 
 def test_a_missing_recording_is_named(tmp_path: Path):
     """The path and what to do, for every command that takes one."""
-    for command in (["run", "--out", tmp_path / "out"], ["view"], ["inspect"]):
+    for command in (["run", "--out", tmp_path / "out"], ["inspect"]):
         assert "none.bag" in refused(command[0], tmp_path / "none.bag", *command[1:])
+    assert "none.bag" in refused("view", tmp_path / "none.bag", by=hectorscope)
 
 
 def test_a_value_out_of_range_is_refused_before_any_work(bag: Path, tmp_path: Path):
@@ -306,12 +289,12 @@ def test_a_port_in_use_is_refused(bag: Path):
     """The port's number, instead of silently another one."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        assert str(port) in refused("view", bag, "--port", port)
+        assert str(port) in refused("view", bag, "--port", port, by=hectorscope)
 
 
 def test_a_page_for_the_network_needs_a_token(bag: Path):
     """Serving more than this machine without a secret is refused."""
-    assert "token" in refused("view", bag, "--host", "0.0.0.0", "--port", 0)
+    assert "token" in refused("view", bag, "--host", "0.0.0.0", "--port", 0, by=hectorscope)
 
 
 def test_an_unknown_flag_exits_with_two(bag: Path, tmp_path: Path):

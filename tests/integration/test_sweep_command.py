@@ -9,8 +9,10 @@ from pathlib import Path
 import pytest
 
 from hectorscope.simulation.sensors import START_NS
+from hectorscope.sweep import executors
 from hectorscope.sweep.table import read
-from tests.sweeps import PATIENCE_S, WITH_TRUTH, children, hectorscope, until
+from tests.commands import MISTAKE, called, hectorscope
+from tests.sweeps import PATIENCE_S, WITH_TRUTH, children, until
 
 
 def test_the_command_makes_the_product_and_goes_on(short_bag: Path, tmp_path: Path):
@@ -86,12 +88,13 @@ def test_an_interrupted_sweep_ends_at_once_and_keeps_its_rows(short_bag: Path, l
     ],
 )
 def test_mistakes_are_named_before_anything_is_run(
-    flags: list[str], message: str, short_bag: Path, tmp_path: Path
+    flags: list[str], message: str, short_bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """One line, exit code 2, no row."""
+    monkeypatch.setattr(executors, "PATIENCE_S", 0.5)  # nothing listens there
     names = {"BAG": str(short_bag), "OUT": str(tmp_path / "out")}
-    refused = hectorscope("sweep", *(names.get(flag, flag) for flag in flags))
-    assert refused.returncode == 2, refused.stderr
+    refused = called("sweep", *(names.get(flag, flag) for flag in flags))
+    assert refused.returncode == MISTAKE, refused.stderr
     assert "Traceback" not in refused.stderr
     assert message in refused.stderr
     assert not (tmp_path / "out" / "runs.csv").exists()
@@ -104,7 +107,7 @@ def test_relations_score_a_run(short_bag: Path, tmp_path: Path):
         (START_NS / 1e9 + begin, START_NS / 1e9 + end) for begin, end in ((1.0, 2.0), (1.5, 2.5), (90.0, 91.0))
     ]
     path.write_text("".join(f"{begin:.3f} {end:.3f} 1 0 0 0 0 0\n" for begin, end in pairs))
-    done = hectorscope("run", short_bag, "--out", tmp_path / "run", "--relations", path)
+    done = called("run", short_bag, "--out", tmp_path / "run", "--relations", path)
     assert done.returncode == 0, done.stderr
     assert "over 2 of 3" in done.stdout
     found = json.loads((tmp_path / "run" / "metrics.json").read_text())["relations"]
