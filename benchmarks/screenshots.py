@@ -48,6 +48,9 @@ FLAGS = [
     "--ignore-gpu-blocklist",
     "--disable-background-networking",
     "--no-first-run",
+    # Where software draws, it would put the window together too, and draw a list of addresses that nobody sees.
+    "--disable-gpu-compositing",
+    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup,OptimizationHints,MediaRouter,PaintHolding",
 ]
 READY = "!!window.__viserMutable?.nodeRefFromName?.['/robot'] && !!document.querySelector('.hs-run')"
 NOTICE = ".mantine-Notification-closeButton"
