@@ -217,7 +217,7 @@ ExportArg = Annotated[
     str,
     tyro.conf.arg(
         metavar="NAME,...",
-        help="Formats with commas between them; all; or default: npz,pgm,tum,config,metrics,navigation.",
+        help="Formats with commas between them; all; or default: npz,pgm,tum,config,metrics,navigation,pictures.",
     ),
 ]
 RelationsArg = Annotated[

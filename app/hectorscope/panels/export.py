@@ -31,6 +31,7 @@ TITLES = {
     "navigation": "State of the filter: CSV",
     "csv": "Figures of every scan: CSV",
     "mcap": "Result: MCAP for Foxglove and rerun",
+    "pictures": "Pictures of the marks: ZIP",
     "report": "Report: HTML",
     REPLAY: "Replay with notes: HTML, no server",
 }

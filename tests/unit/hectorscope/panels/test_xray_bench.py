@@ -111,10 +111,10 @@ def handle(shown: Shown) -> Any:
 
 def test_the_thread_ends_with_the_last_browser(subject: Subject):
     """And begins again with the next one; without a scan at rest the words say what to do."""
-    listener = Listener()
+    listener, before = Listener(), threading.enumerate()  # that of another test may not have ended yet
     listener.bench.want(1, Wanted())
     assert "Pause" in listener.next(1).words
-    (thread,) = [thread for thread in threading.enumerate() if thread.name == "xray"]
+    (thread,) = [each for each in threading.enumerate() if each.name == "xray" and each not in before]
     listener.bench.leave(1)
     thread.join(PATIENCE_S)
     assert not thread.is_alive()

@@ -36,7 +36,7 @@ def test_a_picture_is_encoded_anew_without_metadata(kind: str) -> None:
 
 def test_a_large_picture_is_made_small() -> None:
     """In pixels and in bytes."""
-    picture = picture_of(picture_bytes((3000, 1500), "PNG"))
+    picture = picture_of(picture_bytes((2800, 1400), "PNG"))
     assert opened(picture).size == (LARGEST, LARGEST // 2)
     assert len(picture.content) <= MOST_KEPT
 
