@@ -14,7 +14,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
 from benchmarks.broken import BREAKS, GAP_FROM_S, make
-from benchmarks.screenshots import FLAGS, opened, settled
+from benchmarks.screenshots import opened, settled
 from hectorscope.checks.sensor_check import CheckedSource
 from hectorscope.cli.opening import demo_bag
 from hectorscope.inputs import SourceOptions
@@ -23,7 +23,7 @@ from hectorscope.session.commands import Examine, Seek
 from hectorscope.session.engine import Engine
 from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
-from tests.conftest import ROOT, chromium_path
+from tests.conftest import FLAGS, ROOT, chromium_path
 from tests.engines import until
 
 SIZE: ViewportSize = {"width": 1100, "height": 700}

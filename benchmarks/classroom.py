@@ -27,8 +27,8 @@ from websockets.exceptions import WebSocketException
 from websockets.typing import Subprotocol
 
 from benchmarks.page import cpu_seconds
-from benchmarks.screenshots import FLAGS, SIZE
-from tests.conftest import chromium_path
+from benchmarks.screenshots import SIZE
+from tests.conftest import FLAGS, chromium_path
 
 PORT = 8721
 SETTLE_S = 30.0  # the kernels are loaded, and the pass ahead of what is shown is done

@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from benchmarks.screenshots import FLAGS
 from benchmarks.svg import (
     PANEL,
     TRAVELLED,
@@ -41,7 +40,7 @@ from hectorscope.sources import open_source
 from slam_core.config import SlamConfig, with_values
 from slam_core.measurements import Float64s
 from slam_core.reference.occupancy_grid import OccupancyGrid
-from tests.conftest import chromium_path
+from tests.conftest import FLAGS, chromium_path
 from tests.sources import MemoryRecording
 
 NEAR, SIDE = 8, 20  # cells: around one that is looked at, and of the patch of figure 2

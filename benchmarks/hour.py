@@ -21,7 +21,6 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from benchmarks.screenshots import FLAGS
 from benchmarks.seek import LOOK_S, READY, drawn, published, rest, until_whole
 from benchmarks.tables import table
 from hectorscope.checks.sensor_check import CheckedSource
@@ -32,7 +31,7 @@ from hectorscope.session.engine import Engine
 from hectorscope.simulation import SimulateOptions, simulate
 from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
-from tests.conftest import chromium_path
+from tests.conftest import FLAGS, chromium_path
 
 HOUR_S = 3600.0
 PATIENCE_MS = 600_000

@@ -18,7 +18,7 @@ import numpy as np
 from playwright.sync_api import Page, sync_playwright
 
 from benchmarks.live import TimedSource
-from benchmarks.screenshots import FLAGS, SIZE
+from benchmarks.screenshots import SIZE
 from benchmarks.seek import READY
 from benchmarks.tables import table
 from hectorscope.cli.opening import demo_bag
@@ -31,7 +31,7 @@ from hectorscope.session.snapshot import Snapshot
 from hectorscope.sources.bag import open_bag
 from hectorscope.web.server import PageServer
 from slam_core.results import StepResult
-from tests.conftest import chromium_path
+from tests.conftest import FLAGS, chromium_path
 from tests.live.conftest import started
 
 PATIENCE_MS = 120_000

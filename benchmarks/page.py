@@ -15,9 +15,9 @@ from typing import get_args
 
 from playwright.sync_api import Page, sync_playwright
 
-from benchmarks.screenshots import FLAGS, SIZE
+from benchmarks.screenshots import SIZE
 from hectorscope.cli.opening import Scene
-from tests.conftest import chromium_path
+from tests.conftest import FLAGS, chromium_path
 
 PORT = 8719
 TICKS = os.sysconf("SC_CLK_TCK")

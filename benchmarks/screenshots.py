@@ -29,7 +29,7 @@ from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
-from tests.conftest import ROOT, chromium_path
+from tests.conftest import FLAGS, ROOT, chromium_path
 from tests.scene import RESTS
 
 SIZES: dict[str, ViewportSize] = {
@@ -41,17 +41,6 @@ SIZES: dict[str, ViewportSize] = {
 }
 SIZE = SIZES["desk"]
 TABS = ("Live", "Filter", "Settings", "Display", "Export", "Log")
-FLAGS = [
-    "--no-sandbox",  # also runs as root, as in a container; it only opens our own page
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--disable-background-networking",
-    "--no-first-run",
-    # Where software draws, it would put the window together too, and draw a list of addresses that nobody sees.
-    "--disable-gpu-compositing",
-    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup,OptimizationHints,MediaRouter,PaintHolding",
-]
 READY = "!!window.__viserMutable?.nodeRefFromName?.['/robot'] && !!document.querySelector('.hs-run')"
 NOTICE = ".mantine-Notification-closeButton"
 PATIENCE_S = 120.0

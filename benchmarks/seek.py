@@ -18,7 +18,6 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
-from benchmarks.screenshots import FLAGS
 from benchmarks.tables import table
 from hectorscope.checks.sensor_check import CheckedSource
 from hectorscope.inputs import SourceOptions
@@ -29,7 +28,7 @@ from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
-from tests.conftest import chromium_path
+from tests.conftest import FLAGS, chromium_path
 
 DEMOS = (Path("demo_bags/arena.bag"), Path("demo_bags/littoral.mcap"))
 LOOK_S = 0.001

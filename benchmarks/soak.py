@@ -23,11 +23,10 @@ from typing import Any
 
 from playwright.sync_api import sync_playwright
 
-from benchmarks.screenshots import FLAGS
 from benchmarks.tables import table
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.simulation import SimulateOptions, simulate
-from tests.conftest import ROOT, chromium_path
+from tests.conftest import FLAGS, ROOT, chromium_path
 from tests.live.browsers import Client
 from tests.live.conftest import started
 from tests.live.measurements import TOPICS

@@ -27,9 +27,9 @@ from playwright.sync_api import BrowserContext, Playwright, sync_playwright
 
 from benchmarks import tables
 from benchmarks.page import cpu_seconds
-from benchmarks.screenshots import FLAGS, SIZE
+from benchmarks.screenshots import SIZE
 from hectorscope.cli.opening import Scene, demo_bag
-from tests.conftest import chromium_path
+from tests.conftest import FLAGS, chromium_path
 
 PORT = 8721
 RUNS = 5

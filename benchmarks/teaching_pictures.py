@@ -14,7 +14,7 @@ from typing import Any
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from benchmarks.screenshots import FLAGS, LOOK_MS, NOTICE, SIZES
+from benchmarks.screenshots import LOOK_MS, NOTICE, SIZES
 from hectorscope.cli.opening import demos
 from hectorscope.inputs import SourceOptions
 from hectorscope.run.settings import Settings
@@ -27,7 +27,7 @@ from hectorscope.sources import open_source
 from hectorscope.steering import PutBox, Request, SetFault, Steer
 from hectorscope.web.server import PageServer
 from slam_core.config import SlamConfig, with_values
-from tests.conftest import ROOT, chromium_path
+from tests.conftest import FLAGS, ROOT, chromium_path
 from tests.engines import until
 
 LOADED = "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-facts]') && hectorscope.linked()"

@@ -7,13 +7,13 @@ import time
 import numpy as np
 from playwright.sync_api import Page, sync_playwright
 
-from benchmarks.screenshots import FLAGS, SIZE
+from benchmarks.screenshots import SIZE
 from hectorscope.run.xray.specimen import specimen_of
 from hectorscope.session.commands import Seek
 from hectorscope.session.engine import Engine
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.web.server import PageServer
-from tests.conftest import chromium_path
+from tests.conftest import FLAGS, chromium_path
 from tests.engines import after, running, until
 from tests.scene import choose_own, look
 from tests.sources import MemoryRecording

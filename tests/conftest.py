@@ -19,6 +19,21 @@ NO_CHROMIUM = "no Chromium on the path: apt-get install chromium"
 # Before numba is loaded; processes that tests start inherit it.
 keep_compiled(ROOT / ".numba_cache")
 
+FLAGS = [  # of a Chromium that draws in software
+    "--no-sandbox",  # also runs as root, as in a container; it only opens our own page
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-quic",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    # Software graphics would put the window together too, and draw a list of addresses that nobody sees.
+    "--disable-gpu-compositing",
+    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup,OptimizationHints,MediaRouter,PaintHolding",
+]
+
 # A first call compiles a kernel: how long an example takes says nothing.
 settings.register_profile("compiled", deadline=None)
 settings.load_profile("compiled")

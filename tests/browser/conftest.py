@@ -19,19 +19,11 @@ from hectorscope.simulation import SceneOptions, SimulateOptions, Simulation, si
 from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
 from tests import panels
+from tests.conftest import FLAGS
 from tests.engines import START, running, until
 from tests.page import StillEngine, room_snapshot
 from tests.sources import MemoryRecording
 
-FLAGS = (
-    "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-    "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync",
-    # Without these a page takes a third more of a processor to open, and twice as much to draw: software graphics
-    # put the window together, and each new window has a page for an address bar that nobody sees.
-    "--disable-gpu-compositing",
-    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup,OptimizationHints,MediaRouter,PaintHolding",
-)  # fmt: skip
 SIZE: ViewportSize = {"width": 1000, "height": 640}
 KEPT = "localStorage.getItem('hectorscope') ?? localStorage.setItem('hectorscope', %s)"
 # The map is there and was drawn.
@@ -75,7 +67,7 @@ def browser(chromium: str) -> Iterator[Browser]:
     Not for the whole session: Playwright keeps an event loop running, beside which no other test could run one.
     """
     with sync_playwright() as playwright:
-        made = playwright.chromium.launch(executable_path=chromium, args=list(FLAGS))
+        made = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
         yield made
         made.close()
 

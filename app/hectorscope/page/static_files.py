@@ -44,8 +44,8 @@ def media_type(path: Path) -> str:
 def page(index: bytes, static: dict[str, File]) -> dict[str, File]:
     """The page of viser under our title, and the two files that its head names, by path.
 
-    They hold the style sheets and the scripts of static/'s top level, one after the other: forty requests take a
-    server that is just starting half a second, and browsers keep these two.
+    They hold the style sheets and the scripts of static/'s top level, one after the other: forty requests hold
+    up a server that is just starting, and browsers keep these two.
     """
     top = {path: file for path, file in static.items() if path.count("/") == 2}
     style, script = _joined(top, ".css"), _joined(top, ".js")

@@ -20,7 +20,7 @@ from hectorscope.session.other_scans import OtherScans
 from hectorscope.session.rework import Rework
 from hectorscope.session.snapshot import Ahead
 from slam_core.localization.prior_map import PriorMap
-from slam_core.measurements import LaserScan, Measurement
+from slam_core.measurements import Float64s, LaserScan, Measurement
 from slam_core.results import StepResult
 
 _numbers = count(1)
@@ -137,12 +137,11 @@ class ActiveRun:
         self.head = Head(source, self._begun, self.settings, self.checkpoints)
         return self.head
 
-    def other_scans(self, source: Source) -> OtherScans | None:
-        """Any scan that is known, by a reading of its own; None for a stream, and before the first item."""
+    def other_scans(self, source: Source, times: Float64s) -> OtherScans | None:
+        """Any of the known scans, by a reading of its own; None for a stream, and before the first item."""
         start_ns = self.pipeline.start_ns
         if source.live or start_ns is None or not isinstance(source, Rereadable):
             return None
-        times = self.ahead.series["time_s"]
         return OtherScans(source, start_ns, times, self.settings, self.checkpoints, self._begun)
 
     def twin(self) -> "ActiveRun":

@@ -11,7 +11,7 @@ from hectorscope.session.station_state import StationState
 
 def composed(session: Session, library: Library, control: Control, obeyed: int, station: StationState) -> Run:
     """By the engine's thread."""
-    comparison = session.named.comparison
+    comparison, ahead = session.named.comparison, session.newest.ahead
     return Run(
         source=session.source,
         pipeline=session.run.pipeline,
@@ -24,7 +24,7 @@ def composed(session: Session, library: Library, control: Control, obeyed: int, 
         station=station,
         question=control.questions.open,
         undo=session.undone.offer,
-        ahead=session.newest.ahead,
+        ahead=ahead,
         behind=session.intake.behind,
         lag=session.lag,
         kept_ns=session.kept_ns,
@@ -39,7 +39,7 @@ def composed(session: Session, library: Library, control: Control, obeyed: int, 
         downloads=control.beside.downloads.ready,
         drive=session.drive,
         rework=session.run.rework,
-        other_scans=session.run.other_scans(session.source),
+        other_scans=session.run.other_scans(session.source, ahead.series["time_s"]),
         compared=comparison.state(session.run.pipeline) if comparison else None,
     )
 

@@ -140,11 +140,17 @@ def test_a_belief_that_was_handed_out_stays_as_it_was(t: float) -> None:
 
 @pytest.mark.parametrize("wait", [0.0, 0.05])
 def test_what_was_kept_goes_on_to_the_last_byte(wait: float) -> None:
-    """Kept after any second, with matches in time or late: what follows is what would have followed."""
+    """Kept after any second, with matches in time or late: what follows is what would have followed.
+
+    The settings change half a second before some of them, so that estimates of both are kept.
+    """
     ride = gait()
     estimator, kept, pending = NavigationFilter(CONFIG), [], []
     for k, sample in enumerate(ride.samples(9.0, noise=1.0)):
         every = [estimator, *kept]
+        if k in (250, 450, 451):
+            for each in every:
+                each.configure(replace(CONFIG, gyro_noise=CONFIG.gyro_noise * (1 + k)))
         for each in every:
             each.predict(sample)
         if estimator.ready and k % 4 == 0:
