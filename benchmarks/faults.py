@@ -114,6 +114,7 @@ def killed(folder: Path, seconds: float, kills: int = KILLS) -> Outcome:
 
 
 def _relayed(recording: Path, fault: Fault) -> Outcome:
+    given = Counter(_topics(recording))
     server = started(recording, *TOPICS)
     try:
         with (
@@ -121,8 +122,7 @@ def _relayed(recording: Path, fault: Fault) -> Outcome:
             opened(relay.uri) as source,
             running(source, Settings()) as engine,
         ):
-            assert server.process.stdout is not None
-            server.process.stdout.readline()  # it has sent everything
+            until(engine, lambda _: relay.sent == given, PATIENCE_S)
             now = until(engine, lambda now: now.report.read == relay.passed and is_settled(now), PATIENCE_S)
     finally:
         server.kill()

@@ -124,10 +124,10 @@ class Relay:
                 self._topics[event.id] = event.topic
             if isinstance(event, Payload) and isinstance(frame, bytes):
                 topic = self._topics[event.subscription]
-                self.sent[topic] += 1
                 frames = self._fault.passed(topic, frame)
                 for each in frames:
                     self._count(each)
+                self.sent[topic] += 1  # the last: whoever sees it sees what became of it
                 return frames
         return [frame]
 
