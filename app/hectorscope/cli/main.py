@@ -279,7 +279,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 description="Hector SLAM on a recording or a live robot, with every step shown in the browser."
                 " --version alone prints the version.",
                 args=given,
-                config=(tyro.conf.DisallowNone,),
+                config=(tyro.conf.DisallowNone, tyro.conf.HelptextFromCommentsOff),
             )
     except SlamError as error:
         print(f"hectorscope: {printable(' '.join(str(error).split()))}", file=sys.stderr)

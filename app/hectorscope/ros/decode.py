@@ -49,10 +49,11 @@ def decoder(
     one name do not get in each other's way.
     """
     standard = _standard(generation)
-    store = (_defined(msgtype, definition, form) if definition else None) or standard
+    store = (_defined(msgtype, definition, form, standard) if definition else None) or standard
     if msgtype not in store.fielddefs:
         return None
-    if store is not standard and msgtype in standard.fielddefs:
+    is_standard = store is standard
+    if not is_standard and msgtype in standard.fielddefs:
         _check(store, standard, msgtype)
     deserialise = store.deserialize_ros1 if generation == "ros1" else store.deserialize_cdr
 
@@ -62,20 +63,24 @@ def decoder(
         except (SerdeError, ValueError, IndexError) as error:
             raise BadMessage(f"bytes that are no {msgtype}") from error
 
-    _try(decode, msgtype)
-    quick = quick_reader(msgtype, ros1=generation == "ros1")
-    if quick is None or not _same(store, standard, msgtype):
-        return decode
-    return lambda raw: quick(raw) or decode(raw)
+    if not is_standard:
+        _try(decode, msgtype)
+    quick = quick_reader(msgtype, ros1=generation == "ros1") if is_standard else None
+    return decode if quick is None else lambda raw: quick(raw) or decode(raw)
 
 
-def _defined(msgtype: str, definition: str, form: DefinitionFormat) -> Typestore | None:
-    """The types of a definition; None where it is missing, cannot be parsed or leaves out a type it uses."""
+def _defined(msgtype: str, definition: str, form: DefinitionFormat, standard: Typestore) -> Typestore | None:
+    """The types of a definition: the standard ones where it says the same.
+
+    None: it cannot be parsed or leaves out a type it uses. BadDefinition: it cannot be one, or cannot be read.
+    """
     if len(definition) > LONGEST_DEFINITION:
         raise BadDefinition(f"its definition of {msgtype} is too long to be one")
     store = get_typestore(Stores.EMPTY)
     try:
         types = _parsed(msgtype, definition, form)
+        if _is_standard(types, standard, msgtype):
+            return standard
         _check_size(types, msgtype)
         store.register(types)
         store.get_msgdef(msgtype)
@@ -168,13 +173,14 @@ def _kind(field: Any) -> tuple[str, ...]:
     return ("float",) if word.startswith("float") else ("integer",) if "int" in word else (word,)
 
 
-def _same(one: Typestore, other: Typestore, msgtype: str) -> bool:
-    """Whether two stores agree about a type, down to the numbers it is made of."""
-    if one is other:
-        return True
-    fields = one.fielddefs[msgtype][1]
-    names = re.findall(r"[\w]+/msg/[\w]+", str(fields))
-    return fields == other.fielddefs[msgtype][1] and all(_same(one, other, name) for name in names)
+def _is_standard(types: Types, standard: Typestore, msgtype: str) -> bool:
+    """Whether types agree with the standard about one of them, down to the numbers it is made of."""
+    if msgtype not in types:
+        return msgtype in standard.fielddefs
+    if msgtype not in standard.fielddefs or types[msgtype][1] != standard.fielddefs[msgtype][1]:
+        return False
+    nested = filter(None, (_nested(field) for _, field in types[msgtype][1]))
+    return all(_is_standard(types, standard, name) for name in nested)
 
 
 def definition_of(msgtype: str, type_hash: str) -> str | None:

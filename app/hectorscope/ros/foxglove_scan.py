@@ -1,4 +1,7 @@
-"""foxglove.LaserScan in JSON or protobuf, as the ROS message that it stands for."""
+"""foxglove.LaserScan in JSON or protobuf, as the ROS message that it stands for.
+
+What few streams need, protobuf and the message types of ROS 2, is loaded with the first of them.
+"""
 
 import base64
 import json
@@ -8,8 +11,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
-from google.protobuf.message import DecodeError
 from rosbags.typesys import Stores, get_typestore
 
 from hectorscope.ros.decode import BadDefinition
@@ -21,8 +22,7 @@ ENCODINGS = ("json", "protobuf")
 MOST_BEAMS = 1 << 20
 NEAREST = 0.01  # m: the schema has no limits; 0 is no distance
 AXES = ("x", "y", "z")
-WRONG = (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, struct.error, DecodeError)
-_store = get_typestore(Stores.ROS2_HUMBLE)
+WRONG = (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, struct.error)
 
 ToCdr = Callable[[bytes | memoryview], bytes]
 
@@ -75,6 +75,9 @@ def _json(data: bytes) -> _Scan:
 
 
 def _protobuf(schema: str) -> Callable[[bytes], _Scan]:
+    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory  # noqa: PLC0415
+    from google.protobuf.message import DecodeError  # noqa: PLC0415
+
     pool = descriptor_pool.DescriptorPool()
     try:
         for file in descriptor_pb2.FileDescriptorSet.FromString(base64.b64decode(schema)).file:
@@ -84,7 +87,10 @@ def _protobuf(schema: str) -> Callable[[bytes], _Scan]:
         raise BadDefinition(f"its definition does not define {SCHEMA}") from error
 
     def read(data: bytes) -> _Scan:
-        said: Any = message.FromString(data)
+        try:
+            said: Any = message.FromString(data)
+        except DecodeError as error:
+            raise ValueError("cut off") from error
         parts = (said.pose.position, said.pose.orientation)
         offset = tuple(float(getattr(part, axis)) for part in parts for axis in AXES)
         stamp = said.timestamp
@@ -102,7 +108,8 @@ def _serialised(scan: _Scan) -> bytes:
     if ranges.ndim != 1 or not 0 < len(ranges) <= MOST_BEAMS:
         raise ValueError("no beams")
     first, last = float(scan.first), float(scan.last)
-    types = _store.types
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    types = store.types
     stamp = types["builtin_interfaces/msg/Time"](sec=scan.sec, nanosec=scan.nanosec)
     message = types[SCAN](
         header=types["std_msgs/msg/Header"](stamp=stamp, frame_id=scan.frame),
@@ -116,4 +123,4 @@ def _serialised(scan: _Scan) -> bytes:
         ranges=ranges,
         intensities=np.empty(0, np.float32),
     )
-    return bytes(_store.serialize_cdr(message, SCAN))
+    return bytes(store.serialize_cdr(message, SCAN))

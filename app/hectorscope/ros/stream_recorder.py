@@ -10,8 +10,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from mcap.writer import CompressionType, Writer
-
 from hectorscope.common.paths import exists
 from hectorscope.inputs import Message
 from slam_core.errors import SlamError
@@ -148,6 +146,8 @@ class _Part:
     """One file. What was flushed can be read whatever becomes of the rest."""
 
     def __init__(self, path: Path, now: float) -> None:
+        from mcap.writer import CompressionType, Writer  # noqa: PLC0415
+
         self.file: BinaryIO = path.open("xb")
         self.begun = self._synced = now
         self._flushed = 0

@@ -14,7 +14,6 @@ from rosbags.interfaces import Connection, MessageDefinitionFormat
 from hectorscope.common.paths import absence, exists
 from hectorscope.inputs import SourceError
 from hectorscope.ros.stream_recorder import PART
-from hectorscope.sources._limited_readers import LimitedReader
 from hectorscope.sources._mcap_scan import scan_mcap
 from hectorscope.sources._recording import NOTHING, Channel, Passed, Raw, Recording, by_scanning, joined
 from hectorscope.sources._rosbag_index import BagIndex
@@ -190,6 +189,8 @@ class _Readers:
                 self.close()
 
     def _opened(self) -> Any:
+        from hectorscope.sources._limited_readers import LimitedReader  # noqa: PLC0415
+
         reader = LimitedReader(self._path)
         reader.open()
         for storage in getattr(reader.storage, "storages", [reader.storage]):

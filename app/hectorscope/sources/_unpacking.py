@@ -5,12 +5,15 @@ import tempfile
 from collections.abc import Iterable
 from itertools import accumulate
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import lz4.frame
 import zstandard
-from rosbags.rosbag2.storage_mcap import ChunkInfo
 
 from hectorscope.inputs import SourceError
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2.storage_mcap import ChunkInfo
 
 LARGEST_CHUNK = 2**27  # bytes; recorders write chunks of 0.75 MB by default, and some MB at most
 LARGEST_AT_ONCE = 2**29  # bytes of chunks whose times overlap: they are unpacked together, to be sorted
@@ -47,7 +50,7 @@ def _read_zstd(data: bytes | memoryview, most: int) -> bytes:
         raise RuntimeError(f"no zstd data ({error})") from error
 
 
-def check_overlap(chunks: Iterable[ChunkInfo]) -> None:
+def check_overlap(chunks: "Iterable[ChunkInfo]") -> None:
     """ValueError if more would be unpacked at once than there should be."""
     edges = [edge for chunk in chunks for edge in _edges(chunk)]
     most = max(accumulate(size for _, size in sorted(edges)), default=0)
@@ -55,7 +58,7 @@ def check_overlap(chunks: Iterable[ChunkInfo]) -> None:
         raise ValueError(f"its chunks of one time unpack to {most / 1e6:.0f} MB")
 
 
-def _edges(chunk: ChunkInfo) -> tuple[tuple[int, int], tuple[int, int]]:
+def _edges(chunk: "ChunkInfo") -> tuple[tuple[int, int], tuple[int, int]]:
     """When a chunk is unpacked and when it is let go, with the bytes more and less."""
     size = min(chunk.uncompressed_size, LARGEST_CHUNK)
     return (chunk.message_start_time, size), (chunk.message_end_time + 1, -size)
