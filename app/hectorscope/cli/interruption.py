@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 RETRY_S = 0.05
@@ -19,7 +20,13 @@ def ended_by_interruption() -> Iterator[None]:
 
     A signal that whoever started the program has it ignore, as `nohup` does, stays ignored.
     """
-    with _handled(signal.default_int_handler):
+    asked = threading.Event()
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        asked.set()
+        raise KeyboardInterrupt
+
+    with _handled(interrupt), _unraisable_after(asked):
         yield
 
 
@@ -31,10 +38,11 @@ def undisturbed() -> Iterator[None]:
 
 
 @contextmanager
-def delivered_later() -> Iterator[None]:
-    """An interruption that got lost in a callback of compiled code is raised again a moment later.
+def _unraisable_after(interruption: threading.Event) -> Iterator[None]:
+    """What Python can only print: an interruption comes again a moment later, and its consequences are not told.
 
-    Python cannot raise through the compiler's callbacks: it prints the exception and forgets it.
+    Python cannot raise through the compiler's callbacks: it would print the interruption and forget it. An object
+    of the compiler that the interruption left half made fails when it is freed.
     """
     previous = sys.unraisablehook
 
@@ -43,7 +51,7 @@ def delivered_later() -> Iterator[None]:
             again = threading.Timer(RETRY_S, _thread.interrupt_main)
             again.daemon = True
             again.start()
-        else:
+        elif not interruption.is_set():
             previous(lost)
 
     sys.unraisablehook = hook

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from hectorscope.cli.interruption import delivered_later, ended_by_interruption
+from hectorscope.cli.interruption import ended_by_interruption
 from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, get_ready, opened
 from hectorscope.cli.options import (
     ExportArg,
@@ -253,7 +253,12 @@ def _simulate_command(wanted: bool) -> Callable[..., None]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code: 2 for a mistake, with a line on stderr; 3: lost; 130: interrupted."""
-    arguments = (sys.argv[1:] if arguments is None else arguments) or ["view"]
+    with ended_by_interruption():
+        return _exit_code(sys.argv[1:] if arguments is None else arguments)
+
+
+def _exit_code(arguments: Sequence[str]) -> int:
+    arguments = arguments or ["view"]
     if list(arguments) == ["--version"]:
         print(f"hectorscope {version('hectorscope')}")
         return 0
@@ -270,7 +275,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
     }
     try:
-        with ended_by_interruption(), delivered_later(), help_asked(arguments) as given:
+        with help_asked(arguments) as given:
             _refuse_empty(given)
             keep_compiled(*cache_places())
             code = tyro.extras.subcommand_cli_from_dict(
