@@ -25,7 +25,7 @@ IMPORTED_AS = {
 }
 OURS = {"hectorscope", "slam_core", "tests", "benchmarks"}
 FOLDERS = {
-    "app": ("cluster", "parquet", "publish", "zenoh"),
+    "app": ("cluster", "dds", "parquet", "publish", "zenoh"),
     "slam_core": (),
     "tests": ("test", "check"),
     "benchmarks": ("test", "bench"),

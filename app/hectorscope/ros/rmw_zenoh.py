@@ -12,6 +12,8 @@ import struct
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from hectorscope.ros.dds_names import dds_type, ros_type
+
 FORM = "zenoh://HOST:PORT/DOMAIN"
 PORT = 7447
 ADDRESS = re.compile(
@@ -70,18 +72,18 @@ def publication(token: str) -> Publication | None:
     parts = token.split("/")
     if len(parts) != PARTS or parts[5] != PUBLISHER:
         return None
-    domain, topic, dds_type, type_hash, qos = parts[1], parts[9].replace("%", "/"), *parts[10:]
-    names = dds_type.removesuffix("_").split("::")
-    if len(names) != 4 or names[2] != "dds_" or not dds_type.endswith("_"):
+    domain, topic, name, type_hash, qos = parts[1], parts[9].replace("%", "/"), *parts[10:]
+    msgtype = ros_type(name)
+    if msgtype is None:
         return None
     durability = qos.split(":")[1] if ":" in qos else ""
-    key = _key(domain, topic, dds_type, type_hash)
-    return Publication(topic, f"{names[0]}/{names[1]}/{names[3]}", type_hash, key, durability == TRANSIENT_LOCAL)
+    key = _key(domain, topic, name, type_hash)
+    return Publication(topic, msgtype, type_hash, key, durability == TRANSIENT_LOCAL)
 
 
 def announced(domain: int, topic: str, msgtype: str, type_hash: str, *, is_latched: bool) -> Publication:
     """A topic that we publish."""
-    return Publication(topic, msgtype, type_hash, _key(domain, topic, _dds_type(msgtype), type_hash), is_latched)
+    return Publication(topic, msgtype, type_hash, _key(domain, topic, dds_type(msgtype), type_hash), is_latched)
 
 
 def token_of(found: Publication, session: str, number: int, node: str, depth: int) -> str:
@@ -90,7 +92,7 @@ def token_of(found: Publication, session: str, number: int, node: str, depth: in
     topic, durability = found.topic.replace("/", "%"), TRANSIENT_LOCAL if found.is_latched else ""
     qos = f":{durability}:,{depth}:,:,:,,"
     words = ("@ros2_lv", domain, session, "0", str(number), PUBLISHER, "%", "%", node, topic)
-    return "/".join((*words, _dds_type(found.msgtype), found.type_hash, qos))
+    return "/".join((*words, dds_type(found.msgtype), found.type_hash, qos))
 
 
 def attachment(number: int, time_ns: int, identity: bytes) -> bytes:
@@ -98,13 +100,8 @@ def attachment(number: int, time_ns: int, identity: bytes) -> bytes:
     return ATTACHMENT.pack(number, time_ns) + bytes([len(identity)]) + identity
 
 
-def _dds_type(msgtype: str) -> str:
-    package, group, name = msgtype.split("/")
-    return f"{package}::{group}::dds_::{name}_"
-
-
-def _key(domain: str | int, topic: str, dds_type: str, type_hash: str) -> str:
-    return f"{domain}/{topic.strip('/')}/{dds_type}/{type_hash}"
+def _key(domain: str | int, topic: str, type_name: str, type_hash: str) -> str:
+    return f"{domain}/{topic.strip('/')}/{type_name}/{type_hash}"
 
 
 def sent_ns(attached: bytes | None) -> int | None:

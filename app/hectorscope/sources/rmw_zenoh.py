@@ -7,7 +7,6 @@ from queue import Empty, Full, Queue
 from typing import Any
 
 from hectorscope.inputs import SourceError, SourceOptions
-from hectorscope.ros.decode import definition_of
 from hectorscope.ros.rmw_zenoh import (
     ALL_TOKENS,
     FORM,
@@ -21,7 +20,8 @@ from hectorscope.ros.rmw_zenoh import (
 )
 from hectorscope.sources import stream
 from hectorscope.sources._live import LiveSource
-from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
+from hectorscope.sources._offers import Event, Offer, Payload, Withdrawal
+from hectorscope.sources._ros2_offers import ros2_offer
 
 TIMEOUT_MS = 1000  # of one attempt
 SCOUT_S = 1.0  # for the answers of routers
@@ -110,7 +110,8 @@ class ZenohWire:
         (others.add if is_new else others.discard)(token)
         if is_new and not were:
             self._publications[number] = found
-            self._put(offer(number, found))
+            known_hash = "" if found.type_hash == NO_HASH else found.type_hash
+            self._put(ros2_offer(number, found.topic, found.msgtype, known_hash))
         elif were and not others:
             self._put(Withdrawal(number))
 
@@ -134,14 +135,6 @@ class ZenohWire:
     def close(self) -> None:
         """End the session."""
         self._is_closed = True
-
-
-def offer(number: int, found: Publication) -> Event:
-    """A topic with the definition that its hash names, which may be of another ROS 2 than the standard one."""
-    definition = "" if found.type_hash == NO_HASH else definition_of(found.msgtype, found.type_hash)
-    if definition is None:
-        return Malformed(f"{found.topic}: its {found.msgtype} is that of no ROS 2 that is known")
-    return Offer(number, found.topic, "cdr", found.msgtype, definition)
 
 
 def scouted(seconds: float = SCOUT_S) -> list[str]:
