@@ -5,7 +5,8 @@
 //
 // A file has for each topic its name, its type, and L (latched), R (reliable) or B (best effort); then the
 // messages with the number of their topic and the time after the start. Latched messages are sent at once, the
-// others after each of their topics was subscribed to. Everything stays on the loopback interface.
+// others after each topic was subscribed to, and the latched ones were received. Everything stays on the loopback
+// interface.
 
 #include <chrono>
 #include <cstdint>
@@ -157,8 +158,10 @@ int publish(uint32_t domain, const char* path) {
         const auto after = std::chrono::nanoseconds(value<int64_t>(file));
         Bytes bytes = block(file);
         if (!to.is_latched && !is_paced) {
-            for (const auto& one : writers)
-                while (!one.is_latched && !is_heard(one)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            for (const auto& one : writers) {
+                while (!is_heard(one)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                if (one.is_latched) one.writer->wait_for_acknowledgments({60, 0});
+            }
             is_paced = true;
             start = std::chrono::steady_clock::now();
         }

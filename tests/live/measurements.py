@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hectorscope.inputs import Item, Source, SourceOptions
 from hectorscope.sources import open_source
@@ -39,3 +40,8 @@ def opened(uri: str | Path) -> Iterator[Source]:
 def recorded(path: Path) -> list[Item]:
     with opened(path) as source:
         return list(source.items())
+
+
+def poses(start_ns: int, rows: NDArray[np.float64]) -> tuple[list[int], bytes]:
+    """The nanoseconds of a trajectory and the bytes of its poses; runs may count from different starts."""
+    return [start_ns + round(seconds * 1e9) for seconds in rows[:, 0]], rows[:, 1:].tobytes()

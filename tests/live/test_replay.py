@@ -6,9 +6,7 @@ from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Settings
@@ -16,7 +14,7 @@ from hectorscope.session.feeder import Feeder
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import running, state, until
 from tests.live.conftest import Replay
-from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, recorded
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, poses, recorded
 
 
 @pytest.mark.parametrize("drive", ["ros1.bag", "ros2.mcap"], indirect=True)
@@ -84,11 +82,6 @@ def test_a_killed_server_is_waited_for(drive: Path, replay: Callable[..., Replay
         after = next(item for item in items if isinstance(item, Imu) and item.stamp_ns >= resumed_ns)
         assert after.stamp_ns < resumed_ns + 100_000_000
         assert source.report.waiting == ""
-
-
-def poses(start_ns: int, rows: NDArray[np.float64]) -> tuple[list[int], bytes]:
-    """The nanoseconds of a trajectory and the bytes of its poses; runs may count from different starts."""
-    return [start_ns + round(seconds * 1e9) for seconds in rows[:, 0]], rows[:, 1:].tobytes()
 
 
 def test_a_live_run_gives_the_trajectory_of_the_file(drive: Path, replay: Callable[..., Replay]) -> None:

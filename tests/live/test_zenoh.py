@@ -8,6 +8,7 @@ import pytest
 
 from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.run.settings import Settings
+from hectorscope.run.warmup import load_everything
 from hectorscope.sources import open_source
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import running, until
@@ -31,6 +32,7 @@ def test_zenoh_gives_the_measurements_of_the_file(drive: Path, replay: Callable[
 
 def test_a_killed_router_is_waited_for(drive: Path, replay: Callable[..., Replay]) -> None:
     """When the router dies in the middle and another one takes its place, the same run goes on."""
+    load_everything()  # six seconds of driving are over before the kernels are compiled
     first = replay(drive, *TOPICS, scheme="zenoh")
     with opened(first.uri) as source, running(source, Settings()) as engine:
         before = until(engine, lambda now: now.scans >= 5, GIVE_UP_S)
