@@ -18,6 +18,7 @@ from rosbags.typesys import Stores, get_typestore
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 LATCHED, RELIABLE, BEST_EFFORT = "L", "R", "B"
+KINDS = {"/tf_static": LATCHED, "/scan": BEST_EFFORT}
 INSTALL = "sudo apt-get install g++ libfastrtps-dev libfastcdr-dev"
 GIVE_UP_S = 60.0
 # Below the ports that systems give away by themselves, and away from those that people use.
@@ -96,10 +97,11 @@ def recorded(path: Path, topics: Sequence[str], *, speed: float = 1.0, begin: fl
         wanted = [c for c in reader.connections if c.topic in topics]
         begin_ns = reader.start_time + round(begin * 1e9)
         types = {c.topic: c.msgtype for c in wanted}
-        kinds = {topic: BEST_EFFORT if "scan" in topic else RELIABLE for topic in types} | {"/tf_static": LATCHED}
-        kept = [c for c in wanted if c.topic == "/tf_static"]
-        live = [c for c in wanted if c.topic != "/tf_static"]
-        messages = [(c.topic, 0, bytes(data)) for c, _, data in reader.messages(kept)]
+        kinds = {topic: KINDS.get(topic, RELIABLE) for topic in types}
+        kept = [c for c in wanted if kinds[c.topic] == LATCHED]
+        live = [c for c in wanted if kinds[c.topic] != LATCHED]
+        # Without connections, the reader would take all of them.
+        messages = [(c.topic, 0, bytes(data)) for c, _, data in reader.messages(kept)] if kept else []
         for c, stamp_ns, data in reader.messages(live, start=begin_ns):
             messages.append((c.topic, round((stamp_ns - begin_ns) / speed), bytes(data)))
     return Spoken(types, kinds, messages)

@@ -42,8 +42,8 @@ Bag = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(help=BAG)]
 
 ADDRESS = (
     "A Foxglove bridge (ws://HOST:PORT or wss://HOST:PORT), a rosbridge (rosbridge://HOST:PORT or"
-    " rosbridges://HOST:PORT), a Zenoh router of ROS 2 (zenoh://HOST:PORT/DOMAIN), an MCAP that is being written"
-    " (file://PATH), or - for one on the standard input."
+    " rosbridges://HOST:PORT), a Zenoh router of ROS 2 (zenoh://HOST:PORT/DOMAIN), a DDS domain of ROS 2"
+    " (dds://DOMAIN), an MCAP that is being written (file://PATH), or - for one on the standard input."
 )
 
 MISTAKE = 2

@@ -66,7 +66,9 @@ class DdsWire:
     def status(self) -> str:
         """Why nothing flows right now; empty while somebody publishes."""
         if self._is_barred:
-            return f"DDS domain {self._domain} cannot be joined: check the network, and CYCLONEDDS_URI if it is set"
+            return (
+                f"DDS domain {self._domain} cannot be joined: check the network, and CYCLONEDDS_URI if it is set"
+            )
         if any(topic.publishers for topic in self._topics.values()):
             return ""
         return (
