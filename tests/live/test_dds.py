@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
@@ -44,7 +46,7 @@ def robot(program: Path, domain: int, tmp_path: Path) -> Iterator[Callable[[Spok
 
     def start(spoken: Spoken) -> Peer:
         path = spoken.write(tmp_path / f"spoken{len(peers)}")
-        peers.append(Peer(program, "publish", str(domain), str(path)))
+        peers.append(Peer(program, str(domain), str(path)))
         return peers[-1]
 
     yield start
@@ -162,6 +164,24 @@ def test_a_domain_without_a_robot_is_waited_for(domain: int) -> None:
         assert f"nobody publishes in DDS domain {domain}" in source.report.waiting
         source.close()
         assert list(source.items()) == []
+
+
+def test_a_domain_that_cannot_be_joined_is_tried_again(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The network is missing: the source says so, with the remedy, and ends when it is closed."""
+    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK.replace("'lo'", "'missing'"))
+    with opened(f"dds://{domain}") as source:
+        received: list[object] = []
+        listener = threading.Thread(target=lambda: received.extend(source.items()))
+        listener.start()
+        deadline = time.monotonic() + GIVE_UP_S
+        while "cannot be joined" not in source.report.waiting and time.monotonic() < deadline:
+            time.sleep(0.01)
+        waiting = source.report.waiting
+        source.close()
+        listener.join(GIVE_UP_S)
+    assert f"DDS domain {domain} cannot be joined: check the network" in waiting
+    assert not listener.is_alive()
+    assert received == []
 
 
 @pytest.mark.parametrize("uri", ["dds://", "dds://x", "dds://300", "dds://-1", "dds://0/1", "dds://robot:7400"])

@@ -48,7 +48,7 @@ def decoder(
     whose fields everything relies, or cannot be used. Each decoder keeps its own types, so that two definitions of
     one name do not get in each other's way.
     """
-    standard = _standard(generation)
+    standard = standard_types(generation)
     store = (_defined(msgtype, definition, form, standard) if definition else None) or standard
     if msgtype not in store.fielddefs:
         return None
@@ -197,7 +197,7 @@ def definition_of(msgtype: str, type_hash: str) -> str | None:
 
 
 @cache
-def _standard(generation: Generation) -> Typestore:
+def standard_types(generation: Generation) -> Typestore:
     """Recordings without definitions are of Humble or older; the ROS 1 types lack tf2_msgs."""
     if generation == "ros2":
         return get_typestore(Stores.ROS2_HUMBLE)

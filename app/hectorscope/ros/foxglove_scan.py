@@ -1,6 +1,6 @@
 """foxglove.LaserScan in JSON or protobuf, as the ROS message that it stands for.
 
-What few streams need, protobuf and the message types of ROS 2, is loaded with the first of them.
+Protobuf, which few streams need, is loaded with the first of them.
 """
 
 import base64
@@ -11,9 +11,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from rosbags.typesys import Stores, get_typestore
 
-from hectorscope.ros.decode import BadDefinition
+from hectorscope.ros.decode import BadDefinition, standard_types
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.roles import SCAN
 
@@ -108,7 +107,7 @@ def _serialised(scan: _Scan) -> bytes:
     if ranges.ndim != 1 or not 0 < len(ranges) <= MOST_BEAMS:
         raise ValueError("no beams")
     first, last = float(scan.first), float(scan.last)
-    store = get_typestore(Stores.ROS2_HUMBLE)
+    store = standard_types("ros2")  # one store for all scans: each makes its serialiser anew
     types = store.types
     stamp = types["builtin_interfaces/msg/Time"](sec=scan.sec, nanosec=scan.nanosec)
     message = types[SCAN](

@@ -21,8 +21,8 @@ from websockets.uri import parse_uri
 
 from hectorscope.common.terminal import silent_logger
 from hectorscope.inputs import LinkOptions, SourceError
+from hectorscope.sources._backoff import FIRST_PAUSE_S, longer
 
-FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.25, 5.0
 CONNECT_TIMEOUT_S = 5.0
 PING_INTERVAL_S, PING_TIMEOUT_S = 5.0, 10.0  # without an answer the link counts as lost
 # A robot with hundreds of topics sends megabytes of definitions in one frame; nothing honest is larger.
@@ -105,7 +105,7 @@ class Link:
         while not self._closed.wait(pause):
             connection = self._connection or self._reconnect(pause)
             if connection is None:
-                pause = min(max(FIRST_PAUSE_S, 2.0 * pause), LONGEST_PAUSE_S)
+                pause = longer(pause)
                 continue
             pause = FIRST_PAUSE_S
             yield self._frames(connection)

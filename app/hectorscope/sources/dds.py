@@ -10,11 +10,11 @@ from hectorscope.inputs import SourceError, SourceOptions
 from hectorscope.ros.dds import FORM, HIGHEST, MODULE, REMEDY, domain, quality, raw_type, type_hash
 from hectorscope.ros.dds_names import dds_topic, ros_topic, ros_type
 from hectorscope.sources import stream
+from hectorscope.sources._backoff import longer
 from hectorscope.sources._live import LiveSource
 from hectorscope.sources._offers import Event, Offer, Payload, Withdrawal
 from hectorscope.sources._ros2_offers import ros2_offer
 
-FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.25, 5.0  # between two attempts to join
 LOOK_NS = 200_000_000
 MOST_TAKEN = 500  # samples of a topic at a time
 DEPTH = 5000  # messages of a topic that wait; beyond, the oldest are dropped, and no publisher is held up
@@ -92,7 +92,7 @@ class DdsWire:
                 self._participant = DomainParticipant(self._domain)
             except DDSException:
                 self._is_barred = True
-                pause = min(max(FIRST_PAUSE_S, 2.0 * pause), LONGEST_PAUSE_S)
+                pause = longer(pause)
                 continue
             self._is_barred = False
             try:
