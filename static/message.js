@@ -26,6 +26,7 @@
     box.hidden = !message;
     if (!message) return;
     box.dataset.hsKind = message.kind;
+    box.classList.toggle("hs-brief", !message.detail);
     for (const [name, part] of parts) if (part.textContent !== message[name]) part.textContent = message[name];
     place();
   }

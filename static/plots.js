@@ -95,6 +95,7 @@
     const element = Object.assign(document.createElement("figure"), { hidden: true }); // until it is drawn
     element.innerHTML = `<figcaption><b></b></figcaption><div class="hs-canvas"><canvas role="img"></canvas><i class="hs-cursor" hidden></i></div>`;
     element.querySelector("b").textContent = chart.title;
+    element.querySelector("figcaption").classList.toggle("hs-several", chart.curves.length > 1);
     const values = chart.curves.map((curve) => {
       const entry = Object.assign(document.createElement("button"), { type: "button", className: "hs-entry", title: "Show or hide" });
       entry.addEventListener("click", () => toggleCurve(chart, curve));

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, Page, ViewportSize, expect
 
 from hectorscope.run.map_image import MapImage
-from tests.browser.conftest import Open, Show
+from tests.browser.conftest import READY, Open, Show
 from tests.page import RESOLUTION, room_maps, room_snapshot
 from tests.scene import PROJECT, RESTS, choose_own, look, node
 
@@ -115,6 +115,7 @@ def test_each_browser_has_its_own_theme_layout_and_layers(show: Show, open_page:
         one.wait_for_function("window.__viserMutable.nodeRefFromName['/floor/map/level1']?.visible")
         one.wait_for_function("window.__viserMutable.nodeRefFromName['/robot']?.visible === false")
         one.reload()
+        one.wait_for_function(READY)
     expect(two.locator("html")).to_have_attribute("data-mantine-color-scheme", "dark")
     assert [node(two, name)["visible"] for name in ("/floor/map/level0", "/robot")] == [True, True]  # type: ignore[index]
 
