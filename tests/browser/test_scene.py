@@ -8,6 +8,7 @@ from playwright.sync_api import Page
 
 from hectorscope.page.theme import DARK, LIGHT, Rgb, Theme, css, for_lines
 from tests.browser.conftest import Open, Show
+from tests.cases import quick_first
 from tests.page import LEVELS, room_snapshot, step_result
 from tests.scene import PROJECT, choose_own, is_near, look, names, node, wait_for_pixel
 
@@ -43,7 +44,7 @@ def expect(page: Page, place: tuple[float, ...], colour: Rgb) -> None:
     assert is_near(seen, colour), f"at {place}"
 
 
-@pytest.mark.parametrize("level", range(LEVELS))
+@pytest.mark.parametrize("level", quick_first(range(LEVELS)))
 def test_each_level_shows_its_cells(again: Open, level: int) -> None:
     """Alone and from above, every level has free, occupied and unknown cells where the map has them."""
     page = again(layout="one", level=level, layers={"grid": False})
@@ -88,7 +89,7 @@ def test_levels_stack_without_hiding_the_finest_from_above(again: Open) -> None:
     expect(page, FREE, DARK.free)
 
 
-@pytest.mark.parametrize("layout", ["stacked", "side"])
+@pytest.mark.parametrize("layout", quick_first(["stacked", "side"]))
 def test_the_first_view_fits_the_map(show: Show, open_page: Open, layout: str) -> None:
     """Who opens the page sees all levels inside the window, at a size that fills it."""
     page = open_page(show.url, own={"layout": layout, "plots": "off"})

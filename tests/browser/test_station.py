@@ -18,6 +18,7 @@ from hectorscope.session.station_state import StationState
 from hectorscope.web.server import PageServer
 from slam_core.results import Verdict
 from tests.browser.conftest import PATIENCE, Open, Show
+from tests.cases import quick_first
 from tests.page import StillEngine, room_snapshot
 from tests.pictures import noise_bytes, picture_bytes
 from tests.scene import PROJECT, choose_own, look
@@ -87,7 +88,7 @@ def above(page: Page) -> Page:
     return page
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", quick_first(SIZES))
 def test_a_click_sets_a_mark_and_a_drag_the_pose(show: Show, open_page: Open, size: str) -> None:
     """At the place that was clicked, on every screen; the camera stays while the pose is dragged."""
     show.engine.show(live())

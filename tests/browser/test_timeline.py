@@ -17,6 +17,7 @@ from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.web.server import PageServer
 from slam_core.measurements import LaserScan
 from tests.browser.conftest import Open
+from tests.cases import quick_first
 from tests.engines import START, after, until
 from tests.sources import MemoryRecording, MemoryStream
 from tests.streams import Robot
@@ -156,7 +157,7 @@ def test_a_change_of_settings_is_a_mark(bench: Bench, open_page: Open) -> None:
     page.wait_for_function(f"{STATE}.whole && {STATE}.known > 9")
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", quick_first(SIZES, 2))
 def test_a_strip_of_any_series_is_shown_over_the_whole_recording(bench: Bench, open_page: Open, size: str) -> None:
     """Also behind what is shown; the choice stays in the browser. Nothing of it is outside of the window."""
     page = opened(bench, open_page, size)

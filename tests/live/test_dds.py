@@ -16,6 +16,7 @@ from hectorscope.run.settings import Settings
 from hectorscope.run.warmup import load_everything
 from hectorscope.sources import open_source
 from slam_core.measurements import Imu, LaserScan
+from tests.cases import quick_first
 from tests.engines import running, until
 from tests.live import fastdds
 from tests.live.fastdds import LOOPBACK, Peer, Spoken, reserved_domain
@@ -83,7 +84,7 @@ def test_a_live_run_gives_the_trajectory_of_the_file(
     )
 
 
-@pytest.mark.parametrize("end", [Peer.kill, Peer.leave])
+@pytest.mark.parametrize("end", quick_first([Peer.kill, Peer.leave]))
 def test_a_robot_that_is_gone_is_waited_for(
     drive: Path, domain: int, robot: Callable[[Spoken], Peer], end: Callable[[Peer], None]
 ) -> None:

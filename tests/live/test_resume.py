@@ -20,6 +20,7 @@ from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.station import Station
 from hectorscope.session.station_commands import SetPose
 from hectorscope.session.transport import PAUSED
+from tests.cases import quick_first
 from tests.engines import running, until
 from tests.live.conftest import Replay
 from tests.live.journals import (
@@ -39,7 +40,7 @@ from tests.live.test_replay import poses
 from tests.sources import MemoryStream
 
 
-@pytest.mark.parametrize("number", range(2))
+@pytest.mark.parametrize("number", quick_first(range(2)))
 def test_after_a_kill_the_run_is_there_again(
     drive: Path, replay: Callable[..., Replay], tmp_path: Path, number: int
 ) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from hectorscope.common import kernel_cache
 from hectorscope.common.kernel_cache import CacheError
+from tests.cases import quick_first
 
 
 @pytest.fixture
@@ -123,7 +124,7 @@ def test_without_a_home_the_temporary_folder_is_left(monkeypatch: pytest.MonkeyP
     assert place.parent == Path(tempfile.gettempdir())
 
 
-@pytest.mark.parametrize("damage", [b"", b"\x80\x05]"], ids=["empty", "cut"])
+@pytest.mark.parametrize("damage", quick_first([b"\x80\x05]", b""], ids=["cut", "empty"]))
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 def test_a_damaged_file_is_compiled_again(tmp_path: Path, kind: str, damage: bytes):
     """Of the index or the code: the program runs as at its first start."""

@@ -53,6 +53,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> subprocess.CompletedProces
     return output(TOLD, NUMBA_CACHE_DIR=str(tmp_path_factory.mktemp("cold")))
 
 
+@pytest.mark.slow
 def test_the_first_scan_waits_for_its_own_kernels_only(told: subprocess.CompletedProcess[str]) -> None:
     """How far that is goes to the terminal and to the page, up to the whole; the match is compiled later."""
     first, later = told.stdout.split("begins\n")
@@ -65,6 +66,7 @@ def test_the_first_scan_waits_for_its_own_kernels_only(told: subprocess.Complete
     assert later.startswith("Compiling fuse_part (first start only)|\n")  # what nobody else compiles so soon
 
 
+@pytest.mark.slow
 def test_a_kernel_that_a_run_needs_later_is_told(told: subprocess.CompletedProcess[str]) -> None:
     """Each is named while it is compiled, and then the words are taken back."""
     later = told.stdout.split("begins\n")[1].splitlines()
