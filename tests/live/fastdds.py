@@ -1,4 +1,4 @@
-"""Robots on eProsima Fast DDS, an implementation of DDS that is not ours."""
+"""Robots and listeners on eProsima Fast DDS, an implementation of DDS that is not ours."""
 
 import queue
 import re
@@ -69,7 +69,7 @@ class Spoken:
     told: dict[str, str] = field(default_factory=dict)  # user data of a topic
 
     def write(self, path: Path) -> Path:
-        """As `fastdds_peer` reads it."""
+        """As `fastdds_peer publish` reads it."""
 
         def block(data: bytes) -> bytes:
             return struct.pack("<I", len(data)) + data

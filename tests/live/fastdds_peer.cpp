@@ -1,6 +1,7 @@
-// A robot on eProsima Fast DDS, an implementation of DDS that is not ours.
+// A robot, or one who listens to it, on eProsima Fast DDS: an implementation of DDS that is not ours.
 //
-//   fastdds_peer DOMAIN FILE   replays a file of serialised messages, and stays until its standard input ends
+//   fastdds_peer publish DOMAIN FILE        replays a file of serialised messages, and stays
+//   fastdds_peer listen DOMAIN TOPIC TYPE LATCHED ...   says what comes, until it is killed
 //
 // A file has for each topic its name, its type, and L (latched), R (reliable) or B (best effort); then the
 // messages with the number of their topic and the time after the start. Latched messages are sent at once, the
@@ -14,6 +15,8 @@
 #include <cstring>
 #include <fstream>
 #include <iostream>
+#include <map>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,6 +25,10 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
@@ -92,11 +99,12 @@ Topic* topic_of(DomainParticipant* participant, const std::string& name, const s
     return participant->create_topic(name, type, TOPIC_QOS_DEFAULT);
 }
 
-void set_quality(DataWriterQos& qos, char kind) {
+template <class Qos>
+void set_quality(Qos& qos, char kind, int depth) {
     qos.reliability().kind = kind == 'B' ? BEST_EFFORT_RELIABILITY_QOS : RELIABLE_RELIABILITY_QOS;
     qos.durability().kind = kind == 'L' ? TRANSIENT_LOCAL_DURABILITY_QOS : VOLATILE_DURABILITY_QOS;
     qos.history().kind = KEEP_LAST_HISTORY_QOS;
-    qos.history().depth = 1000;
+    qos.history().depth = depth;
     qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 }
 
@@ -137,7 +145,7 @@ int publish(uint32_t domain, const char* path) {
     for (auto topics = value<uint32_t>(file); topics > 0; --topics) {
         const std::string name = text(file), type = text(file), kind = text(file), told = text(file);
         DataWriterQos qos = DATAWRITER_QOS_DEFAULT;
-        set_quality(qos, kind[0]);
+        set_quality(qos, kind[0], 1000);
         qos.user_data().setValue(std::vector<rtps::octet>(told.begin(), told.end()));
         qos.publish_mode().kind = SYNCHRONOUS_PUBLISH_MODE;
         writers.push_back({publisher->create_datawriter(topic_of(participant, name, type), qos), kind[0] == 'L'});
@@ -168,6 +176,45 @@ int publish(uint32_t domain, const char* path) {
     return 0;
 }
 
+// Says the topic of each message and the message in hexadecimal digits.
+class Teller : public DataReaderListener {
+public:
+    void on_data_available(DataReader* reader) override {
+        Bytes bytes;
+        SampleInfo info;
+        while (reader->take_next_sample(&bytes, &info) == ReturnCode_t::RETCODE_OK) {
+            if (!info.valid_data) continue;
+            std::string line = reader->get_topicdescription()->get_name() + " ";
+            static const char digits[] = "0123456789abcdef";
+            for (const auto byte : bytes) line += {digits[byte >> 4], digits[byte & 15]};
+            const std::lock_guard<std::mutex> guard(mutex);
+            std::cout << line << std::endl;
+        }
+    }
+
+private:
+    std::mutex mutex;
+};
+
+int listen(uint32_t domain, char** words, int count) {
+    auto* participant = join(domain);
+    auto* subscriber = participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
+    Teller teller;
+    for (int i = 0; i + 2 < count; i += 3) {
+        DataReaderQos qos = DATAREADER_QOS_DEFAULT;
+        set_quality(qos, words[i + 2][0], 100);
+        subscriber->create_datareader(topic_of(participant, words[i], words[i + 1]), qos, &teller);
+    }
+    std::cout << "listening " << domain << std::endl;
+    for (std::string line; std::getline(std::cin, line);) {
+    }
+    participant->delete_contained_entities();
+    DomainParticipantFactory::get_instance()->delete_participant(participant);
+    return 0;
+}
+
 int main(int count, char** words) {
-    return count == 3 ? publish(static_cast<uint32_t>(std::stoul(words[1])), words[2]) : 2;
+    if (count < 4) return 2;
+    const auto domain = static_cast<uint32_t>(std::stoul(words[2]));
+    return std::string(words[1]) == "publish" ? publish(domain, words[3]) : listen(domain, words + 3, count - 3);
 }

@@ -20,8 +20,7 @@ from hectorscope.session.journal import Journal
 from hectorscope.session.station import Station
 from hectorscope.sources import open_source
 from tests.engines import running
-from tests.live.measurements import GIVE_UP_S, opened
-from tests.live.test_replay import poses
+from tests.live.measurements import GIVE_UP_S, opened, poses
 
 RUN = """
 import sys

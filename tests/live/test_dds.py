@@ -7,10 +7,15 @@ import time
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from hectorscope.cli.discovery import Found, look
 from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.publishing import PublishError, open_bus
+from hectorscope.results.topics import LATCHED
+from hectorscope.results.topics import TOPICS as PUBLISHED
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Settings
 from hectorscope.run.warmup import load_everything
@@ -21,6 +26,7 @@ from tests.engines import running, until
 from tests.live import fastdds
 from tests.live.fastdds import LOOPBACK, Peer, Spoken, reserved_domain
 from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, poses, recorded
+from tests.live.test_publishing import check
 
 pytest.importorskip("cyclonedds", reason="no cyclonedds here: install hectorscope[dds]")
 SPOKEN = TOPICS[1:]
@@ -47,7 +53,7 @@ def robot(program: Path, domain: int, tmp_path: Path) -> Iterator[Callable[[Spok
 
     def start(spoken: Spoken) -> Peer:
         path = spoken.write(tmp_path / f"spoken{len(peers)}")
-        peers.append(Peer(program, str(domain), str(path)))
+        peers.append(Peer(program, "publish", str(domain), str(path)))
         return peers[-1]
 
     yield start
@@ -202,3 +208,59 @@ def test_a_missing_extra_is_named_in_one_line() -> None:
     assert done.returncode == 2
     assert "install hectorscope[dds]" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_robots_are_found_by_their_topics(drive: Path, domain: int, robot: Callable[[Spoken], Peer]) -> None:
+    """With their scans; a domain where nobody publishes is none."""
+    address = f"dds://{domain}"
+    assert look([address]) == []
+    robot(fastdds.recorded(drive, SPOKEN))
+    assert look([address]) == [Found(address, len(SPOKEN), ("/scan",))]
+
+
+def test_results_are_heard_in_the_robots_own_domain(
+    drive: Path, program: Path, domain: int, robot: Callable[[Spoken], Peer]
+) -> None:
+    """Each by its type; the map is kept for who comes later."""
+    load_everything()
+    robot(fastdds.recorded(drive, SPOKEN))
+    address = f"dds://{domain}"
+    node = subprocess.Popen([sys.executable, "-m", "hectorscope.cli.main", "serve", address, "--publish", address])
+    words = [
+        word
+        for topic, msgtype in PUBLISHED.items()
+        for word in (f"rt{topic}", fastdds.dds_type(msgtype), "L" if topic in LATCHED else "R")
+    ]
+    listener = Peer(program, "listen", str(domain), *words)
+    try:
+        check(heard(listener))
+        late = Peer(program, "listen", str(domain), "rt/map", fastdds.dds_type(PUBLISHED["/map"]), "L")
+        assert late.line().startswith("rt/map ")
+        late.kill()
+    finally:
+        listener.kill()
+        node.kill()
+        node.wait()
+
+
+def heard(listener: Peer) -> dict[str, Any]:
+    """A message of every topic that is published."""
+    found: dict[str, Any] = {}
+    while len(found) < len(PUBLISHED):
+        name, _, digits = listener.line().partition(" ")
+        topic = name.removeprefix("rt")
+        found[topic] = fastdds.STORE.deserialize_cdr(bytes.fromhex(digits), PUBLISHED[topic])
+    return found
+
+
+def test_results_cannot_be_published_in_a_domain_that_is_none() -> None:
+    """The form of a good address is told."""
+    with pytest.raises(PublishError, match=r"give dds://DOMAIN, a number from 0 to 232, such as dds://0"):
+        open_bus("dds://300")
+
+
+def test_results_cannot_be_published_in_a_domain_that_cannot_be_joined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As with a network interface that is not there: the remedy is told."""
+    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK.replace("'lo'", "'missing'"))
+    with pytest.raises(PublishError, match="dds://29 cannot be joined: check the network, and CYCLONEDDS_URI"):
+        open_bus("dds://29")

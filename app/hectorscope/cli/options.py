@@ -229,7 +229,7 @@ PublishArg = Annotated[
     tyro.conf.arg(
         metavar="ADDRESS",
         help="Publish map, pose, path, diagnostics and tf: ws://127.0.0.1:PORT for Foxglove,"
-        " zenoh://HOST:PORT/DOMAIN for ROS 2. Give it again for more.",
+        " zenoh://HOST:PORT/DOMAIN or dds://DOMAIN for ROS 2. Give it again for more.",
     ),
 ]
 NoteArg = Annotated[

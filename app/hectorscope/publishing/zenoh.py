@@ -6,10 +6,9 @@ from typing import Any
 
 from hectorscope.publishing import BusKind, PublishError
 from hectorscope.results import ros_messages
-from hectorscope.results.topics import MAP, TF, TOPICS, Message
+from hectorscope.results.topics import LATCHED, TF, TOPICS, Message
 from hectorscope.ros.rmw_zenoh import FORM, PORT, announced, attachment, client_config, router, token_of
 
-LATCHED = {MAP}  # the last one is kept for who comes later
 NODE = "hectorscope"
 TIMEOUT_MS = 3000
 

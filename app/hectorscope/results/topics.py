@@ -22,6 +22,7 @@ TOPICS = {
     MAP: "nav_msgs/msg/OccupancyGrid",
     DIAGNOSTICS: "diagnostic_msgs/msg/DiagnosticArray",
 }
+LATCHED = {MAP}  # the last one is kept for who comes later
 DIAGNOSTICS_NS = 1_000_000_000  # the custom of /diagnostics
 # The figures of a scan that its diagnostics hold.
 FIGURES = ("residual", "iterations", "beams", "unexpected", "weakest_share", "fused_sigma_x", "fused_sigma_y",

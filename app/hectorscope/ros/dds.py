@@ -24,6 +24,11 @@ def domain(uri: str) -> int | None:
     return int(found[1]) if found and int(found[1]) <= HIGHEST else None
 
 
+def user_data(type_hash: str) -> bytes:
+    """What a publisher tells of its type."""
+    return f"typehash={type_hash};".encode()
+
+
 def type_hash(data: bytes) -> str:
     """The hash in the user data of a publisher; "" if it does not tell."""
     found = _HASH.search(data)
@@ -54,6 +59,9 @@ def raw_type(msgtype: str) -> Any:
 
         def __init__(self, data: bytes) -> None:
             self.data = bytes(data)
+
+        def serialize(self, **_: Any) -> bytes:
+            return self.data
 
         @classmethod
         def deserialize(cls, data: bytes) -> "Raw":

@@ -1,6 +1,7 @@
 """A robot's live topics by DDS, as ROS 2 speaks it without a bridge: one more participant of its domain."""
 
-import importlib
+import importlib.util
+import os
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -66,9 +67,7 @@ class DdsWire:
     def status(self) -> str:
         """Why nothing flows right now; empty while somebody publishes."""
         if self._is_barred:
-            return (
-                f"DDS domain {self._domain} cannot be joined: check the network, and CYCLONEDDS_URI if it is set"
-            )
+            return f"DDS domain {self._domain} cannot be joined: check the network, and CYCLONEDDS_URI if set"
         if any(topic.publishers for topic in self._topics.values()):
             return ""
         return (
@@ -202,6 +201,14 @@ class DdsWire:
     def close(self) -> None:
         """Leave the domain."""
         self._closed.set()
+
+
+def usual() -> list[str]:
+    """The domains where robots are: 0, and that of this terminal; none without the library."""
+    if importlib.util.find_spec(MODULE) is None:
+        return []
+    named = (FORM.replace("DOMAIN", os.environ.get("ROS_DOMAIN_ID", "0")), "dds://0")
+    return [uri for uri in dict.fromkeys(named) if domain(uri) is not None]
 
 
 def _open(uri: str, options: SourceOptions) -> LiveSource:
