@@ -26,9 +26,11 @@ from hectorscope.ros.decode import BadDefinition
 from hectorscope.ros.foxglove_scan import to_cdr
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.stream_recorder import StreamRecorder
+from hectorscope.sources.rmw_zenoh import scouted
 from slam_core.measurements import LaserScan
 from tests.live.conftest import Replay
 from tests.live.measurements import TOPICS, opened, plain
+from tests.live.test_publishing import free_port
 
 SCAN = {
     "timestamp": {"sec": 5, "nsec": 250_000_000},
@@ -158,6 +160,32 @@ def test_robots_are_found_with_their_scans(drive: Path, replay: Callable[..., Re
     assert found == [Found(bridge, 5, ("/scan",))]
     assert f"hectorscope live {bridge}" in told(found)
     assert "scans on /scan" in told(found)
+
+
+def test_a_zenoh_router_is_found_without_its_address() -> None:
+    """It answers in the network, wherever it listens."""
+    if not hears_itself():
+        pytest.skip("this machine has no network with multicast")
+    pytest.importorskip("zenoh", reason="no eclipse-zenoh here: install hectorscope[zenoh]")
+    from tests.live.zenoh_router import router  # noqa: PLC0415 - needs zenoh
+
+    with router(port := free_port(), is_found=True):
+        assert f"zenoh://127.0.0.1:{port}" in scouted()
+    assert f"zenoh://127.0.0.1:{port}" not in scouted()
+
+
+def hears_itself() -> bool:
+    """Whether a multicast comes back to this machine, by the way that discovery takes."""
+    group = ("224.0.0.224", free_port())
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener, contextlib.suppress(OSError):
+        listener.settimeout(1.0)
+        listener.bind(("", group[1]))
+        member = socket.inet_aton(group[0]) + socket.inet_aton("0.0.0.0")
+        listener.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.sendto(b"here", group)
+        return listener.recv(16) == b"here"
+    return False
 
 
 def test_without_a_robot_the_remedy_is_told() -> None:

@@ -25,13 +25,13 @@ LATCHED = "/tf_static"
 IDENTITY = b"\x10" + bytes(range(16))
 
 
-def router(port: int) -> zenoh.Session:
-    """One that finds nobody by itself."""
+def router(port: int, *, is_found: bool = False) -> zenoh.Session:
+    """One that finds nobody by itself. is_found: it answers those who look for routers."""
     config = zenoh.Config()
     options = {
         "mode": "router",
         "listen/endpoints": [f"tcp/127.0.0.1:{port}"],
-        "scouting/multicast/enabled": False,
+        "scouting/multicast/enabled": is_found,
     }
     for key, value in options.items():
         config.insert_json5(key, json.dumps(value))
