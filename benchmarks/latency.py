@@ -85,8 +85,8 @@ class Watched:
 
     def since_arrival(self, times: dict[int, int], begun_ns: int) -> list[float]:
         """Milliseconds from when each scan came behind `begun_ns`."""
-        arrived = self.source.arrived
-        return [(at - arrived[stamp]) / 1e6 for stamp, at in times.items() if arrived.get(stamp, 0) > begun_ns]
+        arrived, known = self.source.arrived, times.copy()  # the run goes on
+        return [(at - arrived[stamp]) / 1e6 for stamp, at in known.items() if arrived.get(stamp, 0) > begun_ns]
 
 
 def drawn(watched: Watched, rows: list[list[float]], begun_ns: int) -> list[float]:
