@@ -166,7 +166,7 @@ def test_a_bus_that_fails_is_told_once_and_the_run_goes_on(drive: Path, caplog: 
 @pytest.mark.parametrize(
     ("address", "why"),
     [
-        ("robot", "give ws://127.0.0.1:PORT or zenoh://HOST:PORT/DOMAIN"),
+        ("robot", "give dds://DOMAIN or ws://127.0.0.1:PORT or zenoh://HOST:PORT/DOMAIN"),
         ("http://127.0.0.1:80", "results cannot be published at http://127.0.0.1:80"),
         ("ws://0.0.0.0:8766", "open to the network"),
         ("ws://robot.local:8766", "open to the network"),

@@ -1,5 +1,6 @@
 """wss:// against the real server: trusted certificates only."""
 
+import queue
 import threading
 from itertools import islice
 from pathlib import Path
@@ -13,6 +14,7 @@ from hectorscope.sources._foxglove_wire import SUBPROTOCOLS
 from hectorscope.sources._websocket import Link
 from hectorscope.sources.foxglove import PEER
 from tests.certificates import self_signed
+from tests.live.measurements import GIVE_UP_S
 
 
 @pytest.fixture(scope="module")
@@ -67,18 +69,18 @@ def test_a_certificate_of_ones_own_is_trusted(certificate: tuple[Path, Path], tm
 
 def test_headers_go_with_the_handshake() -> None:
     """As a gateway before the robot may ask for; what is no header is refused."""
-    seen: list[str | None] = []
+    seen: queue.Queue[str | None] = queue.Queue()
 
     def greet(connection: ServerConnection) -> None:
         assert connection.request is not None
-        seen.append(connection.request.headers.get("X-Robot"))
+        seen.put(connection.request.headers.get("X-Robot"))
 
     with serve(greet, "127.0.0.1", 0, subprotocols=[SUBPROTOCOLS[0]]) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         uri = f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
         Link(uri, PEER, options=LinkOptions(headers=(("X-Robot", "seven"),))).close()
+        assert seen.get(timeout=GIVE_UP_S) == "seven"
         server.shutdown()
-    assert seen == ["seven"]
     for header in (("X Robot", "a"), ("X-Robot", "a\r\nHost: b")):
         with pytest.raises(SourceError, match=r"--header .* give NAME=VALUE"):
             Link(uri, PEER, options=LinkOptions(headers=(header,)))
