@@ -18,6 +18,7 @@
     for (let at = element.parentElement?.closest(selector); at; at = at.parentElement?.closest(selector)) found.push(at);
     return found;
   };
+  // The panel's header, which lies before what holds the bar at the top.
   const headers = (part) => [...part.parentElement.children].filter((each) => each.matches("[data-dock-unmergeable-header]"));
   // What lies beside a mark and holds something.
   const beside = (inside) => (mark) => [...(up(2)(mark)[0]?.children ?? [])].filter((each) => each.querySelector(inside));

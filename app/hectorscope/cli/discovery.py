@@ -94,9 +94,7 @@ def told(found: Iterable[Found]) -> str:
     """A line for each robot, and what to do; SourceError if there is none."""
     robots = list(found)
     if not robots:
-        raise SourceError(
-            f"no robot was found at {', '.join(USUAL)}, by Zenoh or in {' or '.join(dds.usual() or ['dds://0'])}:"
-            " start its bridge, or give its ADDRESS"
-        )
+        places = ", ".join((*USUAL, *dds.usual()))
+        raise SourceError(f"no robot was found at {places} or by Zenoh: start its bridge, or give its ADDRESS")
     best = next((robot for robot in robots if robot.scans), robots[0])
     return printable("\n".join([*map(str, robots), f"Show one of them: hectorscope live {best.address}"]))

@@ -4,8 +4,8 @@ from typing import Any
 
 from hectorscope.publishing import BusKind, PublishError
 from hectorscope.results import ros_messages
-from hectorscope.results.topics import LATCHED, TF, TOPICS, Message
-from hectorscope.ros.dds import FORM, HIGHEST, REMEDY, domain, quality, raw_type, user_data
+from hectorscope.results.topics import DEPTHS, LATCHED, TOPICS, Message
+from hectorscope.ros.dds import BARRED, FORM, domain, quality, raw_type, user_data
 from hectorscope.ros.dds_names import dds_topic
 
 
@@ -14,20 +14,14 @@ class DdsBus:
 
     def __init__(self, uri: str) -> None:
         """PublishError for an address of another form, a domain that cannot be joined, or without the library."""
-        found = domain(uri)
-        if found is None:
-            raise PublishError(
-                f"{uri} is no DDS domain: give {FORM}, a number from 0 to {HIGHEST}, such as dds://0"
-            )
-        try:
-            from cyclonedds.core import DDSException  # noqa: PLC0415 - of the extra `dds`
-            from cyclonedds.domain import DomainParticipant  # noqa: PLC0415
-        except ImportError as error:
-            raise PublishError(f"{uri} needs cyclonedds: {REMEDY}") from error
+        found = domain(uri, PublishError)
+        from cyclonedds.core import DDSException  # noqa: PLC0415 - of the extra `dds`
+        from cyclonedds.domain import DomainParticipant  # noqa: PLC0415
+
         try:
             participant = DomainParticipant(found)
         except DDSException as error:
-            raise PublishError(f"{uri} cannot be joined: check the network, and CYCLONEDDS_URI if set") from error
+            raise PublishError(f"{uri} {BARRED}") from error
         self._writers = {topic: _writer(participant, topic, msgtype) for topic, msgtype in TOPICS.items()}
 
     def wants(self, topic: str) -> bool:
@@ -49,7 +43,7 @@ def _writer(participant: Any, topic: str, msgtype: str) -> Any:
     from cyclonedds.qos import Policy, Qos  # noqa: PLC0415
     from cyclonedds.topic import Topic  # noqa: PLC0415
 
-    offered = quality(is_reliable=True, is_latched=topic in LATCHED, depth=100 if topic == TF else 1)
+    offered = quality(is_reliable=True, is_latched=topic in LATCHED, depth=DEPTHS.get(topic, 1))
     told = Policy.Userdata(user_data(ros_messages.STORE.hash_rihs01(msgtype)))
     known = Topic(participant, dds_topic(topic), raw_type(msgtype))
     return DataWriter(participant, known, qos=Qos(*offered, told))

@@ -6,7 +6,7 @@ from typing import Any
 
 from hectorscope.publishing import BusKind, PublishError
 from hectorscope.results import ros_messages
-from hectorscope.results.topics import LATCHED, TF, TOPICS, Message
+from hectorscope.results.topics import DEPTHS, LATCHED, TOPICS, Message
 from hectorscope.ros.rmw_zenoh import FORM, PORT, announced, attachment, client_config, router, token_of
 
 NODE = "hectorscope"
@@ -82,7 +82,7 @@ class ZenohBus:
         else:
             publisher = self._session.declare_publisher(found.key)
         zid = str(self._session.info.zid())
-        token = token_of(found, zid, number, NODE, depth=100 if topic == TF else 1)
+        token = token_of(found, zid, number, NODE, depth=DEPTHS.get(topic, 1))
         identity = bytes.fromhex(zid.zfill(32))[:15] + bytes([number])
         return _Topic(publisher, self._session.liveliness().declare_token(token), identity)
 

@@ -23,6 +23,7 @@ TOPICS = {
     DIAGNOSTICS: "diagnostic_msgs/msg/DiagnosticArray",
 }
 LATCHED = {MAP}  # the last one is kept for who comes later
+DEPTHS = {TF: 100}  # messages that are kept for a slow reader; of the others, one
 DIAGNOSTICS_NS = 1_000_000_000  # the custom of /diagnostics
 # The figures of a scan that its diagnostics hold.
 FIGURES = ("residual", "iterations", "beams", "unexpected", "weakest_share", "fused_sigma_x", "fused_sigma_y",

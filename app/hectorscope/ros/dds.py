@@ -3,25 +3,33 @@
 Publishers tell the hash of their type in their user data (REP 2016), from ROS 2 Iron on.
 """
 
+import importlib
 import re
 from functools import cache
 from typing import Any
 
 from hectorscope.ros.dds_names import dds_type
+from slam_core.errors import SlamError
 
 FORM = "dds://DOMAIN"
 HIGHEST = 232  # domain: those beyond would have ports above 65535
 ADDRESS = re.compile(r"dds://(\d{1,3})/?", re.ASCII)
 MODULE = "cyclonedds"
-REMEDY = "install hectorscope[dds], on Python 3.13 or older"
+BARRED = "cannot be joined: check the network, and CYCLONEDDS_URI if set"
 BLOCKS_NS = 100_000_000  # the longest that a reliable writer waits for a slow reader
 _HASH = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
 
 
-def domain(uri: str) -> int | None:
-    """The domain that an address names; None for an address of another form."""
+def domain(uri: str, refusal: type[SlamError]) -> int:
+    """The domain that an address names; `refusal` for an address of another form, or without the library."""
     found = ADDRESS.fullmatch(uri)
-    return int(found[1]) if found and int(found[1]) <= HIGHEST else None
+    if found is None or int(found[1]) > HIGHEST:
+        raise refusal(f"{uri} is no DDS domain: give {FORM}, a number from 0 to {HIGHEST}, such as dds://0")
+    try:
+        importlib.import_module(MODULE)  # of the extra `dds`
+    except ImportError as error:
+        raise refusal(f"{uri} needs {MODULE}: install hectorscope[dds], on Python 3.13 or older") from error
+    return int(found[1])
 
 
 def user_data(type_hash: str) -> bytes:

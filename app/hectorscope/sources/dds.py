@@ -1,14 +1,14 @@
 """A robot's live topics by DDS, as ROS 2 speaks it without a bridge: one more participant of its domain."""
 
-import importlib.util
 import os
 import threading
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 from hectorscope.inputs import SourceError, SourceOptions
-from hectorscope.ros.dds import FORM, HIGHEST, MODULE, REMEDY, domain, quality, raw_type, type_hash
+from hectorscope.ros.dds import BARRED, FORM, domain, quality, raw_type, type_hash
 from hectorscope.ros.dds_names import dds_topic, ros_topic, ros_type
 from hectorscope.sources import stream
 from hectorscope.sources._backoff import longer
@@ -45,16 +45,7 @@ class DdsWire:
 
     def __init__(self, uri: str) -> None:
         """SourceError for an address of another form, or without the library."""
-        found = domain(uri)
-        if found is None:
-            raise SourceError(
-                f"{uri} is no DDS domain: give {FORM}, a number from 0 to {HIGHEST}, such as dds://0"
-            )
-        try:
-            importlib.import_module(MODULE)  # of the extra `dds`
-        except ImportError as error:
-            raise SourceError(f"{uri} needs {MODULE}: {REMEDY}") from error
-        self._domain = found
+        self._domain = domain(uri, SourceError)
         self._topics: dict[tuple[str, str], _Topic] = {}
         self._numbers: dict[int, _Topic] = {}
         self._of_key: dict[Any, _Topic] = {}
@@ -67,7 +58,7 @@ class DdsWire:
     def status(self) -> str:
         """Why nothing flows right now; empty while somebody publishes."""
         if self._is_barred:
-            return f"DDS domain {self._domain} cannot be joined: check the network, and CYCLONEDDS_URI if set"
+            return f"DDS domain {self._domain} {BARRED}"
         if any(topic.publishers for topic in self._topics.values()):
             return ""
         return (
@@ -205,10 +196,12 @@ class DdsWire:
 
 def usual() -> list[str]:
     """The domains where robots are: 0, and that of this terminal; none without the library."""
-    if importlib.util.find_spec(MODULE) is None:
-        return []
-    named = (FORM.replace("DOMAIN", os.environ.get("ROS_DOMAIN_ID", "0")), "dds://0")
-    return [uri for uri in dict.fromkeys(named) if domain(uri) is not None]
+    known: dict[int, str] = {}
+    for number in (os.environ.get("ROS_DOMAIN_ID", "0"), "0"):
+        uri = FORM.replace("DOMAIN", number)
+        with suppress(SourceError):
+            known.setdefault(domain(uri, SourceError), uri)
+    return list(known.values())
 
 
 def _open(uri: str, options: SourceOptions) -> LiveSource:
