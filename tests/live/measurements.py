@@ -1,7 +1,7 @@
 """What a stream gives, to be compared with what is recorded."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -45,3 +45,13 @@ def recorded(path: Path) -> list[Item]:
 def poses(start_ns: int, rows: NDArray[np.float64]) -> tuple[list[int], bytes]:
     """The nanoseconds of a trajectory and the bytes of its poses; runs may count from different starts."""
     return [start_ns + round(seconds * 1e9) for seconds in rows[:, 0]], rows[:, 1:].tobytes()
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Until it holds; a test that waits too long fails."""
+    done = threading.Event()
+    for _ in range(int(GIVE_UP_S / 0.02)):
+        if condition():
+            return
+        done.wait(0.02)
+    raise AssertionError("waited in vain")

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
@@ -25,7 +24,7 @@ from tests.cases import quick_first
 from tests.engines import running, until
 from tests.live import fastdds
 from tests.live.fastdds import LOOPBACK, Peer, Spoken, reserved_domain
-from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, poses, recorded
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, poses, recorded, wait_for
 from tests.live.test_publishing import check
 
 pytest.importorskip("cyclonedds", reason="no cyclonedds here: install hectorscope[dds]")
@@ -180,9 +179,7 @@ def test_a_domain_that_cannot_be_joined_is_tried_again(domain: int, monkeypatch:
         received: list[object] = []
         listener = threading.Thread(target=lambda: received.extend(source.items()))
         listener.start()
-        deadline = time.monotonic() + GIVE_UP_S
-        while "cannot be joined" not in source.report.waiting and time.monotonic() < deadline:
-            time.sleep(0.01)
+        wait_for(lambda: "cannot be joined" in source.report.waiting)
         waiting = source.report.waiting
         source.close()
         listener.join(GIVE_UP_S)

@@ -17,8 +17,8 @@ from hectorscope.run.warmup import load_everything
 from hectorscope.web.heartbeat import MOST_UNSENT
 from hectorscope.web.server import PageServer
 from tests.live.browsers import Client
+from tests.live.measurements import wait_for
 from tests.live.relay import SCAN
-from tests.live.test_replay import wait_for
 from tests.page import StillEngine, room_snapshot
 
 SECONDS = 6.0
@@ -121,7 +121,8 @@ def test_a_browser_that_stops_reading_is_let_go(page: Page) -> None:
         most = max(most, unsent(page.first))
     wait_for(lambda: len(page.clients) == 1)
     assert list(page.clients.values()) == [page.second]
-    assert MOST_UNSENT < most < MOST_UNSENT + 2 * MEBIBYTE
+    # It may be let go before what the last mebibyte made of it was seen here.
+    assert MOST_UNSENT - MEBIBYTE < most < MOST_UNSENT + 2 * MEBIBYTE
     before = page.reading.received
     wait_for(lambda: page.reading.received > before)  # the heartbeat goes on
     assert not page.reading.ended.is_set()

@@ -26,8 +26,7 @@ from tests.live.journals import (
     left,
     reopen,
 )
-from tests.live.measurements import GIVE_UP_S, TOPICS, opened, recorded
-from tests.live.test_replay import wait_for
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, recorded, wait_for
 from tests.sources import MemoryStream
 
 

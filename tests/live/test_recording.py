@@ -19,8 +19,7 @@ from hectorscope.session.station import Station
 from hectorscope.session.station_commands import Record
 from tests.engines import running, until
 from tests.live.conftest import Replay
-from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, recorded
-from tests.live.test_replay import poses, wait_for
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, poses, recorded, wait_for
 
 FIRST = 200  # messages that meet the full disk
 FULL = f"""

@@ -1,6 +1,5 @@
 """The live source against the real server: recordings replayed by it are taken as from the file."""
 
-import threading
 import time
 from collections.abc import Callable
 from itertools import islice
@@ -14,7 +13,7 @@ from hectorscope.session.feeder import Feeder
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import running, state, until
 from tests.live.conftest import Replay
-from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, poses, recorded
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, plain, poses, recorded, wait_for
 
 
 @pytest.mark.parametrize("drive", ["ros1.bag", "ros2.mcap"], indirect=True)
@@ -37,16 +36,6 @@ def test_a_real_recording_arrives_as_from_the_file(recordings: Path, replay: Cal
     with opened(server.uri) as source:
         received = list(islice(source.items(), 500))
     assert [plain(item) for item in received] == [plain(item) for item in expected[:500]]
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    """Until it holds; a test that waits too long fails."""
-    done = threading.Event()
-    for _ in range(int(GIVE_UP_S / 0.02)):
-        if condition():
-            return
-        done.wait(0.02)
-    raise AssertionError("waited in vain")
 
 
 def test_a_slow_consumer_loses_old_scans_only(drive: Path, replay: Callable[..., Replay]) -> None:

@@ -35,8 +35,7 @@ from tests.live.journals import (
     left,
     reopen,
 )
-from tests.live.measurements import GIVE_UP_S, TOPICS, opened
-from tests.live.test_replay import poses
+from tests.live.measurements import GIVE_UP_S, TOPICS, opened, poses
 from tests.sources import MemoryStream
 
 
