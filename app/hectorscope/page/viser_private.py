@@ -7,7 +7,7 @@ static/, the page works in the dark theme with blurred cells and viser's own cam
 import contextlib
 import logging
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -74,6 +74,24 @@ def hang_up(client: viser.ClientHandle) -> None:
     connection, loop = server._live_connections.get(client.client_id), server._background_event_loop
     if connection is not None and loop is not None:
         loop.call_soon_threadsafe(connection.transport.abort)
+
+
+def move(node: Any, position: Iterable[float], wxyz: Iterable[float] | None = None) -> None:
+    """Put a node at a position (3), in metres, and turn it: by assignment, viser takes several times as long."""
+    state = node._impl
+    kinds: Any = (_messages.SetPositionMessage, _messages.SetOrientationMessage)
+    for kind, known, wanted in zip(kinds, (state.position, state.wxyz), (position, wxyz), strict=True):
+        values = None if wanted is None else tuple(map(float, wanted))
+        if values is not None and values != tuple(known.tolist()):
+            known[:] = values
+            state.api._queue_scene_message(kind(state.name, values))
+
+
+def resize(node: Any, scale: tuple[float, float, float]) -> None:
+    """Scale a node along its axes, as `move` moves it."""
+    if scale != node._impl.props.scale:
+        node._impl.props.scale = scale
+        node._queue_update("scale", scale)
 
 
 def set_png(image: viser.ImageHandle, png: bytes) -> None:

@@ -1,6 +1,7 @@
 """Numbers and names as a person reads them."""
 
 import math
+from functools import cache
 from html import escape
 
 from hectorscope.panels._hints import HINTS
@@ -103,8 +104,13 @@ def figure(name: str, value: str, kind: str = "", *, caption: str | None = None,
 
 def tip(name: str, more: str = "") -> str:
     """The attribute that puts a text under the pointer: what there is to say now, and the hint of the name."""
-    words = (f"{sentence(more)}." if more else "", HINTS.get(name, ""))
-    return f'title="{text(" ".join(filter(None, words)))}"'
+    hint = _hint(name)
+    return f'title="{text(sentence(more))}.{" " if hint else ""}{hint}"' if more else f'title="{hint}"'
+
+
+@cache
+def _hint(name: str) -> str:
+    return text(HINTS.get(name, ""))
 
 
 def sentence(words: str) -> str:

@@ -2,6 +2,7 @@
 
 import html
 import json
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from hectorscope.page.scene import Scene
 from hectorscope.panels import _request
 from hectorscope.panels._handles import put
 from hectorscope.panels._truth_error import truth_error
-from hectorscope.run.settings import value_of
 from hectorscope.session.commands import SetUp
 from hectorscope.session.snapshot import Snapshot
 
@@ -56,7 +56,7 @@ def facts(snapshot: Snapshot, lessons: dict[str, Lesson]) -> dict[str, Any]:
         "tracking": snapshot.result.tracking if snapshot.result else "",
         **({"error": round(float(error[-1]), 3)} if np.isfinite(error).any() else {}),
         "compared": snapshot.compared is not None and snapshot.compared.whole,
-        **{name: value_of(snapshot.config, name) for name in sorted(settings)},
+        **{name: attrgetter(name)(snapshot.config) for name in sorted(settings)},
     }
 
 

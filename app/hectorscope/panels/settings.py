@@ -62,9 +62,9 @@ class SettingsPanel:
         self._gui = scene.server.gui
         self._start: SlamConfig | None = None
         self._config: SlamConfig | None = None
+        self._values = known = Leaves(SlamConfig())
         self._nearest: Preset = "default"
         self._resets: dict[str, Configure | ConfigureAll] = {}
-        known = Leaves(SlamConfig())
         first = [leaf for leaf in known.values() if leaf.param.tier == "first"]
         rest = [leaf for leaf in known.values() if leaf.param.tier != "first"]
         with _workspace.tab(scene, self.title, Icon.ADJUSTMENTS_HORIZONTAL):
@@ -91,17 +91,17 @@ class SettingsPanel:
             return  # no run yet: nothing to go back to either
         self._extent.visible = not snapshot.playback.live  # a stream cannot be run again
         if snapshot.config is not self._config:
-            self._config = snapshot.config
+            self._config, self._values = snapshot.config, Leaves(snapshot.config)
             self._start = self._start or snapshot.config
             self._draw_differences(snapshot.config, self._start)
-        now, values = monotonic(), Leaves(snapshot.config)
+        now = monotonic()
         self._preset.draw(self._nearest, now)
         for setting in self._settings:
-            setting.draw(values[setting.name].value, now, settle=self._throughout)
+            setting.draw(self._values[setting.name].value, now, settle=self._throughout)
 
     def _draw_differences(self, config: SlamConfig, start: SlamConfig) -> None:
         self._nearest, was = nearest_preset(config)
-        known = Leaves(config)
+        known = self._values
         own = start not in (config, *map(preset, PRESETS))  # else it says the same as a preset
         self._resets = {
             **{name: Configure(name, value) for name, value in was.items()},

@@ -39,7 +39,7 @@ class TimelinePanel:
 
     title = "Timeline"
     order = 12
-    rate = 25.0
+    rate = 10.0
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene

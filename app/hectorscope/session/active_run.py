@@ -137,10 +137,10 @@ class ActiveRun:
         self.head = Head(source, self._begun, self.settings, self.checkpoints)
         return self.head
 
-    def other_scans(self, source: Source, times: Float64s) -> OtherScans | None:
+    def other_scans(self, source: Rereadable | None, times: Float64s) -> OtherScans | None:
         """Any of the known scans, by a reading of its own; None for a stream, and before the first item."""
         start_ns = self.pipeline.start_ns
-        if source.live or start_ns is None or not isinstance(source, Rereadable):
+        if source is None or start_ns is None:
             return None
         return OtherScans(source, start_ns, times, self.settings, self.checkpoints, self._begun)
 

@@ -11,7 +11,7 @@ from hectorscope.session.station_state import StationState
 
 def composed(session: Session, library: Library, control: Control, obeyed: int, station: StationState) -> Run:
     """By the engine's thread."""
-    comparison, ahead = session.named.comparison, session.newest.ahead
+    shown, comparison, ahead = session.shown_intake, session.named.comparison, session.newest.ahead
     return Run(
         source=session.source,
         pipeline=session.run.pipeline,
@@ -37,9 +37,9 @@ def composed(session: Session, library: Library, control: Control, obeyed: int, 
         views=control.probes.views(session.run),
         examined=control.beside.examiner.found(session.source),
         downloads=control.beside.downloads.ready,
-        drive=session.drive,
+        drive=shown.drivable.state if shown.drivable else None,
         rework=session.run.rework,
-        other_scans=session.run.other_scans(session.source, ahead.series["time_s"]),
+        other_scans=session.run.other_scans(shown.rereadable, ahead.series["time_s"]),
         compared=comparison.state(session.run.pipeline) if comparison else None,
     )
 

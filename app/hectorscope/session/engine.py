@@ -37,6 +37,7 @@ from slam_core.measurements import LaserScan, Measurement
 ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
 LOOK_BACK_S = 300.0
 FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
+AT_ONCE = 20  # items before a look at everything else: a tenth of a second, where a stream has no scans
 
 _logger = logging.getLogger("hectorscope")
 
@@ -233,17 +234,22 @@ class Engine:
         return not (aligning and self._transport.running)
 
     def _advance(self) -> None:
-        """One item read, or one measurement stepped."""
+        """One scan, or what comes before it, as long as nobody asks for anything."""
         self._session.step_front()
-        waiting = self._session.run.waiting
-        if waiting is None:
-            self._fetch()
-        elif isinstance(waiting, LaserScan):
-            self._scan(waiting.stamp_ns)
-        else:
-            self._session.run.step()
+        run = self._session.run
+        if isinstance(run.waiting, LaserScan):
+            self._scan(run.waiting.stamp_ns)
+            return
+        for _ in range(AT_ONCE):
+            if run.waiting is not None:
+                run.step()
+            elif not self._fetch():
+                return
+            if isinstance(run.waiting, LaserScan) or not self._commands.empty():
+                return
 
-    def _fetch(self) -> None:
+    def _fetch(self) -> bool:
+        """Read one item; whether there was one at hand."""
         self._session.keep()
         self._station.keep()
         run, intake = self._session.run, self._session.intake
@@ -255,6 +261,7 @@ class Engine:
             run.flush()
             if run.waiting is None:
                 self._end()
+        return item is not None
 
     def _scan(self, stamp_ns: int) -> None:
         self._publisher.touch()

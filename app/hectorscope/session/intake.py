@@ -2,12 +2,14 @@
 
 from collections import deque
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
-from hectorscope.inputs import Item, Source
+from hectorscope.inputs import Item, Rereadable, Source
 from hectorscope.run.checkpoints import Place
 from hectorscope.session.feeder import APART, Feeder
+from hectorscope.steering import Drivable
 from slam_core.measurements import LaserScan
 
 
@@ -55,6 +57,16 @@ class Intake:
     def behind(self) -> int:
         """Scans of a stream that came while another run was shown, and are still to be handed out."""
         return sum(isinstance(item, LaserScan) for item in self._backlog)
+
+    @cached_property
+    def drivable(self) -> Drivable | None:
+        """The source, if its robot is driven by hand. To ask a class with properties takes long, so once."""
+        return self.source if isinstance(self.source, Drivable) else None
+
+    @cached_property
+    def rereadable(self) -> Rereadable | None:
+        """The source, if it is a recording that can be read at several places at the same time."""
+        return self.source if not self.source.live and isinstance(self.source, Rereadable) else None
 
     @property
     def done(self) -> bool:

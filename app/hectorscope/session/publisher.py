@@ -197,7 +197,7 @@ def status(run: Run) -> PlaybackStatus:
     """Where the run is."""
     source, pipeline, transport = run.source, run.pipeline, run.transport
     span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
-    detail = transport.opening or transport.failure or source.report.waiting
+    detail = transport.opening or transport.failure or run.report.waiting
     if run.behind:
         detail = detail or f"catching up with the stream: {run.behind} scans behind"
     if run.lag is not None:

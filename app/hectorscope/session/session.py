@@ -23,7 +23,6 @@ from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
 from hectorscope.session.undo import Kept, KeptMarks, KeptName, KeptRun, KeptValues, UndoStack
-from hectorscope.steering import Drivable, DriveState
 from slam_core.localization.prior_map import PriorMap
 
 COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
@@ -77,13 +76,12 @@ class Session:
     @property
     def source(self) -> Source:
         """What the shown run reads."""
-        intake = self.past.front[1] if self.past.front else self.intake
-        return intake.source
+        return self.shown_intake.source
 
     @property
-    def drive(self) -> DriveState | None:
-        """What is shown of a robot that is driven by hand; None for any other source."""
-        return self.source.state if isinstance(self.source, Drivable) else None
+    def shown_intake(self) -> Intake:
+        """Where the items of the shown run come from."""
+        return self.past.front[1] if self.past.front else self.intake
 
     @property
     def now_ns(self) -> int:
@@ -93,8 +91,7 @@ class Session:
     @property
     def report(self) -> SourceReport:
         """Counters of the source, the queue and the core."""
-        intake = self.past.front[1] if self.past.front else self.intake
-        return merged(self.source.report, self.newest.pipeline.skipped, intake.dropped)
+        return merged(self.source.report, self.newest.pipeline.skipped, self.shown_intake.dropped)
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""

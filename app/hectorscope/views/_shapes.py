@@ -1,5 +1,7 @@
 """Shapes of unit size, and how a covariance scales and turns them."""
 
+import math
+
 import numpy as np
 
 from slam_core.geometry import from_rotation_matrix, yaw_quaternion
@@ -27,10 +29,10 @@ def disc(segments: int = 64) -> tuple[Float32s, np.ndarray]:
 
 def ellipse(covariance: Float64s, sigmas: float) -> tuple[Scale, Float64s]:
     """Scale and quaternion that make the unit circle the ellipse of `sigmas` of a covariance (2, 2)."""
-    variances, axes = np.linalg.eigh(covariance)
-    along = np.sqrt(np.maximum(variances, 0.0)) * sigmas
-    turn = float(np.arctan2(axes[1, 1], axes[0, 1]))  # the second axis is the longer one
-    return (max(along[1], SMALLEST), max(along[0], SMALLEST), 1.0), yaw_quaternion(turn)
+    (xx, xy), (_, yy) = covariance.tolist()
+    middle, half, lean = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy), math.atan2(2 * xy, xx - yy)
+    along = [max(math.sqrt(max(variance, 0.0)) * sigmas, SMALLEST) for variance in (middle + half, middle - half)]
+    return (along[0], along[1], 1.0), yaw_quaternion(lean / 2)
 
 
 def ellipsoid(covariance: Float64s, sigmas: float) -> tuple[Scale, Float64s]:

@@ -2,6 +2,7 @@
 
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import SENT, for_line
+from hectorscope.page.viser_private import move, resize
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._shapes import disc, ellipse, ellipsoid, ring
 from slam_core.results import PlanarGaussian, StepResult
@@ -34,17 +35,17 @@ class CovarianceView:
             return
         self._drawn = state
         planes = gaussians(snapshot.result)
-        with self._scene.server.atomic():
-            for item in self._ellipses:
-                item.draw(planes.get(item.key), display.ellipse_scale)
-            self._draw_position(snapshot.result, display.ellipse_scale)
+        for item in self._ellipses:
+            item.draw(planes.get(item.key), display.ellipse_scale)
+        self._draw_position(snapshot.result, display.ellipse_scale)
 
     def _draw_position(self, result: StepResult | None, sigmas: float) -> None:
         state = result.navigation if result else None
         self._ellipsoid.visible = state is not None
         if state is not None:
-            self._ellipsoid.scale, self._ellipsoid.wxyz = ellipsoid(state.covariance[3:6, 3:6], sigmas)
-            self._ellipsoid.position = state.T_map_base.translation
+            scale, wxyz = ellipsoid(state.covariance[3:6, 3:6], sigmas)
+            resize(self._ellipsoid, scale)
+            move(self._ellipsoid, state.T_map_base.translation, wxyz)
 
 
 def gaussians(result: StepResult | None) -> dict[str, PlanarGaussian]:
@@ -88,9 +89,10 @@ class _Ellipse:
         self._frame.visible = gaussian is not None
         if gaussian is None:
             return
-        scale, self._frame.wxyz = ellipse(gaussian.covariance[:2, :2], sigmas)
-        self._frame.position = (*gaussian.mean[:2], self._height)
-        self._rim.scale = self._disc.scale = scale
+        scale, wxyz = ellipse(gaussian.covariance[:2, :2], sigmas)
+        move(self._frame, (*gaussian.mean[:2], self._height), wxyz)
+        resize(self._rim, scale)
+        resize(self._disc, scale)
 
 
 VIEW = CovarianceView

@@ -34,10 +34,9 @@ class FocusView:
         self._drawn = state
         low, high = around(bulk(finest), snapshot.trajectory[:, 1:3])
         size, centre = high - low, (low + high) / 2
-        with self._scene.server.atomic():
-            self._box.visible = True
-            self._box.dimensions = (float(size[0]), float(size[1]), 0.0)
-            self._box.position = (float(centre[0]), float(centre[1]), 0.0)
+        self._box.visible = True
+        self._box.dimensions = (float(size[0]), float(size[1]), 0.0)
+        self._box.position = (float(centre[0]), float(centre[1]), 0.0)
 
 
 def around(bounds: Bounds, path: Float64s) -> Bounds:

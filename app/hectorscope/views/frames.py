@@ -3,6 +3,7 @@
 import numpy as np
 
 from hectorscope.page.scene import Scene
+from hectorscope.page.viser_private import move
 from hectorscope.session.snapshot import Snapshot
 from slam_core.geometry import split_heading, yaw_quaternion
 
@@ -45,10 +46,9 @@ class FramesView:
             "base_stabilized": (position, level),
             "base_link": (position, result.T_map_base.rotation),
         }
-        with self._scene.server.atomic():
-            for name, frame in self._frames.items():
-                frame.visible = True
-                frame.position, frame.wxyz = poses[name]
+        for name, frame in self._frames.items():
+            frame.visible = True
+            move(frame, *poses[name])
 
 
 VIEW = FramesView

@@ -30,14 +30,12 @@ class LevelsView:
         self._rows = 0
 
     def draw(self, snapshot: Snapshot) -> None:
-        """Encode what changed, then show it all at once."""
+        """Encode what changed, and show it."""
         maps = snapshot.maps
         self._match_count(len(maps))
-        pngs = [level.encoded(image, snapshot.epoch) for level, image in zip(self._levels, maps, strict=True)]
-        with self._scene.server.atomic():
-            for level, image, png in zip(self._levels, maps, pngs, strict=True):
-                level.show(image, png)
-            self._sink(snapshot)
+        for level, image in zip(self._levels, maps, strict=True):
+            level.show(image, snapshot.epoch)
+        self._sink(snapshot)
 
     def _match_count(self, count: int) -> None:
         scene = self._scene.server.scene
@@ -69,22 +67,19 @@ class _Level:
         )
         self._drawn: object = None
 
-    def encoded(self, image: MapImage, epoch: int) -> bytes | None:
-        """The PNG to send; None when the one there is right."""
+    def show(self, image: MapImage, epoch: int) -> None:
+        """Put the picture in its place, unless it is there."""
         state = (epoch, image.revision, image.cells.shape)
-        if state == self._drawn or not image.cells.size:
-            return None
+        if state == self._drawn:
+            return
         self._drawn = state
-        return palette_png.encode(aligned(image)[0], COLOURS, OPACITIES)
-
-    def show(self, image: MapImage, png: bytes | None) -> None:
-        """Put the picture in its place."""
         self._image.visible = image.cells.size > 0
+        if not self._image.visible:
+            return
         cells, x, y = aligned(image)
         rows, cols = (n * image.resolution for n in cells.shape)
-        if png is not None:
-            self._image.render_width, self._image.render_height = cols, rows
-            set_png(self._image, png)
+        self._image.render_width, self._image.render_height = cols, rows
+        set_png(self._image, palette_png.encode(cells, COLOURS, OPACITIES))
         self._image.position = (x + cols / 2, y + rows / 2, 0.0)
 
     def remove(self) -> None:

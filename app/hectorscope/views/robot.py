@@ -4,6 +4,7 @@ import numpy as np
 
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import SENT, for_line
+from hectorscope.page.viser_private import move
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._shapes import prism, ring
 from slam_core.geometry import heading, yaw_quaternion
@@ -42,14 +43,11 @@ class RobotView:
         if snapshot.sequence == self._drawn:
             return
         self._drawn = snapshot.sequence
-        with self._scene.server.atomic():
-            self._hull.visible = result is not None
-            self._ring.visible = result is not None
-            if result is not None:
-                T = result.T_map_base
-                self._body.position, self._body.wxyz = T.translation, T.rotation
-                self._ring.position = (*T.translation[:2], LIFT)
-                self._ring.wxyz = yaw_quaternion(heading(T.rotation))
+        self._hull.visible = self._ring.visible = result is not None
+        if result is not None:
+            T = result.T_map_base
+            move(self._body, T.translation, T.rotation)
+            move(self._ring, (*T.translation[:2], LIFT), yaw_quaternion(heading(T.rotation)))
 
 
 VIEW = RobotView

@@ -4,6 +4,7 @@ import numpy as np
 
 from hectorscope.page.scene import Display, Scene
 from hectorscope.page.theme import SENT
+from hectorscope.page.viser_private import move
 from hectorscope.session.snapshot import Snapshot
 from slam_core.config import ScanConfig
 from slam_core.geometry import transform_points
@@ -51,11 +52,10 @@ class ScanView:
         points = np.zeros((len(result.points), 3), np.float16)
         points[:, :2] = transform_points(np.array([0.0, 0.0, result.planar[2]]), result.points)
         colours = point_colours(result, display, snapshot.config.scan)
-        with self._scene.server.atomic():
-            self._cloud.visible = True
-            self._cloud.points = points
-            self._cloud.colors = colours
-            self._frame.position = (*result.planar[:2], LIFT)
+        self._cloud.visible = True
+        self._cloud.points = points
+        self._cloud.colors = colours
+        move(self._frame, (*result.planar[:2], LIFT))
 
 
 def point_colours(result: StepResult, display: Display, config: ScanConfig) -> np.ndarray:

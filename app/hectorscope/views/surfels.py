@@ -36,9 +36,7 @@ class SurfelsView:
         if state == self._drawn:
             return
         self._drawn = state
-        segments, colours = self._encoded(finest)
-        with self._scene.server.atomic():
-            self._show(segments, colours)
+        self._show(*self._encoded(finest))
 
     def _encoded(self, finest: MapImage | None) -> tuple[Float32s, np.ndarray]:
         """Segments (n, 2, 3), and greys that say how much they count; static/dress.js colours them."""

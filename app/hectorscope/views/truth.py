@@ -2,6 +2,7 @@
 
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import SENT
+from hectorscope.page.viser_private import move
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.views._polyline import Polyline
 from slam_core.geometry import yaw_quaternion
@@ -23,9 +24,8 @@ class TruthView:
     def draw(self, snapshot: Snapshot) -> None:
         """Show what was driven."""
         x, y, z, yaw = snapshot.truth_in_map
-        with self._scene.server.atomic():
-            self._root.position, self._root.wxyz = (x, y, z), yaw_quaternion(yaw)
-            self._line.draw(snapshot.truth[:, 1:4])
+        move(self._root, (x, y, z), yaw_quaternion(yaw))
+        self._line.draw(snapshot.truth[:, 1:4])
 
 
 VIEW = TruthView

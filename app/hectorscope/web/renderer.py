@@ -1,5 +1,6 @@
 """The display thread: brings the newest snapshot to the page at a fixed rate, within a budget of time.
 
+What is drawn in one turn reaches a browser as one message, at once.
 Behind a jump to another time everything is drawn at once, whatever its rate: somebody waits for it.
 """
 
@@ -75,14 +76,15 @@ class Renderer:
         jumped, self._jumps = jumps(snapshot) != self._jumps, jumps(snapshot)
         ends = time.monotonic() + BUDGET
         due = sorted((item for item in self._items if item.due <= now), key=lambda item: item.due)
-        for item in list(self._items) if jumped else due:
-            self._draw(item, snapshot)
-            # What is due once a second is so in the same turn: each message makes a browser draw for a while.
-            item.due = (now // item.period + 1.0) * item.period
-            if time.monotonic() > ends and not jumped:
-                return
-        if jumped:
-            self._scene.server.flush()
+        server = self._scene.server
+        with server.atomic():
+            for item in list(self._items) if jumped else due:
+                self._draw(item, snapshot)
+                # What is due once a second is so in the same turn: each message makes a browser draw for a while.
+                item.due = (now // item.period + 1.0) * item.period
+                if time.monotonic() > ends and not jumped:
+                    break
+        server.flush()  # viser would wait for more
 
     def _draw(self, item: Item, snapshot: Snapshot) -> None:
         try:

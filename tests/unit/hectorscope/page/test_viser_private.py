@@ -87,6 +87,29 @@ def test_images_take_encoded_bytes(server: viser.ViserServer) -> None:
     assert (image._impl.props._data, image._impl.props._format) == (png, "png")
 
 
+def test_a_node_is_moved_and_scaled_as_by_assignment(server: viser.ViserServer) -> None:
+    """The same messages as viser makes, and none where nothing changes."""
+    here, turned, scale = (1.0, 2.0, 3.0), (0.6, 0.0, 0.0, 0.8), (2.0, 3.0, 1.0)
+    buffer = server._websock_server._broadcast_buffer
+
+    def sent(act: Callable[[Any], None], name: str) -> list[dict[str, Any]]:
+        node, begun = server.scene.add_icosphere(name), buffer.message_counter
+        act(node)
+        act(node)
+        messages = [message for key, message in buffer.message_from_id.items() if key >= begun]
+        assert (node.position.tolist(), node.wxyz.tolist(), node.scale) == (list(here), list(turned), scale)
+        return [message.as_serializable_dict([]) | {"name": ""} for message in messages]
+
+    def assign(node: Any) -> None:
+        node.position, node.wxyz, node.scale = np.array(here), turned, scale
+
+    def move(node: Any) -> None:
+        private.move(node, np.array(here), turned)
+        private.resize(node, scale)
+
+    assert sent(move, "/moved") == sent(assign, "/assigned")
+
+
 def test_icons_come_from_one_opened_archive(monkeypatch: pytest.MonkeyPatch) -> None:
     """The same drawings, for one look into the archive; viser's own way is back afterwards."""
     names = ["sun", "moon", "camera"]
