@@ -117,8 +117,9 @@ class HectorSlam:
         """Change settings from the next measurement on; ConfigError if the map would have to be rebuilt."""
         if needs_restart(self.config, config):
             raise ConfigError("this change needs a new map: restart the run with it")
+        if config != self.config:  # an equal one, as behind a checkpoint, would settle every estimate of the filter
+            self._motion.configure(config)
         self.config = config
-        self._motion.configure(config)
 
     def start_estimate(self, prior: PlanarGaussian, config: SlamConfig) -> Float64s:
         """(3,) where the match of the next scan begins, by the prediction at its time and the settings then."""
