@@ -108,9 +108,10 @@
     Object.assign(material, { transparent: true, needsUpdate: true });
   }
 
+  // Its values as they are: to make the smaller pictures of sRGB takes several times as long.
   function crisp(material) {
     const texture = material.map;
-    if (texture && texture.magFilter !== NEAREST) Object.assign(texture, { magFilter: NEAREST, anisotropy: 4, needsUpdate: true });
+    if (texture && texture.magFilter !== NEAREST) Object.assign(texture, { magFilter: NEAREST, anisotropy: 4, colorSpace: "", needsUpdate: true });
     material.depthWrite = false; // what is transparent must not hide what lies below
   }
 
@@ -129,7 +130,7 @@
 
   function compiled(material, of) {
     const wear = { free: { value: [0, 0, 0] }, wall: { value: [0, 0, 0] }, veil: { value: [1, 1] } };
-    const [low, high] = [of("sent-free"), of("sent-occupied")].map(([red]) => linear(red).toFixed(5));
+    const [low, high] = [of("sent-free"), of("sent-occupied")].map(([red]) => red.toFixed(5));
     material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, { hsFree: wear.free, hsWall: wear.wall, hsVeil: wear.veil });
       shader.fragmentShader = `uniform vec3 hsFree; uniform vec3 hsWall; uniform vec2 hsVeil;\n${shader.fragmentShader.replace(

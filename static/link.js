@@ -38,5 +38,5 @@
     if (heard !== null) beat();
   });
   setInterval(look, 1000);
-  window.hectorscope = Object.assign(window.hectorscope ?? {}, { beat, linked: () => heard !== null });
+  window.hectorscope = Object.assign(window.hectorscope ?? {}, { beat });
 })();

@@ -85,6 +85,7 @@
   function picture() {
     const page = window.__viserMutable;
     if (!page?.canvas) return;
+    hectorscope.jump.end(); // it is drawn as it is
     const size = wanted();
     if (size) {
       resized(page, size, take);

@@ -11,6 +11,7 @@
   const tables = {};
   let pages = null;
   let heard = null; // the element that the pages are read from
+  let answered = () => {}; // ends the asking for rows
   let figures = [];
   let at = null; // seconds, where the cursor is
   let due = 0;
@@ -26,6 +27,7 @@
     const table = (tables[name] ??= { values: new Float32Array(4096), width: 0, count: 0, known: 0 });
     table.width = described()?.widths[name] ?? table.width;
     if (!table.width) return;
+    answered();
     const begin = first * table.width;
     const end = begin + news.length;
     if (end > table.values.length) {
@@ -47,11 +49,12 @@
 
   function described() {
     const mark = document.querySelector("[data-hs-charts]");
-    if (mark && mark !== heard && window.hectorscope.linked?.() !== false) { // before, the server knows no browser to send to
+    if (mark && mark !== heard) {
       heard = mark;
       pages = JSON.parse(mark.dataset.hsCharts);
       // Now the page can take rows. With each connection the mark is a new one, and what was sent may be lost.
-      window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid: mark.dataset.hsAsk, updates: { value: true } });
+      answered();
+      answered = window.hectorscope.ask(mark.dataset.hsAsk);
     }
     return pages;
   }

@@ -11,5 +11,16 @@
     if (field) window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid: field, updates: { value } });
   }
 
-  Object.assign(window.hectorscope, { request, pageNumber: Math.random() });
+  const AGAIN = 1000; // milliseconds
+
+  // Asks by a button until the returned function is called: before the first word of a page's camera, the server hears
+  // nothing else that it says.
+  function ask(uuid) {
+    const send = () => window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid, updates: { value: true } });
+    const asking = setInterval(send, AGAIN);
+    send();
+    return () => clearInterval(asking);
+  }
+
+  Object.assign(window.hectorscope, { ask, request, pageNumber: Math.random() });
 })();

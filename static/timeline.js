@@ -27,6 +27,7 @@
   let told = null; // by the server: uuids of its controls, titles of the kinds
   let run = { at: 0, begin: 0, end: null, known: 0, whole: false, rows: 0, state: "loading" };
   let marks = [];
+  let answered = () => {}; // ends the asking for what a page that was opened or connected again needs
   let wanted = null; // seconds: where a hand wants to be
   let wantedAt = 0;
   let sent = { value: null, at: 0, count: 0 };
@@ -62,6 +63,7 @@
     const value = wanted + 1e-7 * (sent.count = (sent.count % 7) + 1);
     sent = { ...sent, value: wanted, at: performance.now() };
     window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid: told.wanted, updates: { value } });
+    window.hectorscope.jump.begin(wanted);
   }
 
   function want(seconds) {
@@ -77,6 +79,7 @@
   }
 
   function play(now) {
+    answered();
     const rows = now.rows !== run.rows;
     run = now;
     if (rows) window.hectorscope.plotted?.().show(now.rows);
@@ -236,7 +239,8 @@
       told = JSON.parse(place.dataset.hsTimeline);
       place.append(bar);
       drawn = "";
-      window.__viserMutable?.sendMessage?.({ type: "GuiUpdateMessage", uuid: told.ask, updates: { value: true } });
+      answered();
+      answered = window.hectorscope.ask(told.ask);
     }
     if (!choice.length && Object.keys(pages()).length) {
       choice.replaceChildren(...Object.entries(pages()).map(([name, list]) => {

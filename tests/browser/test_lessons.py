@@ -24,8 +24,9 @@ from tests.scene import PROJECT, look
 
 pytestmark = pytest.mark.browser
 LESSONS = lessons_in(ROOT / "static" / "lessons")
-LOADED = (
-    "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-request=lesson]') && hectorscope.linked()"
+LOADED = (  # before the curves have come, the server hears nothing of the page
+    "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-request=lesson]')"
+    " && !!hectorscope.plotted().tables.series"
 )
 DRAWN = "!!hectorscope.levels().places.length && !!__viserMutable.nodeRefFromName['/robot']"
 NOTICE = ".mantine-Notification-closeButton"  # of software graphics; it may lie over the card

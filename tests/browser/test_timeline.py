@@ -36,6 +36,44 @@ LIT = """() => {
     .map((i) => i % width)).size / width;
 }"""
 
+# Time stands still for the scripts of the page, so that nothing runs out of it; from now on drawings are noted.
+JUMP = """(seconds) => {
+  const { drawing, jump, timeline } = window.hectorscope;
+  const [now, cells] = [performance.now(), window.__viserMutable.nodeRefFromName['/floor/map/level0/cells']];
+  const picture = () => {
+    let found = null;
+    cells.traverse((part) => (found ??= part.material?.map));
+    return found;
+  };
+  const old = picture();
+  performance.now = () => now;
+  window.drawings = [];
+  drawing.push(() => window.drawings.push(picture() === old ? 'old' : 'new'));
+  seconds === null ? jump.begin(1e6) : timeline.seek(seconds);
+}"""
+# The server hears nothing of a page before this: on a busy computer the page asks for its rows sooner.
+LATE_CAMERA = """{
+  let mutable;
+  Object.defineProperty(window, '__viserMutable', {
+    get: () => mutable,
+    set: (made) => {
+      let send = made.sendMessage;
+      const heard = (message) => message.type === 'ViewerCameraMessage' && !window.seen ? null : send(message);
+      Object.defineProperty(made, 'sendMessage', { get: () => heard, set: (other) => (send = other) });
+      mutable = made;
+    },
+  });
+}"""
+DRAWN = """() => new Promise((done) => {
+  const next = () => (window.drawings.length ? done() : requestAnimationFrame(next));
+  next();
+})"""
+FRAMES = """() => new Promise((done) => {
+  let left = 20;
+  const next = () => (left-- ? requestAnimationFrame(next) : done(window.drawings.length));
+  next();
+})"""
+
 
 class Bench:
     """An engine at rest in the middle of a drive with some blind scans, and its page."""
@@ -95,6 +133,17 @@ def opened(bench: Bench, open_page: Open, size: str = "desk") -> Page:
     rows = len(bench.until(lambda now: now.ahead.whole).ahead.series)
     page.wait_for_function(f"{STATE}.marks.length && window.hectorscope.plotted().tables.series?.known === {rows}")
     return page
+
+
+def test_a_page_that_asks_before_the_server_knows_it_asks_again(bench: Bench, open_page: Open) -> None:
+    """Timeline and curves come once it is known, however late its camera has told where it is."""
+    page = open_page(bench.server.url, before=LATE_CAMERA, own={})
+    page.wait_for_timeout(1500)
+    assert page.evaluate(f"[{STATE}.end, window.hectorscope.plotted().tables.series ?? null]") == [None, None]
+    page.evaluate("window.seen = true")
+    page.mouse.move(400, 300)
+    page.mouse.wheel(0, 50)
+    page.wait_for_function(f"{STATE}.marks.length && window.hectorscope.plotted().tables.series?.known > 100")
 
 
 def track(page: Page) -> dict[str, float]:
@@ -227,3 +276,32 @@ def test_a_stream_is_scrubbed_while_it_goes_on(robot: tuple[Robot, str], open_pa
     now = made.until(lambda now: now.playback.lag is None)
     assert now.scans == len(now.ahead.series) > there.scans
     expect(button).to_be_hidden()
+
+
+def test_the_first_drawing_behind_a_jump_has_the_map_of_that_time(bench: Bench, open_page: Open) -> None:
+    """None before it: it would be the old map, or the new robot on it."""
+    page = opened(bench, open_page)
+    page.evaluate(JUMP, 9.0)
+    page.evaluate(DRAWN)
+    assert set(page.evaluate("window.drawings")) == {"new"}
+
+
+def test_a_hand_that_turns_the_view_sees_it_turn_during_a_jump(bench: Bench, open_page: Open) -> None:
+    """The wheel over the scene ends the waiting; over the panel it does not."""
+    page = opened(bench, open_page)
+    page.mouse.move(1240, 300)
+    page.evaluate(JUMP)
+    page.mouse.wheel(0, 10)
+    assert page.evaluate(FRAMES) == 0
+    page.mouse.move(400, 300)
+    page.mouse.wheel(0, 10)
+    page.evaluate(DRAWN)
+
+
+def test_a_jump_that_takes_long_is_not_waited_for(bench: Bench, open_page: Open) -> None:
+    """The scene moves again after half a second, wherever the run is by then."""
+    page = opened(bench, open_page)
+    page.evaluate(JUMP)
+    assert page.evaluate(FRAMES) == 0
+    page.evaluate("() => { const now = performance.now() + 501; performance.now = () => now; }")
+    page.evaluate(DRAWN)
