@@ -1,12 +1,25 @@
 """A map as it was at one moment, in tiles that it shares with the moments before."""
 
-from typing import Any
+import zlib
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.tiled_map import TiledMap
-from slam_core.mapping.tiles import Key, Tile
+from slam_core.mapping.tiles import Key, PackedTile, Tile
+
+
+class Packing(NamedTuple):
+    """How tiles are packed, without loss, and unpacked; on any thread."""
+
+    pack: Callable[[bytes], bytes]
+    unpack: Callable[[bytes], bytes]
+
+
+ZLIB = Packing(partial(zlib.compress, level=1), zlib.decompress)
 
 
 class FrozenMap:
@@ -16,38 +29,47 @@ class FrozenMap:
     since are shared with it.
     """
 
-    def __init__(self, tiled: TiledMap, before: "FrozenMap | None" = None) -> None:
+    def __init__(self, tiled: TiledMap, before: "FrozenMap | None" = None, packing: Packing = ZLIB) -> None:
+        self._packing = packing
         self._kind, self._state = type(tiled), {**vars(tiled), "levels": (), "_tiles": {}}
         self._outside: dict[Key, Tile] = dict(vars(tiled)["_tiles"])
         self._levels = [(*_frame(level), level.bounds, level.revisions.copy()) for level in tiled.levels]
-        self._window: dict[Key, Tile] = {}
+        self._window: dict[Key, PackedTile] = {}
         revisions = np.max([level.revisions for level in tiled.levels], axis=0)
         row, _, column, _ = tiled.window
         for y, x in np.argwhere(revisions > 0).tolist():
             key, revision = (column + x, row + y), int(revisions[y, x])
-            kept = before.tile(key) if before else None
-            self._window[key] = kept if kept and kept.revision == revision else _taken(tiled, key, revision)
+            kept = before.packed(key) if before else None
+            if kept is None or kept.revision != revision:
+                kept = PackedTile.of(_taken(tiled, key, revision), packing.pack)
+            self._window[key] = kept
+
+    def packed(self, key: Key) -> PackedTile | None:
+        """A tile of the window; None if nothing was seen there."""
+        return self._window.get(key)
 
     def tile(self, key: Key) -> Tile | None:
         """A tile; None if nothing was seen there."""
-        return self._window.get(key) or self._outside.get(key)
+        packed = self._window.get(key)
+        return packed.tile(self._packing.unpack) if packed else self._outside.get(key)
 
     @property
-    def tiles(self) -> list[Tile]:
-        """All of them."""
+    def tiles(self) -> list[PackedTile | Tile]:
+        """All of them, as they are kept."""
         return [*self._window.values(), *self._outside.values()]
 
     def thaw(self) -> Any:
         """A map that goes on from here, of the class of the frozen one."""
         other = self._kind.__new__(self._kind)
-        levels = tuple(self._level(i) for i in range(len(self._levels)))
+        window = {key: packed.tile(self._packing.unpack) for key, packed in self._window.items()}
+        levels = tuple(self._level(i, window) for i in range(len(self._levels)))
         vars(other).update(self._state, levels=levels, _tiles=dict(self._outside))
         return other
 
-    def _level(self, i: int) -> GridLevel:
+    def _level(self, i: int, window: dict[Key, Tile]) -> GridLevel:
         resolution, shape, corner, tile, bounds, revisions = self._levels[i]
         level = GridLevel(resolution, shape, resolution * corner, surfels=i == 0, tile=tile)
-        for key, kept in self._window.items():
+        for key, kept in window.items():
             cells = kept.cells[i] if kept.cells else None
             level.put(key, (kept.log_odds[i], cells, None if i else kept.surfels), kept.revision)
         level.bounds, level.revisions = bounds, revisions.copy()

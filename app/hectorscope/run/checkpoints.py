@@ -4,13 +4,16 @@ import io
 import pickle
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
+
+import zstandard
 
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.rows import GrowingRows
 from hectorscope.run.settings import Settings
-from slam_core.mapping.frozen_map import FrozenMap
+from slam_core.mapping.frozen_map import FrozenMap, Packing
 from slam_core.mapping.tiled_map import TiledMap
 
 MEBIBYTE = 1 << 20
@@ -18,6 +21,7 @@ BUDGET_MB = 512
 # Scans that a seek steps at least, so that it arrives with a scan that can be processed again.
 LEAD = 3
 ENTRY = 100  # bytes of the list of tiles, for each
+ZSTD = Packing(partial(zstandard.compress, level=1), zstandard.decompress)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +44,7 @@ class _Pickler(pickle.Pickler):
     def persistent_id(self, value: Any) -> int | None:
         """-1 for the map, the number of rows, None for what is to be pickled."""
         if isinstance(value, TiledMap):
-            self.map = self.map or FrozenMap(value, self._before)
+            self.map = self.map or FrozenMap(value, self._before, ZSTD)
             return -1
         if isinstance(value, GrowingRows):
             self.rows.append(value.share())
@@ -76,12 +80,12 @@ class Checkpoint:
         pickler = _Pickler(file, before.map if before else None)
         pickler.dump(pipeline)
         assert pickler.map is not None
-        self._state, self._rows = file.getvalue(), pickler.rows
+        self._state, self._rows = ZSTD.pack(file.getvalue()), pickler.rows
         self.map: FrozenMap = pickler.map
 
     def pipeline(self, settings: Settings) -> Pipeline:
         """A pipeline that goes on from here with settings, which are the same up to here."""
-        pipeline: Pipeline = _Unpickler(self._state, self.map, self._rows).load()
+        pipeline: Pipeline = _Unpickler(ZSTD.unpack(self._state), self.map, self._rows).load()
         pipeline.settings = settings
         return pipeline
 
