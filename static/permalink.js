@@ -48,7 +48,7 @@
     own.set("camera", { auto, follow, top, pose: numbers.slice(3) });
   }
 
-  let [asking, due] = [0, 0];
+  let [asking, due, count] = [0, 0, 0];
   function follow(hash) {
     const text = hash.slice(1).split("&").filter((part) => !part.startsWith("v=")).join("&");
     const wanted = new URLSearchParams(hash.slice(1));
@@ -61,7 +61,8 @@
       const uuid = told().follow;
       if (!uuid || performance.now() < due) return;
       due = performance.now() + AGAIN;
-      window.__viserMutable.sendMessage({ type: "GuiUpdateMessage", uuid, updates: { value: text } });
+      const value = text + " ".repeat(count++ % 2); // the server hears changes only
+      window.__viserMutable.sendMessage({ type: "GuiUpdateMessage", uuid, updates: { value } });
     }, LOOK);
   }
 

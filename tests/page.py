@@ -22,6 +22,20 @@ AIDING = (
     AidingStatus("compass", (2,), 30, stamp_ns=-5_000_000_000, dropped={"<metal>": 4}),
 )
 
+# The server hears nothing of a page before its camera; on a busy computer the page says something sooner.
+LATE_CAMERA = """{
+  let mutable;
+  Object.defineProperty(window, '__viserMutable', {
+    get: () => mutable,
+    set: (made) => {
+      let send = made.sendMessage;
+      const heard = (said) => (said.type === 'ViewerCameraMessage' && !window.cameraHeard ? null : send(said));
+      Object.defineProperty(made, 'sendMessage', { get: () => heard, set: (other) => (send = other) });
+      mutable = made;
+    },
+  });
+}"""
+
 
 class StillEngine:
     """Shows what `show` was given and remembers the commands that were sent."""

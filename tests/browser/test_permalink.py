@@ -9,6 +9,7 @@ from hectorscope.session.commands import Configure, Pause, Seek, SetSpeed
 from hectorscope.session.commands import Open as OpenRecording
 from tests.browser.conftest import LISTED, READY, Open, Opened
 from tests.engines import after, until
+from tests.page import LATE_CAMERA
 from tests.scene import RESTS
 
 pytestmark = pytest.mark.browser
@@ -64,6 +65,15 @@ def test_a_link_restores_the_view_in_a_fresh_browser(opened: Opened, open_page: 
         assert {**fresh.evaluate(CAMERA), "pose": None} == {**camera, "pose": None}
     finally:
         other.stop()
+
+
+def test_a_link_is_followed_however_late_the_server_knows_the_page(opened: Opened, open_page: Open) -> None:
+    """What was said before is not heard, and neither is the same again."""
+    page = open_page(f"{opened.server.url}#r=<b>", LISTED, before=f"{SEEN};{LATE_CAMERA}")
+    page.wait_for_timeout(2000)
+    page.evaluate("window.cameraHeard = true")
+    page.evaluate(VIEW)
+    page.wait_for_function("window.seen.includes('This link cannot be followed')")
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from slam_core.measurements import LaserScan
 from tests.browser.conftest import Open
 from tests.cases import quick_first
 from tests.engines import START, after, until
+from tests.page import LATE_CAMERA
 from tests.sources import MemoryRecording, MemoryStream
 from tests.streams import Robot
 
@@ -50,19 +51,6 @@ JUMP = """(seconds) => {
   window.drawings = [];
   drawing.push(() => window.drawings.push(picture() === old ? 'old' : 'new'));
   seconds === null ? jump.begin(1e6) : timeline.seek(seconds);
-}"""
-# The server hears nothing of a page before this: on a busy computer the page asks for its rows sooner.
-LATE_CAMERA = """{
-  let mutable;
-  Object.defineProperty(window, '__viserMutable', {
-    get: () => mutable,
-    set: (made) => {
-      let send = made.sendMessage;
-      const heard = (message) => message.type === 'ViewerCameraMessage' && !window.seen ? null : send(message);
-      Object.defineProperty(made, 'sendMessage', { get: () => heard, set: (other) => (send = other) });
-      mutable = made;
-    },
-  });
 }"""
 DRAWN = """() => new Promise((done) => {
   const next = () => (window.drawings.length ? done() : requestAnimationFrame(next));
@@ -140,7 +128,7 @@ def test_a_page_that_asks_before_the_server_knows_it_asks_again(bench: Bench, op
     page = open_page(bench.server.url, before=LATE_CAMERA, own={})
     page.wait_for_timeout(1500)
     assert page.evaluate(f"[{STATE}.end, window.hectorscope.plotted().tables.series ?? null]") == [None, None]
-    page.evaluate("window.seen = true")
+    page.evaluate("window.cameraHeard = true")
     page.mouse.move(400, 300)
     page.mouse.wheel(0, 50)
     page.wait_for_function(f"{STATE}.marks.length && window.hectorscope.plotted().tables.series?.known > 100")

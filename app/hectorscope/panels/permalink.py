@@ -35,7 +35,7 @@ class PermalinkPanel:
         put(self._mark, mark({**self._told, **link_of(snapshot)}))
 
     def _followed(self, event: GuiEvent[Any]) -> None:
-        text = event.target.value
+        text = event.target.value.strip()  # a page that asks again makes it another value by a space
         put_value(event.target, "")  # so that the same can be followed again
         if not text:
             return
