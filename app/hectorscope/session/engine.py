@@ -234,7 +234,7 @@ class Engine:
         return not (aligning and self._transport.running)
 
     def _advance(self) -> None:
-        """One scan, or what comes before it, as long as nobody asks for anything."""
+        """One scan, or what comes before it, as long as nobody asks for anything and nothing is to be shown."""
         self._session.step_front()
         run = self._session.run
         if isinstance(run.waiting, LaserScan):
@@ -245,7 +245,7 @@ class Engine:
                 run.step()
             elif not self._fetch():
                 return
-            if isinstance(run.waiting, LaserScan) or not self._commands.empty():
+            if isinstance(run.waiting, LaserScan) or not self._commands.empty() or self._publisher.due():
                 return
 
     def _fetch(self) -> bool:
@@ -322,7 +322,7 @@ class Engine:
             self.send(Repair())
 
     def _publish(self, resting: bool) -> None:
-        if self._transport.hurries or not self._publisher.due(resting, live=self._session.source.live):
+        if self._transport.hurries or not self._publisher.due(resting=resting, live=self._session.source.live):
             return
         run = composed(self._session, self._library, self._control, self._obeyed, self._station.state)
         self._publisher.publish(run, complete=resting)

@@ -109,7 +109,7 @@ class Publisher:
         """Seconds since the last snapshot."""
         return time.monotonic() - self._published
 
-    def due(self, resting: bool, *, live: bool) -> bool:
+    def due(self, *, resting: bool = False, live: bool = False) -> bool:
         """Whether to publish now: news wait for their turn, unless the engine is about to rest."""
         waited = self._news and (resting or self.age >= SNAPSHOT_S)
         return waited or (live and self.age >= STREAM_S)
