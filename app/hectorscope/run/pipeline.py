@@ -23,6 +23,7 @@ from slam_core.slam import HectorSlam
 
 # Results whose rows are written in one go: one by one between the scans, each would find the caches full of map.
 TOGETHER = 32
+FIRST = 256  # poses among which the truth is looked for first
 
 
 class Pipeline:
@@ -187,12 +188,17 @@ class Pipeline:
 
 def _onto(truth: Rows, trajectory: Rows) -> Rows | None:
     """The motion that puts `truth` (n, 8) on the first pose (m, 8) that it covers; None if it covers none."""
-    there, covered = interpolate(Trajectory.from_rows(truth), trajectory[:, 0])
-    if not covered.any():
-        return None
-    here = Trajectory.from_rows(trajectory[covered])
-    x, y, yaw = first_on_first(there.planar, here.planar)
-    return np.array([x, y, here.positions[0, 2] - there.positions[0, 2], yaw])
+    for poses in (
+        trajectory[:FIRST],
+        trajectory,
+    ):  # nearly always it is one of the first, and behind a jump time counts
+        known = truth[: np.searchsorted(truth[:, 0], poses[-1, 0]) + 1]
+        there, covered = interpolate(Trajectory.from_rows(known), poses[:, 0])
+        if covered.any():
+            here = Trajectory.from_rows(poses[covered])
+            x, y, yaw = first_on_first(there.planar, here.planar)
+            return np.array([x, y, here.positions[0, 2] - there.positions[0, 2], yaw])
+    return None
 
 
 def nothing_used(name: str, skipped: Mapping[str, int], slam: HectorSlam) -> SourceError:
