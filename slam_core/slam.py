@@ -117,9 +117,8 @@ class HectorSlam:
         """Change settings from the next measurement on; ConfigError if the map would have to be rebuilt."""
         if needs_restart(self.config, config):
             raise ConfigError("this change needs a new map: restart the run with it")
-        if (
-            config != self.config
-        ):  # an equal one, as behind a checkpoint, would settle every estimate of the filter
+        # An equal one, as behind a checkpoint, would settle every estimate of the filter.
+        if config != self.config:
             self._motion.configure(config)
         self.config = config
 

@@ -1,8 +1,6 @@
 """A map as it was at one moment, in tiles that it shares with the moments before."""
 
-import zlib
 from collections.abc import Callable
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,9 +17,6 @@ class Packing(NamedTuple):
     unpack: Callable[[bytes], bytes]
 
 
-ZLIB = Packing(partial(zlib.compress, level=1), zlib.decompress)
-
-
 class FrozenMap:
     """Everything that a map is; never written.
 
@@ -29,7 +24,7 @@ class FrozenMap:
     since are shared with it.
     """
 
-    def __init__(self, tiled: TiledMap, before: "FrozenMap | None" = None, packing: Packing = ZLIB) -> None:
+    def __init__(self, tiled: TiledMap, packing: Packing, before: "FrozenMap | None" = None) -> None:
         self._packing = packing
         self._kind, self._state = type(tiled), {**vars(tiled), "levels": (), "_tiles": {}}
         self._outside: dict[Key, Tile] = dict(vars(tiled)["_tiles"])

@@ -55,7 +55,7 @@ class Tile:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PackedTile:
-    """A tile to be kept for long, in a tenth of the memory.
+    """A tile to be kept for long, in a fraction of the memory.
 
     data: its arrays one after the other, packed. surfels, cells: which of them there are, as in a `Tile`.
     """
@@ -75,11 +75,9 @@ class PackedTile:
     def of(cls, tile: Tile, pack: Callable[[bytes], bytes]) -> "PackedTile":
         """pack: any compression without loss."""
         there = [array for array in (*tile.log_odds, tile.surfels, *tile.cells) if array is not None]
-        data, has = (
-            pack(b"".join(array.tobytes() for array in there)),
-            tuple(array is not None for array in tile.cells),
-        )
-        return cls(tile.revision, data, len(tile.log_odds), tile.surfels is not None, has)
+        data = pack(b"".join(array.tobytes() for array in there))
+        cells = tuple(array is not None for array in tile.cells)
+        return cls(tile.revision, data, len(tile.log_odds), tile.surfels is not None, cells)
 
     def tile(self, unpack: Callable[[bytes], bytes]) -> Tile:
         """The tile again. unpack: undoes what packed it."""

@@ -104,8 +104,8 @@ def figure(name: str, value: str, kind: str = "", *, caption: str | None = None,
 
 def tip(name: str, more: str = "") -> str:
     """The attribute that puts a text under the pointer: what there is to say now, and the hint of the name."""
-    hint = _hint(name)
-    return f'title="{text(sentence(more))}.{" " if hint else ""}{hint}"' if more else f'title="{hint}"'
+    words = (text(f"{sentence(more)}.") if more else "", _hint(name))
+    return f'title="{" ".join(filter(None, words))}"'
 
 
 @cache

@@ -44,7 +44,7 @@ class _Pickler(pickle.Pickler):
     def persistent_id(self, value: Any) -> int | None:
         """-1 for the map, the number of rows, None for what is to be pickled."""
         if isinstance(value, TiledMap):
-            self.map = self.map or FrozenMap(value, self._before, ZSTD)
+            self.map = self.map or FrozenMap(value, ZSTD, self._before)
             return -1
         if isinstance(value, GrowingRows):
             self.rows.append(value.share())

@@ -188,10 +188,8 @@ class Pipeline:
 
 def _onto(truth: Rows, trajectory: Rows) -> Rows | None:
     """The motion that puts `truth` (n, 8) on the first pose (m, 8) that it covers; None if it covers none."""
-    for poses in (
-        trajectory[:FIRST],
-        trajectory,
-    ):  # nearly always it is one of the first, and behind a jump time counts
+    # Nearly always it is one of the first, and all of them would take a jump in a long recording long.
+    for poses in (trajectory[:FIRST], trajectory):
         known = truth[: np.searchsorted(truth[:, 0], poses[-1, 0]) + 1]
         there, covered = interpolate(Trajectory.from_rows(known), poses[:, 0])
         if covered.any():

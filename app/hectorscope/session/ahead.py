@@ -2,7 +2,6 @@
 
 from time import monotonic
 
-from hectorscope.inputs import Rereadable
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.head import Head
 from hectorscope.session.intake import Intake
@@ -16,7 +15,7 @@ class RunsAhead:
 
     def __init__(self, intake: Intake, after: float | None) -> None:
         self._intake, self._after = intake, after
-        self._is_possible = isinstance(intake.source, Rereadable) and not intake.source.live
+        self._is_possible = intake.rereadable is not None
         self._from = 0.0  # of the monotonic clock, once an item came
 
     def advance(self, run: ActiveRun, seconds: float) -> float | None:
@@ -39,7 +38,7 @@ class RunsAhead:
     def _begin(self, run: ActiveRun) -> Head | None:
         if self._left() is None:
             return None
-        source = self._intake.source
-        other = source.again() if isinstance(source, Rereadable) else None
+        source = self._intake.rereadable
+        other = source.again() if source else None
         self._is_possible = other is not None
         return run.run_ahead(other) if other else None

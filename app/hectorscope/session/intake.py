@@ -60,7 +60,7 @@ class Intake:
 
     @cached_property
     def drivable(self) -> Drivable | None:
-        """The source, if its robot is driven by hand. To ask a class with properties takes long, so once."""
+        """The source, if its robot is driven by hand. Asking that evaluates its properties, so it is done once."""
         return self.source if isinstance(self.source, Drivable) else None
 
     @cached_property

@@ -1,13 +1,16 @@
 """A map that was frozen comes back as it was."""
 
+import zlib
+
 import numpy as np
 
 from slam_core.config import MapConfig
-from slam_core.mapping.frozen_map import FrozenMap
+from slam_core.mapping.frozen_map import FrozenMap, Packing
 from slam_core.mapping.pyramid import Pyramid
 from tests.worlds import same_map
 
 CONFIG = MapConfig(resolution=0.4, size=64, levels=3)
+ZLIB = Packing(zlib.compress, zlib.decompress)
 LASER = np.zeros(2)
 NONE = np.empty((0, 2), np.float32)
 
@@ -29,7 +32,7 @@ def test_a_thawed_map_goes_on_like_the_frozen_one():
     pyramid = Pyramid(CONFIG)
     drive(pyramid, [0.0, 60.0, 120.0])
     assert pyramid.stored
-    frozen = FrozenMap(pyramid)
+    frozen = FrozenMap(pyramid, ZLIB)
     thawed = frozen.thaw()
     assert isinstance(thawed, Pyramid)
     assert same_map(thawed, pyramid)
@@ -45,10 +48,10 @@ def test_unchanged_tiles_are_those_of_the_map_before():
     """Only tiles that changed since take memory again, and both maps come back as they were."""
     pyramid = Pyramid(CONFIG)
     drive(pyramid, [0.0, 60.0, 120.0])
-    before, copy = FrozenMap(pyramid), pyramid.copy()
+    before, copy = FrozenMap(pyramid, ZLIB), pyramid.copy()
     revision = pyramid.revision
     drive(pyramid, [121.0])
-    after = FrozenMap(pyramid, before)
+    after = FrozenMap(pyramid, ZLIB, before)
     shared = {id(tile) for tile in before.tiles}
     new = [tile for tile in after.tiles if id(tile) not in shared]
     assert 0 < len(new) <= len(pyramid.changed_since(revision)) < len(after.tiles)
