@@ -154,7 +154,9 @@ class GridLevel:
 
     def gather(self, box: Box, kind: Kind = "log_odds") -> NDArray[Any]:
         """An array of the level in a box of the lattice, (rows, columns); unknown off the window; a copy."""
-        kept = getattr(self, kind)
+        kept: NDArray[Any] = getattr(self, kind)
+        if common(box, self.box) == box:
+            return kept[part(box, self.box)].copy()
         out = np.full((box[1] - box[0], box[3] - box[2]), UNKNOWN if kind == "cells" else 0, kept.dtype)
         here = common(box, self.box)
         out[part(here, box)] = kept[part(here, self.box)]

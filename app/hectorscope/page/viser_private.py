@@ -76,6 +76,30 @@ def hang_up(client: viser.ClientHandle) -> None:
         loop.call_soon_threadsafe(connection.transport.abort)
 
 
+@contextlib.contextmanager
+def one_message(server: viser.ViserServer) -> Iterator[None]:
+    """What is sent to all browsers meanwhile reaches them as one message, at once.
+
+    As `atomic` and then `flush`, but the thread of the server is woken once, and not if nothing was sent.
+    """
+    buffer = server._websock_server._broadcast_buffer
+    buffer.atomic_start()
+    before = buffer.message_counter
+    try:
+        yield
+    finally:
+        with buffer.buffer_lock:
+            buffer.atomic_counter -= 1
+        if buffer.message_counter != before:
+            with contextlib.suppress(RuntimeError):  # the server has stopped
+                buffer.event_loop.call_soon_threadsafe(_wake, buffer)
+
+
+def _wake(buffer: Any) -> None:
+    buffer.message_event.set()
+    buffer.flush_event.set()
+
+
 def move(node: Any, position: Iterable[float], wxyz: Iterable[float] | None = None) -> None:
     """Put a node at a position (3), in metres, and turn it: by assignment, viser takes several times as long."""
     state = node._impl

@@ -63,9 +63,8 @@ def _largest(classes: NDArray[np.uint8], box: Box, pixels: Box, n: int) -> NDArr
 
 def _classes(log_odds: Float32s) -> NDArray[np.uint8]:
     """0 unknown, 1 free, 2 occupied."""
-    classes = (log_odds > 0).view(np.uint8)
-    classes <<= 1
-    classes |= (log_odds < 0).view(np.uint8)
+    classes: NDArray[np.uint8] = (log_odds != 0).view(np.uint8)
+    classes += (log_odds > 0).view(np.uint8)
     return classes
 
 

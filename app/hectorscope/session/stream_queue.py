@@ -12,6 +12,8 @@ MOST_ITEMS = 100_000  # of a live stream: minutes, which wait only while nobody 
 class StreamQueue:
     """Bounded by its scans: a recording waits for room, a live stream gives up its oldest waiting scan.
 
+    A recording that found no room reads on when half of the scans are taken: so its thread wakes rarely, not at
+    each scan.
     Everything else is small and precious (the filter integrates it), so it is not given up, but where nobody has
     taken any for minutes: then the oldest items go. The order of arrival is kept. One thread calls `put` and
     `finish`, one calls `get`; `close` may come from anywhere.
@@ -46,12 +48,14 @@ class StreamQueue:
             self.dropped += 1
 
     def _make_room(self) -> None:
-        while len(self._waiting) >= self._scans and not self._closed:
-            if self._live:
-                self._waiting.popleft().clear()
-                self.dropped += 1
-            else:
-                self._changed.wait()
+        if len(self._waiting) < self._scans:
+            return
+        if self._live:
+            self._waiting.popleft().clear()
+            self.dropped += 1
+            return
+        while len(self._waiting) > self._scans // 2 and not self._closed:
+            self._changed.wait()
 
     def get(self, timeout: float | None = None) -> Item | None:
         """The oldest item; None when nothing came within `timeout` seconds, or nothing will come any more."""
@@ -67,7 +71,8 @@ class StreamQueue:
     def _taken(self, slot: list[Item]) -> Item:
         if self._waiting and self._waiting[0] is slot:
             self._waiting.popleft()
-            self._changed.notify_all()
+            if len(self._waiting) == self._scans // 2:
+                self._changed.notify_all()
         return slot[0]
 
     def finish(self) -> None:

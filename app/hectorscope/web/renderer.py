@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hectorscope.page.scene import Scene
+from hectorscope.page.viser_private import one_message
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import Snapshot
 
@@ -76,15 +77,13 @@ class Renderer:
         jumped, self._jumps = jumps(snapshot) != self._jumps, jumps(snapshot)
         ends = time.monotonic() + BUDGET
         due = sorted((item for item in self._items if item.due <= now), key=lambda item: item.due)
-        server = self._scene.server
-        with server.atomic():
+        with one_message(self._scene.server):
             for item in list(self._items) if jumped else due:
                 self._draw(item, snapshot)
                 # What is due once a second is so in the same turn: each message makes a browser draw for a while.
                 item.due = (now // item.period + 1.0) * item.period
                 if time.monotonic() > ends and not jumped:
                     break
-        server.flush()  # viser would wait for more
 
     def _draw(self, item: Item, snapshot: Snapshot) -> None:
         try:

@@ -110,6 +110,32 @@ def test_a_node_is_moved_and_scaled_as_by_assignment(server: viser.ViserServer) 
     assert sent(move, "/moved") == sent(assign, "/assigned")
 
 
+def test_what_is_sent_in_one_turn_is_one_message(server: viser.ViserServer) -> None:
+    """Two nodes that move reach a browser together, at once; the server is woken once, and not for nothing."""
+    nodes = [server.scene.add_frame(name) for name in ("/one", "/other")]
+    buffer, woken = server._websock_server._broadcast_buffer, []
+    loop = buffer.event_loop
+    wake = loop.call_soon_threadsafe
+
+    async def session() -> list[bytes]:
+        address, protocol = f"ws://127.0.0.1:{server.get_port()}", f"viser-v{viser.__version__}"
+        async with connect(address, subprotocols=[protocol]) as socket:  # type: ignore[list-item]
+            await socket.send(msgspec.msgpack.encode(CAMERA))
+            await heard(socket)
+            loop.call_soon_threadsafe = lambda *args: woken.append(args) or wake(*args)
+            for place in (1.0, 1.0):
+                with private.one_message(server):
+                    for node in nodes:
+                        private.move(node, (place, 0.0, 0.0))
+            loop.call_soon_threadsafe = wake
+            return await heard(socket)
+
+    assert len(asyncio.run(session())) == 1
+    assert woken == [(private._wake, buffer)]
+    private._wake(buffer)
+    assert buffer.flush_event.is_set()
+
+
 def test_icons_come_from_one_opened_archive(monkeypatch: pytest.MonkeyPatch) -> None:
     """The same drawings, for one look into the archive; viser's own way is back afterwards."""
     names = ["sun", "moon", "camera"]

@@ -78,6 +78,22 @@ def test_recording_waits_for_room_and_loses_nothing() -> None:
     assert queue.dropped == 0
 
 
+def test_a_reader_without_room_goes_on_when_half_is_taken() -> None:
+    """Woken at each scan that is taken, it would read one, and wait again."""
+    queue = StreamQueue(live=False, scans=4)
+    for stamp in range(4):
+        queue.put(scan(stamp))
+    done = threading.Event()
+    reader = threading.Thread(target=lambda: queue.put(scan(4)) and done.set())
+    reader.start()
+    queue.get(0.0)
+    assert not done.wait(0.2)
+    queue.get(0.0)
+    assert done.wait(10.0)
+    reader.join(10.0)
+    assert drain(queue) == [2, 3, 4]
+
+
 def test_close_lets_a_waiting_reader_and_consumer_go() -> None:
     """Closing frees a blocked reader, tells it to stop, and ends the consumer's wait."""
     queue = StreamQueue(live=False, scans=1)
