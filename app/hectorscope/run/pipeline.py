@@ -10,7 +10,7 @@ from hectorscope.inputs import Item, SourceError
 from hectorscope.run.arrivals import Arrivals
 from hectorscope.run.constant_rate import ConstantRate
 from hectorscope.run.rows import GrowingRows, Rows
-from hectorscope.run.series import SERIES_FIELDS, series_row
+from hectorscope.run.series import DURATIONS, SERIES_FIELDS, series_row
 from hectorscope.run.settings import Mode, Settings
 from hectorscope.run.wording import arrival_text, diagnostic_text, search_text, start_text
 from slam_core.diagnostics import NO_ATTITUDE
@@ -59,7 +59,7 @@ class Pipeline:
         self._unkept: list[tuple[StepResult, int]] = []
         self._trajectory = GrowingRows(8)
         self._truth = GrowingRows(8)
-        self._series = GrowingRows(len(SERIES_FIELDS))
+        self._series = GrowingRows(len(SERIES_FIELDS), DURATIONS)
         self._output = ConstantRate()
         self._truth_in_map: Rows | None = None
 

@@ -22,6 +22,8 @@ SERIES_FIELDS = (
     "vx", "vy", "vz",
     "stabilise_ms", "match_ms", "update_ms", "filter_ms", "tracking",
 )  # fmt: skip
+DURATIONS = range(SERIES_FIELDS.index("stabilise_ms"), SERIES_FIELDS.index("filter_ms") + 1)
+"""The columns that differ from one processing of a scan to the next."""
 SERIES_DTYPE = np.dtype([(name, np.float64) for name in SERIES_FIELDS])
 
 _NAN = float("nan")

@@ -60,3 +60,23 @@ def test_copies_share_what_they_have_and_go_on_apart():
     assert rows.view[:, 0].tolist() == [*range(10), 10]
     assert copy.view[:, 0].tolist() == [*range(10), 20, 21, 22]
     assert again.view[:, 0].tolist() == [*range(10), 20, 21, 30]
+
+
+def test_a_copy_that_goes_the_same_way_writes_nothing():
+    """It takes what the other one has appended, durations as they were, until a row differs."""
+    rows = GrowingRows(2, besides=[1])
+    rows.extend(np.array([[0.0, 5.0], [1.0, 6.0]]))
+    copy = rows.share()
+    rows.extend(np.array([[2.0, 7.0], [np.nan, 8.0], [4.0, 9.0]]))
+    copy.append((2.0, 70.0))
+    copy.append((np.nan, 80.0))
+    assert np.shares_memory(copy.view, rows.view)
+    assert copy.view[:, 1].tolist() == [5, 6, 7, 8]
+    copy.extend(np.array([[4.0, 90.0], [5.0, 100.0]]))
+    rows.append((6.0, 10.0))
+    assert copy.view[4:].tolist() == [[4, 90], [5, 100]]
+    assert rows.view[4:].tolist() == [[4, 9], [6, 10]]
+    copy = rows.share()
+    rows.append((7.0, 11.0))
+    copy.append((-7.0, 11.0))
+    assert (rows.view[-1, 0], copy.view[-1, 0]) == (7, -7)
