@@ -26,10 +26,9 @@ from hectorscope.sources import open_source
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.kernels.planar import transform_points
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.matching.matcher import coarse_to_fine, normal_equations
+from slam_core.matching.matcher import beams_of, coarse_to_fine, normal_equations
 from slam_core.measurements import Height, Imu, Int64s, Measurement, TruthPose
 from slam_core.results import Durations, StepResult
-from slam_core.scan.surfaces import Beams
 from slam_core.sequencer import Sequencer
 from slam_core.slam import HectorSlam
 
@@ -111,9 +110,8 @@ def kernels(slam: HectorSlam, scan: StepResult) -> Iterator[Part]:
     """One scan matched and written again and again, on a copy of the map."""
     pyramid = slam.map.copy()
     many, level = np.tile(scan.points, (TILES, 1)), pyramid.levels[0]
-    for name, beams in (("plain", Beams.plain(many)), ("across surfaces", Beams.with_surfaces(many))):
-        evaluation = microseconds(partial(normal_equations, level, beams, scan.planar))
-        yield f"beam evaluation, {name}", evaluation * 1e3 / len(many), "ns"
+    evaluation = microseconds(partial(normal_equations, level, beams_of(many), scan.planar))
+    yield "beam evaluation", evaluation * 1e3 / len(many), "ns"
     by_cells = match(pyramid, scan, MatcherConfig(surfel_weight=0.0))
     yield f"match of one scan from 4 cm off, {len(scan.points)} beams", match(pyramid, scan, MatcherConfig()), "us"
     yield "the same by cells alone", by_cells, "us"

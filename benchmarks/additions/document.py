@@ -20,7 +20,6 @@ QUICKER = (
     "matcher.coarse_beams",
     "matcher.surfel_weight",
     "matcher.prior_restart_sigmas",
-    "matcher.weak_observability_threshold",
 )
 
 

@@ -75,10 +75,6 @@ ADDITIONS = (
         {"matcher.prior_restart_sigmas": 0.0},
     ),
     Addition(
-        "Where few beams fix some direction, uses only the map's gradient across the surfaces.",
-        {"matcher.weak_observability_threshold": 0.0},
-    ),
-    Addition(
         "Leaves a degenerate direction to the prediction, and keeps the drift along it in the covariance.",
         {"matcher.degeneracy_threshold": 0.0},
     ),

@@ -52,20 +52,14 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     assign(pose, start)
     xs, ys = np.empty(len(points), np.float32), np.empty(len(points), np.float32)
     _part(points.reshape(-1), xs, ys)
-    beams = Beams(xs, ys, np.zeros_like(xs), np.zeros_like(xs))
+    beams = Beams(xs, ys)
     assign(found[1], survey(xs, ys, start[2]))
-    is_weak, weak = found[1, 2] < settings.weak_observability_threshold, np.zeros(2)
-    if is_weak:
-        assign(weak, unobservable)
-        tangents(xs, ys, beams.along_x, beams.along_y)
     if found[1, 2] >= settings.degeneracy_threshold:
         unobservable[0] = unobservable[1] = 0.0
     work, matched = _workspace(), np.empty(6)
     term = _prior_term(prior, settings.sigma, start[2])
     last, n = len(cells) - 1, len(xs)
-    mixed = Beams(_interleaved(xs, last), _interleaved(ys, last), beams.along_x, beams.along_y)
-    if is_weak:
-        mixed = Beams(mixed.xs, mixed.ys, _interleaved(beams.along_x, last), _interleaved(beams.along_y, last))
+    mixed = Beams(_interleaved(xs, last), _interleaved(ys, last))
     for i in range(last, 0, -1):
         cell, (begin, end) = resolution * (1 << i), _share(i, n, settings.coarse_beams)
         close = max(settings.converged_step, NEAR * cell) if settings.converged_step else 0.0
@@ -74,7 +68,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
         for row in range(3):
             for column in range(3):
                 lighter[row, column] *= share
-        some = Beams(mixed.xs[begin:end], mixed.ys[begin:end], mixed.along_x[begin:end], mixed.along_y[begin:end])
+        some = Beams(mixed.xs[begin:end], mixed.ys[begin:end])
         level = Level(cells[i], corner >> i, 1.0 / cell)
         output.taken[i], _ = gauss_newton(
             level, some, pose, lighter, unobservable, limits, residuals, trace[i], work, matched
@@ -98,7 +92,9 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     if settings.surfel_weight > 0.0:
         half = n - n // 2
         halves = ((mixed.xs[:half], mixed.ys[:half]), (mixed.xs[half:], mixed.ys[half:]))
-        settle(Level(surfels, corner, 1.0 / resolution), halves, pose, matched, settings.surfel_weight, weak)
+        settle(
+            Level(surfels, corner, 1.0 / resolution), halves, pose, matched, settings.surfel_weight, unobservable
+        )
     fill(found[2:5], hessian(finest, beams, pose, residuals, work))
     fill(found[5:], hessian_covariance(found[2:5], settings.sigma, unobservable))
     pose[2] -= whole_turns(pose[2])

@@ -35,24 +35,20 @@ def workspace() -> tuple[NDArray[np.uint32], Float32s]:
 def normal_equations(level, beams, pose, residuals, workspace):
     """H of (13) as its six upper entries, the right side of (12), and the cost of (7); metres and radians.
 
-    level: a `Level`. beams: `Beams`; along a surface the gradient of the map does not count. pose: (3,).
+    level: a `Level`. beams: `Beams`. pose: (3,).
     residuals: (n,) takes 1 - M(S_i(xi)) of every beam. Points off the map read 0.5 (unknown) with no gradient.
     workspace: as of `workspace`.
     """
     frame = in_lattice(level, pose)
-    heading = np.float32(math.cos(pose[2])), np.float32(math.sin(pose[2]))
     flat, columns = level.cells.reshape(-1), level.cells.shape[1]
     words, arms = workspace
-    where, cells, along = words[0], (words[1], words[2]), (beams.along_x, beams.along_y)
-    ends = arms[0], arms[1]
+    where, cells, ends = words[0], (words[1], words[2]), (arms[0], arms[1])
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
     for begin in range(0, len(beams.xs), TOGETHER):
         n = min(TOGETHER, len(beams.xs) - begin)
         place(beams.xs, beams.ys, begin, n, frame, columns, where, ends)
         _fetch(flat, columns, where, n, cells[0], cells[1])
-        s00, s01, s02, s11, s12, s22, t0, t1, t2, e = _add_up(
-            cells, ends, along, begin, n, heading, frame, residuals
-        )
+        s00, s01, s02, s11, s12, s22, t0, t1, t2, e = _add_up(cells, ends, begin, n, frame, residuals)
         h00, h01, h02, h11, h12, h22 = h00 + s00, h01 + s01, h02 + s02, h11 + s11, h12 + s12, h22 + s22
         b0, b1, b2, cost = b0 + t0, b1 + t1, b2 + t2, cost + e
     # Gradients were summed in parts of the probability a cell.
@@ -107,15 +103,14 @@ def _fetch(cells, columns, where, n, lower, upper):
 
 
 @njit(fastmath=True, **INNER)
-def _add_up(cells, ends, along, begin, n, heading, frame, residuals):
+def _add_up(cells, ends, begin, n, frame, residuals):
     """The sums over n beams, in parts of the probability and in cells."""
-    (lower, upper), (arm_u, arm_v), (along_x, along_y) = cells, ends, along
+    (lower, upper), (arm_u, arm_v) = cells, ends
     _, shift, box = frame
     first_u, last_u, first_v, last_v = box
     h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = cost = ZERO
     for i in range(n):
         j = np.int32(i)
-        ax, ay = get(along_x, begin + j), get(along_y, begin + j)
         pu, pv = get(arm_u, j), get(arm_v, j)
         u, v = pu + shift[0], pv + shift[1]
         inside = (u >= first_u) & (v >= first_v) & (u < last_u + ONE) & (v < last_v + ONE)
@@ -123,11 +118,7 @@ def _add_up(cells, ends, along, begin, n, heading, frame, residuals):
         floor_v = np.floor(min(max(v, first_v), last_v))
         value, du, dv = bilinear(get(lower, j), get(upper, j), u - floor_u, v - floor_v)
         weight = ONE if inside else ZERO
-        along_u = heading[0] * ax - heading[1] * ay
-        along_v = heading[1] * ax + heading[0] * ay
-        slope = dv * along_v + du * along_u
-        gu = (du - slope * along_u) * weight
-        gv = (dv - slope * along_v) * weight
+        gu, gv = du * weight, dv * weight
         error = ONE - PART * value if inside else HALF
         gp = gv * pu - gu * pv
         put(residuals, begin + j, error)

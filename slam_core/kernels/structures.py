@@ -21,12 +21,10 @@ class Level(NamedTuple):
 
 
 class Beams(NamedTuple):
-    """xs, ys: (n,) endpoints in the stabilised frame, metres. along_x, along_y: (n,) surface directions, or 0."""
+    """xs, ys: (n,) endpoints in the stabilised frame, metres."""
 
     xs: Float32s
     ys: Float32s
-    along_x: Float32s
-    along_y: Float32s
 
 
 class LatticePose(NamedTuple):
@@ -62,7 +60,6 @@ class MatchSettings(NamedTuple):
     prior_restart_sigmas: float
     sigma: float
     surfel_weight: float
-    weak_observability_threshold: float
     degeneracy_threshold: float
 
 

@@ -4,11 +4,10 @@ import numpy as np
 
 from slam_core.kernels.gauss_newton import workspace
 from slam_core.kernels.landscape import costs_at
-from slam_core.kernels.structures import Beams as BeamArrays
 from slam_core.kernels.structures import Level
 from slam_core.mapping.grid import GridLevel
+from slam_core.matching.matcher import beams_of
 from slam_core.measurements import Float32s, Float64s
-from slam_core.scan.surfaces import Beams
 
 
 def costs(level: GridLevel, points: Float32s, poses: Float64s) -> Float64s:
@@ -18,5 +17,5 @@ def costs(level: GridLevel, points: Float32s, poses: Float64s) -> Float64s:
     """
     found, residuals = np.empty(len(poses)), np.empty(len(points), np.float32)
     grid = Level(level.cells, level.corner, 1.0 / level.resolution)
-    costs_at(grid, BeamArrays(*Beams.plain(points).arrays), poses, residuals, workspace(), found)
+    costs_at(grid, beams_of(points), poses, residuals, workspace(), found)
     return found

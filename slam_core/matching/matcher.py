@@ -8,13 +8,11 @@ import numpy as np
 from slam_core.config import MatcherConfig
 from slam_core.kernels import coarse_to_fine as kernels
 from slam_core.kernels import gauss_newton
-from slam_core.kernels.structures import Beams as BeamArrays
-from slam_core.kernels.structures import Level
+from slam_core.kernels.structures import Beams, Level
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float32s, Float64s
 from slam_core.results import NOWHERE, Fit, MatchResult, PlanarGaussian
-from slam_core.scan.surfaces import Beams
 
 # The sampled covariance looks this far along each axis of the Hessian's ellipsoid, in sigmas.
 SAMPLED_SIGMAS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
@@ -36,10 +34,9 @@ def coarse_to_fine(
 
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
-    config.prior_weight; R is that of the scan alone. Where few beams fix some direction of the position, only
-    the gradient across the surfaces counts (config.weak_observability_threshold); where next to none do, the pose
-    keeps its start estimate in that direction (config.degeneracy_threshold). Coarser levels take fewer
-    beams (config.coarse_beams). A match far from the prediction is compared with one that starts there
+    config.prior_weight; R is that of the scan alone. Where next to no beams fix some direction of the position,
+    the pose keeps its start estimate in it (config.degeneracy_threshold). Coarser levels take fewer beams
+    (config.coarse_beams). A match far from the prediction is compared with one that starts there
     (config.prior_restart_sigmas). At last the endpoints are matched with the surfels (config.surfel_weight).
     """
     pyramid.cover(points, start)
@@ -81,7 +78,6 @@ def _settings(config: MatcherConfig) -> tuple[float, ...]:
         config.prior_restart_sigmas,
         config.sigma,
         config.surfel_weight,
-        config.weak_observability_threshold,
         config.degeneracy_threshold,
     )
 
@@ -92,11 +88,17 @@ def _in_order(steps: Float64s, taken: Sequence[int]) -> Float64s:
     return np.concatenate([np.insert(steps[i, : taken[i]], 0, float(i), axis=1) for i in levels])
 
 
+def beams_of(points: Float32s) -> Beams:
+    """Endpoints (n, 2) as the kernels take them."""
+    xs, ys = np.ascontiguousarray(np.asarray(points, np.float32).T)
+    return Beams(xs, ys)
+
+
 def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Float64s, Float64s, float]:
     """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
     grid, residuals = Level(level.cells, level.corner, 1.0 / level.resolution), np.empty_like(beams.xs)
     h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = gauss_newton.normal_equations(
-        grid, BeamArrays(*beams.arrays), pose, residuals, gauss_newton.workspace()
+        grid, beams, pose, residuals, gauss_newton.workspace()
     )
     hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
     return hessian, np.array([b0, b1, b2]), float(cost)
@@ -117,7 +119,7 @@ def sampled_covariance(
     dE its extra cost. A quadratic cost gives eq. (15) back; a flatter one gives more; an unobservable direction
     stays as it is. (3, 3), metres and radians.
     """
-    beams = Beams.plain(points)
+    beams = beams_of(points)
     hessian, _, best = normal_equations(level, beams, pose)
     variances, axes = np.linalg.eigh(hessian_covariance(hessian, sigma, unobservable))
     open_axes = np.abs(unobservable @ axes[:2]) > 0.5

@@ -6,8 +6,7 @@ from hypothesis import strategies as st
 
 from slam_core.geometry import compose, inverse, transform_points
 from slam_core.mapping.grid import GridLevel
-from slam_core.matching.matcher import hessian_covariance, normal_equations
-from slam_core.scan.surfaces import Beams
+from slam_core.matching.matcher import beams_of, hessian_covariance, normal_equations
 from tests.worlds import smooth_level
 
 seeds = st.integers(0, 10_000)
@@ -19,7 +18,7 @@ quarter_turns = st.integers(0, 3)
 def test_hessian_is_symmetric_and_positive_semidefinite(seed, x, y, psi, n):
     """H is a sum of squares: symmetric, no negative eigenvalue, for any scan anywhere on any map."""
     points = np.random.default_rng(seed).normal(0, 1.0, (n, 2)).astype(np.float32)
-    hessian, _, cost = normal_equations(smooth_level(seed), Beams.plain(points), np.array([x, y, psi]))
+    hessian, _, cost = normal_equations(smooth_level(seed), beams_of(points), np.array([x, y, psi]))
     assert (hessian == hessian.T).all()
     assert np.linalg.eigvalsh(hessian).min() >= -1e-4 * max(1.0, np.abs(hessian).max())
     assert 0.0 <= cost <= n * 1.0001
@@ -51,8 +50,8 @@ def test_matching_turns_with_the_map(seed, turns, right, up):
     turn = np.array(
         [[np.cos(motion[2]), -np.sin(motion[2]), 0], [np.sin(motion[2]), np.cos(motion[2]), 0], [0, 0, 1]]
     )
-    a = normal_equations(level, Beams.plain(points), start)
-    b = normal_equations(moved, Beams.plain(points), compose(motion, start))
+    a = normal_equations(level, beams_of(points), start)
+    b = normal_equations(moved, beams_of(points), compose(motion, start))
     scale = np.abs(a[0]).max()
     assert np.isclose(a[2], b[2], rtol=1e-4)
     np.testing.assert_allclose(b[0], turn @ a[0] @ turn.T, atol=5e-3 * scale)
@@ -67,7 +66,7 @@ def test_matching_does_not_depend_on_the_frame_of_the_scan(seed, x, y, psi):
     points = np.random.default_rng(seed).uniform(-0.6, 0.6, (150, 2)).astype(np.float32)
     pose, mount = np.array([1.6, 1.6, 0.2]), np.array([x, y, psi])
     seen = transform_points(inverse(mount), points).astype(np.float32)
-    a = normal_equations(level, Beams.plain(points), pose)
-    b = normal_equations(level, Beams.plain(seen), compose(pose, mount))
+    a = normal_equations(level, beams_of(points), pose)
+    b = normal_equations(level, beams_of(seen), compose(pose, mount))
     assert np.isclose(a[2], b[2], rtol=1e-4)
     np.testing.assert_allclose(a[0][:2, :2], b[0][:2, :2], rtol=2e-2, atol=2e-3 * np.abs(a[0]).max())

@@ -20,7 +20,6 @@ RENAMED = {
     "map.patience": "map.keyframe_max_delay",
     "matcher.blind_share": "matcher.degeneracy_threshold",
     "matcher.second_start": "matcher.prior_restart_sigmas",
-    "matcher.weak_share": "matcher.weak_observability_threshold",
     "motion.refinements": "motion.deskew_refinements",
     "navigation.gate_patience": "navigation.gate_reset_time",
     "tracking.go_on": "tracking.continue_from_prediction",
@@ -29,8 +28,14 @@ RENAMED = {
     "tracking.min_place": "tracking.relocalise_min_inlier_ratio",
     "tracking.search_interval": "tracking.relocalise_interval",
 }
-# Settings of version 0.1 that changed no trajectory: entries of old files that are passed over.
-REMOVED = {"matcher.max_yaw_step", "tracking.mahalanobis_limit", "tracking.max_sigmas"}
+# Settings of version 0.1 without which no trajectory is worse: entries of old files that are passed over.
+REMOVED = {
+    "matcher.max_yaw_step",
+    "matcher.weak_observability_threshold",
+    "matcher.weak_share",
+    "tracking.mahalanobis_limit",
+    "tracking.max_sigmas",
+}
 
 
 class SettingsError(ConfigError):

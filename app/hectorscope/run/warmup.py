@@ -217,8 +217,7 @@ def load_everything() -> None:
 
 
 def _everything(inertial: bool) -> None:
-    # The surfaces are looked for in every scan.
-    config = with_value(with_value(SlamConfig(), "map.size", 256), "matcher.weak_observability_threshold", 1.0)
+    config = with_value(SlamConfig(), "map.size", 256)
     prior_map = None
     for method in ("hessian", "sampled"):
         pipeline = Pipeline(Settings(with_value(config, "matcher.covariance", method)), prior_map=prior_map)

@@ -77,16 +77,6 @@ class MatcherConfig:
             20.0,
         ),
     ] = 5.0
-    weak_observability_threshold: Annotated[
-        float,
-        Param(
-            "If less than this share of the beams fixes some direction, only the map's gradient across the"
-            " surfaces is used (0: off, the paper).",
-            "",
-            0.0,
-            1.0,
-        ),
-    ] = 0.02
     degeneracy_threshold: Annotated[
         float,
         Param(

@@ -5,8 +5,7 @@ import numpy as np
 from slam_core.config import MapConfig
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.landscape import costs
-from slam_core.matching.matcher import normal_equations
-from slam_core.scan.surfaces import Beams
+from slam_core.matching.matcher import beams_of, normal_equations
 from tests.worlds import room_ranges
 
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
@@ -24,7 +23,7 @@ def test_each_cost_is_that_of_the_matcher():
     pyramid.update(scan(), np.empty((0, 2), np.float32), np.zeros(2), np.zeros(3), MapConfig(size=256))
     poses = np.random.default_rng(1).uniform(-0.5, 0.5, (40, 3))
     for level in pyramid.levels:
-        one_by_one = [normal_equations(level, Beams.plain(scan()), pose)[2] for pose in poses]
+        one_by_one = [normal_equations(level, beams_of(scan()), pose)[2] for pose in poses]
         np.testing.assert_allclose(costs(level, scan(), poses), one_by_one, rtol=1e-6)
 
 
