@@ -45,12 +45,18 @@ class GlobalSearch:
     """The search that `locate` makes, in parts, between which the map must not change."""
 
     def __init__(
-        self, pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig, region: Region | None = None
+        self,
+        pyramid: Pyramid,
+        scan: StabilisedScan,
+        config: SlamConfig,
+        region: Region | None = None,
+        wanted: float | None = None,
     ) -> None:
+        """wanted: how much of the scan a place has to explain; None for as much as the settings say."""
         self.scan = scan
+        self.wanted = config.tracking.relocalise_min_inlier_ratio if wanted is None else wanted
         self._pyramid, self._config = pyramid, config
-        least = LOOSE * config.tracking.relocalise_min_inlier_ratio
-        self._search = PlaceSearch(_level(pyramid), scan.points, least, region)
+        self._search = PlaceSearch(_level(pyramid), scan.points, LOOSE * self.wanted, region)
         self._places: Places | None = None
         self._matches: list[MatchResult] = []
 
@@ -74,13 +80,12 @@ class GlobalSearch:
     def result(self) -> SearchResult:
         """The one place among several that agrees well with the scan, once the search is finished."""
         assert self._places is not None
-        wanted = self._config.tracking.relocalise_min_inlier_ratio
         if self._places.crowded:
             return SearchResult(None, SearchFailure("crowded"))
         matches = self._matches
         shares = [agreement(self._pyramid, self.scan, match.pose) for match in matches]
-        if max(shares, default=0.0) < wanted:
-            return SearchResult(None, SearchFailure("no_place", max(shares, default=0.0), wanted))
+        if max(shares, default=0.0) < self.wanted:
+            return SearchResult(None, SearchFailure("no_place", max(shares, default=0.0), self.wanted))
         k = int(np.argmax(shares))
         rivals = sum(
             share > shares[k] - CLEARER and apart(match.pose, matches[k].pose)

@@ -194,7 +194,8 @@ class Localiser:
     ) -> tuple[MatchResult, Verdict]:  # fmt: skip
         """Look for a lost robot where it can have come, or for a better place than the one it was found at."""
         region = self._confirmation.region(time_ns)
-        found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config)
+        waiting = match.pose if verdict.accepted else None
+        found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config, waiting)
         if found is None:
             return match, verdict
         if verdict.accepted:

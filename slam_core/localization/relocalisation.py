@@ -6,7 +6,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.global_search import LOOSE, GlobalSearch, agreement
+from slam_core.localization.global_search import CLEARER, LOOSE, GlobalSearch, agreement
 from slam_core.localization.place_search import apart
 from slam_core.localization.search_parts import Region
 from slam_core.localization.tracking import search_window
@@ -21,6 +21,8 @@ from slam_core.scan.stabilise import StabilisedScan
 GIVEN_START = np.diag([0.5, 0.5, 0.3]) ** 2.0
 # The same of a place found in an earlier scan, moved by what is known of the motion since.
 MOVED = np.diag([0.5, 0.5, 0.3]) ** 2.0
+# The map has to explain this share of a scan at a place, however little it does elsewhere.
+ENOUGH = 0.5
 BUDGET = 4e7  # looks at a cell a second of the recording: some 40 ms
 AT_ONCE = 2e7  # of these in one step: what was not used is not saved up for longer
 
@@ -80,14 +82,24 @@ class Relocaliser:
         pose: Float64s,
         region: Region | None,
         config: SlamConfig,
+        waiting: Float64s | None = None,
     ) -> MatchResult | None:
         """A lost robot in a region of the map; None if it is not found yet, or the next search is not due.
 
-        pose: (3,) the prediction, of which only the change between scans matters.
+        pose: (3,) the prediction, of which only the change between scans matters. waiting: (3,) where it may be
+        according to the matches. Of a robot that drives into new rooms the map explains less and less there; it is
+        the place if none explains as much.
         """
         if not (self._running or self._is_due(time_ns, config)):
             return None
-        return self._anywhere(pyramid, scan, time_ns, pose, region, config)
+        wanted = config.tracking.relocalise_min_inlier_ratio
+        if waiting is not None and self._running is None:
+            wanted = min(wanted, max(ENOUGH, agreement(pyramid, scan, waiting) - CLEARER))
+        found = self._anywhere(pyramid, scan, time_ns, pose, region, config, wanted)
+        if found is None or waiting is None or not apart(found.pose, waiting):
+            return found
+        sure = agreement(pyramid, scan, found.pose) >= config.tracking.relocalise_min_inlier_ratio
+        return found if sure else None
 
     def reset(self) -> None:
         """The pose in the map is known."""
@@ -108,8 +120,9 @@ class Relocaliser:
         pose: Float64s,
         region: Region | None,
         config: SlamConfig,
+        wanted: float | None = None,
     ) -> MatchResult | None:
-        running = self._running or _Running(GlobalSearch(pyramid, scan, config, region), time_ns, pose)
+        running = self._running or _Running(GlobalSearch(pyramid, scan, config, region, wanted), time_ns, pose)
         passed_s, self._budget_ns = max(0.0, (time_ns - self._budget_ns) * 1e-9), time_ns
         self._budget = min(AT_ONCE, self._budget + BUDGET * passed_s)
         if self._budget > 0.0:
@@ -125,10 +138,10 @@ class Relocaliser:
         motion = geometry.compose(geometry.inverse(running.pose), pose)
         there = PlanarGaussian(geometry.compose(result.match.pose, motion), MOVED)
         match = self._near(there, pyramid, scan, config)
-        share, wanted = agreement(pyramid, scan, match.pose), config.tracking.relocalise_min_inlier_ratio
-        if share >= wanted:
+        share = agreement(pyramid, scan, match.pose)
+        if share >= running.search.wanted:
             return match
-        self.failure = SearchFailure("no_place", share, wanted)
+        self.failure = SearchFailure("no_place", share, running.search.wanted)
         return None
 
     @staticmethod
