@@ -196,6 +196,7 @@ def _outages() -> Iterator[Case]:
         ("no scan, no satellites, no compass", blind, {**no_satellites, "aiding.compass": False}),
         ("no scan, satellites jump by 50 m", jumping, {}),
         ("no scan beside metal, no satellites", near_metal, no_satellites),
+        ("carried 8 s on, no scan for 20 s", faulty(afloat, faults.carried_on), {}),
     ):
         yield Case("outages", name, load, tags=AFLOAT, figure="end", settings=settings, base="outages")
     tags = BARE | {"aids"}

@@ -55,6 +55,15 @@ def carried_away(items: Sequence[Item], seed: int) -> list[Item]:
     return [*first, *(replace(item, stamp_ns=item.stamp_ns + jump_ns) for item in again)]
 
 
+def carried_on(items: Sequence[Item], seed: int) -> list[Item]:
+    """Eight seconds of the drive happen while nothing measures; there is no scan for twenty seconds then."""
+    begin_ns, from_ns, lasts_ns = items[0].stamp_ns, round(25.0 * 1e9), round(8.0 * 1e9)
+    first = [item for item in items if item.stamp_ns - begin_ns < from_ns]
+    rest = [item for item in items if item.stamp_ns - begin_ns >= from_ns + lasts_ns]
+    moved = [replace(item, stamp_ns=item.stamp_ns - lasts_ns) for item in rest]
+    return without_scans(25.0, 45.0)([*first, *moved], seed)
+
+
 def stray_beams(items: Sequence[Item], seed: int) -> list[Item]:
     """Three beams in ten end anywhere before the wall."""
     return list(astray(items, 0.3, seed))
