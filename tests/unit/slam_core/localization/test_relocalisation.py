@@ -42,6 +42,20 @@ def test_what_fits_into_the_budget_is_found_in_its_own_scan(room: Pyramid):
     np.testing.assert_allclose(found.pose, FIRST, atol=0.03)
 
 
+def test_of_a_scan_that_is_half_new_the_place_of_the_matches_is_found_if_no_other_fits(room: Pyramid):
+    """Nobody else finds it, nor does one whose matches are elsewhere."""
+    scan = seen(FIRST)
+    points = scan.points.copy()
+    points[::3] *= 3.0  # into what is not mapped
+    scan = scan._replace(points=points)
+    assert Relocaliser(np.zeros(3)).search(room, scan, 0, PREDICTED, None, CONFIG) is None
+    found = Relocaliser(np.zeros(3)).search(room, scan, 0, PREDICTED, None, CONFIG, FIRST)
+    assert found is not None
+    np.testing.assert_allclose(found.pose, FIRST, atol=0.03)
+    elsewhere = np.array([1.0, -1.0, 2.0])
+    assert Relocaliser(np.zeros(3)).search(room, scan, 0, PREDICTED, None, CONFIG, elsewhere) is None
+
+
 @pytest.mark.parametrize("region", [None, Region(FIRST, 2.0)])
 def test_a_long_search_goes_on_with_the_next_scans(
     room: Pyramid, monkeypatch: pytest.MonkeyPatch, region: Region | None
