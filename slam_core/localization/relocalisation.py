@@ -96,10 +96,10 @@ class Relocaliser:
         if waiting is not None and self._running is None:
             wanted = min(wanted, max(ENOUGH, agreement(pyramid, scan, waiting) - CLEARER))
         found = self._anywhere(pyramid, scan, time_ns, pose, region, config, wanted)
-        if found is None or waiting is None or not apart(found.pose, waiting):
+        if found is None or (waiting is not None and not apart(found.pose, waiting)):
             return found
-        sure = agreement(pyramid, scan, found.pose) >= config.tracking.relocalise_min_inlier_ratio
-        return found if sure else None
+        share = agreement(pyramid, scan, found.pose)
+        return found if share >= config.tracking.relocalise_min_inlier_ratio else None
 
     def reset(self) -> None:
         """The pose in the map is known."""
