@@ -96,7 +96,7 @@ class Localiser:
                 match.pose, match.fit, verdict, prior, self._tracker.usual, scan.mid_ns, config.tracking
             )
             if verdict.confirmed:
-                self._tracker.learn(match.fit)
+                self._tracker.learn(match, prior)
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
         self._pose = match.pose if verdict.accepted else prior.mean
@@ -152,12 +152,15 @@ class Localiser:
                 stabilised, match = better
                 distance = mahalanobis_distance(match, prior)
                 rejection = tracker.check(match.fit, distance, tracking)
-        if not (rejection or (doubtful and distance > limit)):
+        unaided = self._motion.unaided
+        if not (rejection or (doubtful and distance > limit) or (unaided and tracker.leaps(match, prior))):
             return stabilised, match, tracker.accept(None)
         self._pyramid.cover(stabilised.points, prior.mean)
         start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
         start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
         for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
+            if unaided and tracker.leaps(candidate, prior):
+                continue
             if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
                 return placed, candidate, tracker.accept(rejection)
         rejection = rejection or Rejection("mahalanobis_distance", distance, limit)

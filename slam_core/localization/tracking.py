@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from slam_core.config import TrackingConfig
 from slam_core.kernels.planar import sigmas_apart
 from slam_core.results import ACCEPTED, Fit, MatchResult, PlanarGaussian, Rejection, Verdict
@@ -10,6 +12,9 @@ USUAL_INLIER_RATIO = 0.9  # before any match was accepted
 MEMORY = 0.05  # weight of the newest match in the running mean
 # A scan of which less than MOSTLY lies on known cells is rejected more than NEAR sigmas from the prediction.
 MOSTLY, NEAR = 0.6, 5.0
+# A position leaps that is further from the prediction than so many metres, standard deviations, and times the
+# usual distance.
+LEAP, LEAP_SIGMAS, LEAP_TIMES = 0.4, 4.0, 5.0
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR = 0.9  # of the usual inlier ratio
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
@@ -37,6 +42,7 @@ class Tracker:
 
     def __init__(self) -> None:
         self._usual = USUAL_INLIER_RATIO
+        self._usual_distance = 0.0
         self._rejected = 0
         self._outside_map = True
 
@@ -65,9 +71,23 @@ class Tracker:
             return False
         return fit.hit >= 0.5 * (1.0 + config.min_inlier_ratio) * self._usual
 
-    def learn(self, fit: Fit) -> None:
-        """Take the fit of a match whose pose is sure into the running mean."""
-        self._usual += MEMORY * (fit.hit - self._usual)
+    def leaps(self, match: MatchResult, prior: PlanarGaussian) -> bool:
+        """Whether the position is so far from the prediction that the match is more likely wrong than a motion.
+
+        Where a laser that sways makes all predictions bad, a large distance tells nothing.
+        """
+        off = match.pose[:2] - prior.mean[:2]
+        distance = math.hypot(*off)
+        if distance <= max(LEAP, LEAP_TIMES * self._usual_distance):
+            return False
+        P = prior.covariance[:2, :2] + match.covariance[:2, :2]
+        return float(off @ np.linalg.solve(P, off)) > LEAP_SIGMAS**2
+
+    def learn(self, match: MatchResult, prior: PlanarGaussian) -> None:
+        """Take a match whose pose is sure into the running means."""
+        self._usual += MEMORY * (match.fit.hit - self._usual)
+        distance = math.hypot(*(match.pose - prior.mean)[:2])
+        self._usual_distance += MEMORY * (distance - self._usual_distance)
 
     def accept(self, rejection: Rejection | None) -> Verdict:
         """Continue from a match. rejection: why it had to be searched for, if it had."""

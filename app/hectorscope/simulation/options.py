@@ -16,8 +16,8 @@ class SimulationError(SlamError):
 
 
 _RANGES: dict[str, tuple[float, float, str]] = {
-    "duration": (3.0, 3600.0, " s"),
-    "begin": (0.0, 3600.0, " s"),
+    "duration": (3.0, 36_000.0, " s"),
+    "begin": (0.0, 36_000.0, " s"),
     "scan_rate": (1.0, 100.0, " Hz"),
     "beams": (2, 10000, ""),
     "speed": (0.1, 5.0, ""),

@@ -15,6 +15,18 @@ NEW = Fit(0.1, 0.8)
 WHY = Rejection("inlier_ratio", 0.2, 0.9)
 
 
+def matched(x: float, fit: Fit = GOOD) -> MatchResult:
+    """A sure match at a place on the x axis."""
+    sure = np.diag([1e-6] * 3)
+    pose, nothing = np.array([x, 0.0, 0.0]), np.zeros((0, 4))
+    return MatchResult(pose, sure, np.eye(3), np.zeros(1), (1,), True, nothing, np.zeros(2), 1.0, fit)
+
+
+def predicted(sigma: float) -> PlanarGaussian:
+    """A prediction at the origin."""
+    return PlanarGaussian(np.zeros(3), np.diag([sigma**2] * 3))
+
+
 def test_the_fit_counts_known_and_occupied_cells():
     """One endpoint off the map, one on unknown, one on free and one on occupied ground: half known, half hits."""
     level = GridLevel(1.0, (4, 4), np.array([-1.0, -1.0]))
@@ -42,7 +54,7 @@ def test_the_usual_inlier_ratio_follows_the_place():
     reeds = Fit(0.9, 0.55)
     assert tracker.check(reeds, 0.0, CONFIG)
     for hit in np.linspace(0.9, 0.6, 200):
-        tracker.learn(Fit(0.9, float(hit)))
+        tracker.learn(matched(0.0, Fit(0.9, float(hit))), predicted(0.1))
     assert not tracker.check(reeds, 0.0, CONFIG)
 
 
@@ -84,6 +96,20 @@ def test_a_scan_on_little_known_map_is_rejected_far_from_the_prediction() -> Non
     rejection = tracker.check(little, 10.0, CONFIG)
     assert rejection and rejection[:2] == ("mahalanobis_distance", 10.0)
     assert not tracker.confirms(little, 10.0, CONFIG)
+
+
+@pytest.mark.parametrize(
+    ("x", "sigma", "usual", "leaps"),
+    [(0.35, 0.05, 0.0, False), (0.5, 0.1, 0.0, True), (0.5, 0.15, 0.0, False), (0.5, 0.1, 0.2, False)],
+)
+def test_a_leap_is_far_in_metres_in_sigmas_and_for_the_predictions_of_this_robot(
+    x: float, sigma: float, usual: float, leaps: bool
+) -> None:
+    """Half a metre at once where predictions are good; not where a laser that sways makes all of them bad."""
+    tracker = Tracker()
+    for _ in range(200):
+        tracker.learn(matched(usual), predicted(sigma))
+    assert tracker.leaps(matched(x), predicted(sigma)) == leaps
 
 
 @pytest.mark.parametrize(("degrees", "exceeds"), [(5.0, False), (5.7, False), (5.8, True), (40.0, True)])
