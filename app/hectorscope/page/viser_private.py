@@ -80,17 +80,18 @@ def hang_up(client: viser.ClientHandle) -> None:
 def one_message(server: viser.ViserServer) -> Iterator[None]:
     """What is sent to all browsers meanwhile reaches them as one message, at once.
 
-    As `atomic` and then `flush`, but the thread of the server is woken once, and not if nothing was sent.
+    As `atomic` and then `flush`, but the thread of the server is woken once, and not if nothing waits. What waits
+    may be from an earlier turn: a thread that woke during the next one found it closed.
     """
     buffer = server._websock_server._broadcast_buffer
     buffer.atomic_start()
-    before = buffer.message_counter
     try:
         yield
     finally:
         with buffer.buffer_lock:
             buffer.atomic_counter -= 1
-        if buffer.message_counter != before:
+        newest = buffer.message_counter - 1
+        if any(sent < newest for sent in list(buffer.generator_cursors.values())):
             with contextlib.suppress(RuntimeError):  # the server has stopped
                 buffer.event_loop.call_soon_threadsafe(_wake, buffer)
 

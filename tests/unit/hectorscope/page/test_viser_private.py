@@ -123,17 +123,36 @@ def test_what_is_sent_in_one_turn_is_one_message(server: viser.ViserServer) -> N
             await socket.send(msgspec.msgpack.encode(CAMERA))
             await heard(socket)
             loop.call_soon_threadsafe = lambda *args: woken.append(args) or wake(*args)
+            messages = []
             for place in (1.0, 1.0):
                 with private.one_message(server):
                     for node in nodes:
                         private.move(node, (place, 0.0, 0.0))
+                messages += await heard(socket)
             loop.call_soon_threadsafe = wake
-            return await heard(socket)
+            return messages
 
     assert len(asyncio.run(session())) == 1
     assert woken == [(private._wake, buffer)]
     private._wake(buffer)
     assert buffer.flush_event.is_set()
+
+
+def test_what_an_earlier_turn_left_is_sent_with_the_next(
+    server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A browser's sender that woke while the next turn held it back is woken again, though that one sent nothing."""
+    buffer, woken = server._websock_server._broadcast_buffer, []
+    server.scene.add_frame("/node")
+    monkeypatch.setattr(buffer.event_loop, "call_soon_threadsafe", lambda *args: woken.append(args))
+    buffer.generator_cursors[99] = buffer.message_counter - 2
+    with private.one_message(server):
+        pass
+    assert woken == [(private._wake, buffer)]
+    buffer.generator_cursors[99] = buffer.message_counter - 1
+    with private.one_message(server):
+        pass
+    assert len(woken) == 1
 
 
 def test_icons_come_from_one_opened_archive(monkeypatch: pytest.MonkeyPatch) -> None:

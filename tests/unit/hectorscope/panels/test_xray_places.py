@@ -36,12 +36,13 @@ def test_figures_are_those_of_the_core(compared: dict[Kind, Compared]):
         assert along_axes(each.covariances)["cloud"][:2] == pytest.approx((math.sqrt(long), math.sqrt(short)))
 
 
-def test_the_hessian_is_too_sure_along_a_corridor(compared: dict[Kind, Compared]):
-    """The noise of the map gives slopes along the walls that the samples see less of; in a room both agree."""
+def test_along_a_corridor_matches_hold_on_to_the_noise_of_the_map(compared: dict[Kind, Compared]):
+    """It makes slopes along the walls, so that nothing shows an open direction; on water both are too sure."""
     sigmas = {kind: along_axes(each.covariances) for kind, each in compared.items()}
     long = {kind: {name: each[0] for name, each in named.items()} for kind, named in sigmas.items()}
     assert long["corridor"]["cloud"] > 20 * long["room"]["cloud"]
-    assert long["corridor"]["match"] < 0.6 * long["corridor"]["sampled"] < 0.6 * long["corridor"]["cloud"]
+    assert 0.8 < long["corridor"]["match"] / long["corridor"]["cloud"] < 1.3
+    assert 1.5 < long["corridor"]["sampled"] / long["corridor"]["cloud"] < 2.5
     assert long["room"]["match"] == pytest.approx(long["room"]["sampled"], rel=0.1)
     assert long["water"]["cloud"] > 2.0 * long["room"]["cloud"]
     assert long["water"]["match"] < long["water"]["sampled"] < long["water"]["cloud"]
