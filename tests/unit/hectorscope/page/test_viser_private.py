@@ -141,11 +141,11 @@ def test_what_is_sent_in_one_turn_is_one_message(server: viser.ViserServer) -> N
 def test_what_an_earlier_turn_left_is_sent_with_the_next(
     server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A browser's sender that woke while the next turn held it back is woken again, though that one sent nothing."""
+    """What a browser's sender found held back by the next turn is sent behind it, though that one sent nothing."""
     buffer, woken = server._websock_server._broadcast_buffer, []
     server.scene.add_frame("/node")
     monkeypatch.setattr(buffer.event_loop, "call_soon_threadsafe", lambda *args: woken.append(args))
-    buffer.generator_cursors[99] = buffer.message_counter - 2
+    monkeypatch.setattr(buffer, "generator_cursors", {99: buffer.message_counter - 2})
     with private.one_message(server):
         pass
     assert woken == [(private._wake, buffer)]
