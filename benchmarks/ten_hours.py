@@ -1,10 +1,10 @@
 """A run of ten hours at 40 Hz: its memory over time, and what of it the rows and the map take.
 
-    python -m benchmarks.ten_hours [--hours 10] [--beams 181]
+    python -m benchmarks.ten_hours [--hours 10] [--beams 181] [--write]
 
 A robot drives through the arena again and again; a process of its own simulates what it measures. The memory is
-that of the process of the run, as the system tells it, each minute of the recording. Writes
-docs/images/ten-hours.svg.
+that of the process of the run, as the system tells it, each minute of the recording. --write keeps
+the picture of it in docs/images/ten-hours.svg.
 """
 
 import argparse
@@ -112,10 +112,11 @@ def drawn(found: list[Look]) -> str:
 
 
 def main() -> None:
-    """Print a line each hour, then the table, and write the picture."""
+    """Print a line each hour, then the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--hours", type=float, default=10.0)
     parser.add_argument("--beams", type=int, default=181)
+    parser.add_argument("--write", action="store_true", help="write docs/images/ten-hours.svg")
     given = parser.parse_args()
     load_everything()
     begun, found, rows = time.perf_counter(), [], []
@@ -125,7 +126,8 @@ def main() -> None:
             cells = f"{each.hours:.3g}", f"{each.scans}", *(f"{value:.0f} MiB" for value in each.lines)
             print(" | ".join(cells), f"({time.perf_counter() - begun:.0f} s)", flush=True)
             rows.append(cells)
-    PICTURE.write_text(drawn(found), encoding="utf-8")
+    if given.write:
+        PICTURE.write_text(drawn(found), encoding="utf-8")
     print(table(("hour", "scans", *COLOURS), rows))
 
 

@@ -139,29 +139,27 @@ class Localiser:
         """The match if it is accepted, else one that a local search finds, else the verdict against both.
 
         Where only matches observe the motion, at a low rate, a sudden turn and a wrong match look alike. A match
-        that is far from the prediction is compared with the outcome of a search then.
+        that is far from the prediction is compared with the outcome of a search then. One that leaps is no motion.
         """
-        tracker, tracking = self._tracker, config.tracking
+        tracker, tracking, unaided = self._tracker, config.tracking, self._motion.unaided
         distance = mahalanobis_distance(match, prior)
         rejection = tracker.check(match.fit, distance, tracking)
         limit = tracking.unaided_mahalanobis_limit
-        doubtful = self._motion.unaided and exceeds_basin(prior)
+        doubtful = unaided and exceeds_basin(prior)
         if doubtful and (rejection or distance > limit or tracker.is_poor(match.fit)):
             better = self._other_motion(scan, match, prior, config)
             if better is not None:
                 stabilised, match = better
                 distance = mahalanobis_distance(match, prior)
                 rejection = tracker.check(match.fit, distance, tracking)
-        unaided = self._motion.unaided
         if not (rejection or (doubtful and distance > limit) or (unaided and tracker.leaps(match, prior))):
             return stabilised, match, tracker.accept(None)
         self._pyramid.cover(stabilised.points, prior.mean)
         start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
         start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
         for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
-            if unaided and tracker.leaps(candidate, prior):
-                continue
-            if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
+            leaps = unaided and tracker.leaps(candidate, prior)
+            if not leaps and tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
                 return placed, candidate, tracker.accept(rejection)
         rejection = rejection or Rejection("mahalanobis_distance", distance, limit)
         return stabilised, match, tracker.reject(match.fit, rejection, tracking)
