@@ -5,8 +5,9 @@
 `hectorscope live` runs in a process of its own, with a journal, and maps what a Foxglove server replays: a drive
 through the arena, 1081 beams at 20 Hz, so many times faster. One browser is a Chromium; three are sockets that
 speak the protocol of the page, of which one rests two seconds after each message. Behind the first minutes, memory
-counts as flat where it grows by 5 % at most; what a run keeps of each scan, which grows with its length, is told
-beside it. When the browsers have gone, threads and sockets have to be as many as before they came.
+counts as flat where it grows by 5 % at most. Memory is what the program has to hold (RssAnon and RssShmem of
+Linux); pages of files, which the system takes back when it needs room, are told beside it (RssFile): libraries and
+the rows of a long run. When the browsers have gone, threads and sockets have to be as many as before they came.
 """
 
 import argparse
@@ -24,7 +25,6 @@ from typing import Any
 from playwright.sync_api import sync_playwright
 
 from benchmarks.tables import table
-from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.simulation import SimulateOptions, simulate
 from tests.conftest import FLAGS, ROOT, chromium_path
 from tests.live.browsers import Client
@@ -38,31 +38,25 @@ LOOKS = 12
 PATIENCE_S = 60.0
 SLOW_S = 2.0
 TOKEN = "soak-and-look"
-# Trajectory and series of each scan, and at 20 Hz five rows of the truth and five of navigation.
-BYTES_A_SCAN = 64 + SERIES_DTYPE.itemsize + 5 * (64 + 88)
-HEAD = ("minute", "memory", "of that, rows of the run", "threads", "sockets", "browsers", "scans", "dropped")
+HEAD = ("minute", "memory", "pages of files", "threads", "sockets", "browsers", "scans", "dropped")
 
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """At the program at one moment. memory, rows: MiB."""
+    """At the program at one moment. memory, files: MiB."""
 
     memory: float
+    files: float
     threads: int
     sockets: int
     browsers: int
     scans: int
     dropped: int
 
-    @property
-    def rows(self) -> float:
-        """What a run keeps of each scan."""
-        return self.scans * BYTES_A_SCAN / 2**20
-
     def cells(self, minute: int) -> tuple[str, ...]:
         """Of the table."""
         counts = self.threads, self.sockets, self.browsers, self.scans, self.dropped
-        return str(minute), f"{self.memory:.0f} MiB", f"{self.rows:.1f} MiB", *map(str, counts)
+        return str(minute), f"{self.memory:.0f} MiB", f"{self.files:.0f} MiB", *map(str, counts)
 
 
 def look(pid: int, url: str) -> Look:
@@ -71,7 +65,8 @@ def look(pid: int, url: str) -> Look:
     handles = [str(each.readlink()) for each in Path(f"/proc/{pid}/fd").iterdir()]
     figures = metrics(url)
     return Look(
-        int(status["VmRSS"].split()[0]) / 1024,
+        sum(int(status[kind].split()[0]) for kind in ("RssAnon", "RssShmem")) / 1024,
+        int(status["RssFile"].split()[0]) / 1024,
         int(status["Threads"]),
         sum(handle.startswith("socket:") for handle in handles),
         int(figures["hectorscope_browsers"]),
@@ -154,12 +149,11 @@ def soak(minutes: int, speed: float, folder: Path) -> tuple[list[Look], Look, Lo
 def verdict(looks: list[Look], before: Look, after: Look) -> Iterator[str]:
     """What the looks say, in sentences."""
     warm, last = looks[min(WARM_MINUTES, len(looks)) - 1], looks[-1]
-    grown, rows = last.memory - warm.memory, last.rows - warm.rows
+    grown = last.memory - warm.memory
     yield (
         f"Memory behind minute {min(WARM_MINUTES, len(looks))}: {grown:+.0f} MiB of {warm.memory:.0f} MiB"
-        f" ({grown / warm.memory:+.1%}), of which rows of the run {rows:.1f} MiB:"
-        f" {'flat' if grown <= FLAT * warm.memory else 'not flat'}, without the rows"
-        f" {'flat' if grown - rows <= FLAT * warm.memory else 'not flat'}"
+        f" ({grown / warm.memory:+.1%}): {'flat' if grown <= FLAT * warm.memory else 'not flat'};"
+        f" pages of files {last.files - warm.files:+.0f} MiB"
     )
     for what in ("threads", "sockets"):
         counts = (getattr(at, what) for at in (before, last, after))

@@ -1,7 +1,12 @@
+import mmap
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
-from hectorscope.run.rows import GrowingRows
+from hectorscope.run.rows import LARGE, GrowingRows
 
 
 def test_rows_come_back_in_order_however_many():
@@ -80,3 +85,51 @@ def test_a_copy_that_goes_the_same_way_writes_nothing():
     rows.append((7.0, 11.0))
     copy.append((-7.0, 11.0))
     assert (rows.view[-1, 0], copy.view[-1, 0]) == (7, -7)
+
+
+def test_many_rows_lie_in_a_file_and_read_the_same(tmp_path, monkeypatch):
+    """Copies too, and views from before; the array itself is no longer in memory."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    expected = np.arange(3.0 * LARGE / 8).reshape(-1, 4)
+    rows = GrowingRows(4)
+    for block in np.array_split(expected, 50):
+        rows.extend(block)
+    early, copy = rows.view, rows.share()
+    rows.extend(-expected)
+    copy.extend(2.0 * expected)
+    np.testing.assert_array_equal(early, expected)
+    np.testing.assert_array_equal(rows.view, [*expected, *-expected])
+    np.testing.assert_array_equal(copy.view, [*expected, *2.0 * expected])
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(rows)).view, rows.view)
+    assert in_a_file(rows.view)
+    assert in_a_file(copy.view)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("room", [0, LARGE + 1000, 2 * LARGE], ids=["no file", "full at once", "full later"])
+def test_rows_stay_in_memory_where_the_disk_has_no_room(room):
+    """A full disk loses nothing. The disk is one of a process of its own, by a limit of the system."""
+    program = PROGRAM.format(room=room)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("same\n", "")
+
+
+PROGRAM = """
+import resource, signal
+import numpy as np
+from hectorscope.run.rows import LARGE, GrowingRows
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room}))
+expected = np.arange(4.0 * LARGE / 8).reshape(-1, 4)
+rows = GrowingRows(4)
+for block in np.array_split(expected, 99):
+    rows.extend(block)
+print("same" if np.array_equal(rows.view, expected) else "other rows")
+"""
+
+
+def in_a_file(rows: np.ndarray) -> bool:
+    """Whether it is a part of a mapping."""
+    while isinstance(rows.base, np.ndarray):
+        rows = rows.base
+    return isinstance(rows.base, mmap.mmap | memoryview)
