@@ -24,32 +24,33 @@
 
   const shown = (value) => (!Number.isFinite(value) ? "–" : Math.abs(value) >= 100 ? String(Math.round(value)) : `${+value.toPrecision(3)}`);
 
-  // Values of a column from a row on, in the chart's unit; angles go on beyond half a turn.
-  function* points(table, chart, column, first) {
-    let [turns, last] = [0, NaN];
-    for (let row = chart.angles ? 0 : first; row < table.count; row += 1) {
-      let value = table.values[row * table.width + column];
-      if (chart.angles && Number.isFinite(value)) {
-        if (Number.isFinite(last)) turns -= Math.round((value - last) / (2 * Math.PI));
-        last = value;
-        value += 2 * Math.PI * turns;
-      }
-      value *= chart.factor;
-      if (row >= first) yield [table.values[row * table.width], chart.log ? Math.log10(Math.max(value, FLOOR)) : value];
-    }
-  }
-
-  // Of each curve: (first, lowest, highest, last) for each pixel that has a value.
+  // Of each curve: (first, lowest, highest, last) for each pixel that has a value, in the chart's unit; angles go on
+  // beyond half a turn. A plain loop, as an hour has millions of values.
   function thinned(table, chart, [begin, end], pixels) {
-    const first = rowAt(table, begin);
+    const { values, width, count } = table;
+    const [first, share, { angles, factor, log }] = [rowAt(table, begin), pixels / (end - begin), chart];
     return chart.curves.map(({ column }) => {
       const columns = new Map();
-      for (const [time, value] of points(table, chart, column, first)) {
+      let [turns, last, there, x] = [0, NaN, null, -1];
+      for (let row = angles ? 0 : first; row < count; row += 1) {
+        let value = values[row * width + column];
         if (!Number.isFinite(value)) continue;
-        const x = Math.round((Math.max(time - begin, 0) / (end - begin)) * pixels);
-        const there = columns.get(x);
-        if (!there) columns.set(x, [value, value, value, value]);
-        else columns.set(x, [there[0], Math.min(there[1], value), Math.max(there[2], value), value]);
+        if (angles) {
+          if (Number.isFinite(last)) turns -= Math.round((value - last) / (2 * Math.PI));
+          last = value;
+          if (row < first) continue;
+          value += 2 * Math.PI * turns;
+        }
+        value *= factor;
+        if (log) value = Math.log10(Math.max(value, FLOOR));
+        const at = Math.round(Math.max(values[row * width] - begin, 0) * share);
+        if (at !== x) {
+          columns.set((x = at), (there = [value, value, value, value]));
+          continue;
+        }
+        if (value < there[1]) there[1] = value;
+        if (value > there[2]) there[2] = value;
+        there[3] = value;
       }
       return columns;
     });

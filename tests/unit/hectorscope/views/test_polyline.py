@@ -4,7 +4,7 @@ import numpy as np
 
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import for_line
-from hectorscope.views._polyline import CHUNK, Polyline
+from hectorscope.views._polyline import CHUNK, LARGE, Polyline
 
 COLOUR = (1, 2, 3)
 
@@ -37,6 +37,33 @@ def test_only_the_last_chunk_is_sent_again(scene: Scene) -> None:
     full = [node.points.copy() for node in line._nodes[:-1]]
     line.draw(path)
     assert all(np.array_equal(a, node.points) for a, node in zip(full, line._nodes, strict=False))
+
+
+def test_the_beginning_of_a_long_line_is_few_chunks(scene: Scene) -> None:
+    """However it grew and was cut: browsers are slow with hundreds of nodes."""
+    line, path = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0), straight(3 * LARGE + 700)
+    for rows in (10, LARGE, LARGE + 1, 2 * LARGE + CHUNK + 1, len(path), LARGE - 5, 2 * LARGE + 3, len(path)):
+        line.draw(path[:rows])
+        segments = drawn(line)
+        assert np.allclose(segments[:, 0], path[: rows - 1])
+        assert np.allclose(segments[:, 1], path[1:rows])
+    assert len(line._nodes) == 3 + 3
+
+
+def test_a_jump_back_ends_at_its_last_row(scene: Scene) -> None:
+    """Also between two corners of a straight line, and while the robot stands."""
+    line, path = (
+        Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0, tolerance=0.01),
+        straight(50),
+    )
+    path = np.concatenate([path, np.repeat(path[-1:], 50, axis=0)])
+    line.draw(path)
+    for rows in (80, 33, 2):
+        line.draw(path[:rows])
+        assert np.allclose(drawn(line)[[0, -1], [0, 1]], path[[0, rows - 1]])
+    line.draw(path[:1])
+    line.draw(path[:0])
+    assert not line._nodes
 
 
 def test_standing_still_adds_nothing(scene: Scene) -> None:
