@@ -1,23 +1,27 @@
 """A line that grows: chunks of segments, of which only those that changed are sent again."""
 
 from bisect import bisect_left
-from itertools import pairwise
 
 import numpy as np
 import viser
 
 from hectorscope.page.theme import Rgb, for_line
 from hectorscope.views._corners import Corners
+from hectorscope.views._thin_lines import model
 from slam_core.measurements import Float32s, Float64s
 
 CHUNK = 256  # segments a node; even, so that dashes go on across chunks
-LARGE = 16 * CHUNK  # of the line's beginning: a browser is slow with hundreds of nodes
+WIDE = (
+    4 * CHUNK
+)  # segments at the end of a line, at least, that are drawn in its width; those before them are thin
+THIN = 8 * CHUNK  # segments of a node of thin ones
 
 
 class Polyline:
     """Draws rows of a growing array as a line below the node `root`; `dashed` leaves out every second segment.
 
-    spacing, tolerance: of the points that are drawn, metres, as in `Corners`.
+    The beginning of a very long line is thin: a browser without a graphics card takes half a second for the wide
+    lines of an hour. spacing, tolerance: of the points that are drawn, metres, as in `Corners`.
     """
 
     def __init__(
@@ -33,8 +37,8 @@ class Polyline:
     ) -> None:
         self._scene, self._root = scene, root
         self._pixels, self._dashed = pixels, dashed
-        self._nodes: list[viser.LineSegmentsHandle] = []
-        self._chunks: list[range] = []  # segments of each node
+        self._thin: list[viser.GlbHandle] = []  # of THIN segments each
+        self._nodes: list[viser.LineSegmentsHandle] = []  # behind those, of CHUNK segments
         self._colour = for_line(colour)
         self._positions: Float64s = np.empty((0, 3))  # also those behind what is drawn, after a jump back
         self._corners = Corners(spacing, tolerance)
@@ -49,7 +53,7 @@ class Polyline:
             min(len(before), len(self._points)),
         )
         if not unchanged == len(before) == len(self._points):
-            self._send(unchanged - 1)
+            self._send(max(0, unchanged - 1))
 
     def _through(self, positions: Float64s, same: int) -> list[int]:
         """The rows to draw. Of a path that was known further nothing is looked at again."""
@@ -61,34 +65,37 @@ class Polyline:
         return self._corners.points.copy()
 
     def _send(self, unchanged: int) -> None:
-        """The chunks that are not within so many segments, which are as before."""
-        before, self._chunks = self._chunks, chunks(len(self._points) - 1)
-        while len(self._nodes) > len(self._chunks):
+        """The nodes that are not within so many segments, which are as before."""
+        count = max(0, len(self._points) - 1)
+        thin, before = max(0, count - WIDE) // THIN, len(self._thin)
+        while len(self._thin) > min(thin, unchanged // THIN):
+            self._thin.pop().remove()
+        for k in range(len(self._thin), thin):
+            self._thin.append(self._thin_node(self._segments(k * THIN, THIN)))
+        starts = range(thin * THIN, count, CHUNK)
+        while len(self._nodes) > len(starts):
             self._nodes.pop().remove()
-        for k, chunk in enumerate(self._chunks):
+        for k, start in enumerate(starts):
             if k >= len(self._nodes):
-                self._nodes.append(self._node(self._segments(chunk)))
-            elif chunk != before[k] or chunk.stop > unchanged:
-                self._nodes[k].points = self._segments(chunk)
+                self._nodes.append(self._node(self._segments(start, CHUNK)))
+            elif thin != before or start + CHUNK > unchanged:
+                self._nodes[k].points = self._segments(start, CHUNK)
 
-    def _segments(self, chunk: range) -> Float32s:
-        rows = self._points[chunk.start : chunk.stop + 1]
+    def _segments(self, first: int, count: int) -> Float32s:
+        rows = self._points[first : first + count + 1]
         points = self._positions[rows].astype(np.float32)
         segments = np.stack([points[:-1], points[1:]], axis=1)
         return segments[::2] if self._dashed else segments
+
+    def _thin_node(self, segments: Float32s) -> viser.GlbHandle:
+        name = f"{self._root}/thin{len(self._thin)}"
+        return self._scene.add_glb(name, model(segments, self._colour), cast_shadow=False, receive_shadow=False)
 
     def _node(self, segments: Float32s) -> viser.LineSegmentsHandle:
         name = f"{self._root}/chunk{len(self._nodes)}"
         return self._scene.add_line_segments(
             name, segments, self._colour, thickness=self._pixels, thickness_units="screen"
         )
-
-
-def chunks(segments: int) -> list[range]:
-    """All of a line: large ones, and small ones at its end, where it changes."""
-    small = max(0, segments) // LARGE * LARGE
-    starts = (*range(0, small, LARGE), *range(small, segments, CHUNK))
-    return [range(a, b) for a, b in pairwise((*starts, segments))]
 
 
 def common_rows(one: Float64s, other: Float64s) -> int:

@@ -1,10 +1,13 @@
 """The growing line: what is sent, and what is drawn in the end."""
 
+import io
+
 import numpy as np
+import trimesh
 
 from hectorscope.page.scene import Scene
 from hectorscope.page.theme import for_line
-from hectorscope.views._polyline import CHUNK, LARGE, Polyline
+from hectorscope.views._polyline import CHUNK, THIN, WIDE, Polyline
 
 COLOUR = (1, 2, 3)
 
@@ -14,9 +17,16 @@ def straight(count: int, step: float = 0.1) -> np.ndarray:
 
 
 def drawn(line: Polyline) -> np.ndarray:
-    """Every segment of every chunk, without those of no length."""
-    segments = np.concatenate([node.points for node in line._nodes])
+    """Every segment of every node, without those of no length."""
+    thin = [segments_of(node.glb_data) for node in line._thin]
+    segments = np.concatenate([*thin, *(node.points for node in line._nodes)])
     return segments[np.any(segments[:, 0] != segments[:, 1], axis=1)]
+
+
+def segments_of(glb: bytes) -> np.ndarray:
+    """Of a glTF model, as another library reads it."""
+    (path,) = trimesh.load_scene(io.BytesIO(glb), file_type="glb").geometry.values()
+    return path.vertices.reshape(-1, 2, 3)
 
 
 def test_chunks_make_one_line(scene: Scene) -> None:
@@ -39,15 +49,31 @@ def test_only_the_last_chunk_is_sent_again(scene: Scene) -> None:
     assert all(np.array_equal(a, node.points) for a, node in zip(full, line._nodes, strict=False))
 
 
-def test_the_beginning_of_a_long_line_is_few_chunks(scene: Scene) -> None:
-    """However it grew and was cut: browsers are slow with hundreds of nodes."""
-    line, path = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0), straight(3 * LARGE + 700)
-    for rows in (10, LARGE, LARGE + 1, 2 * LARGE + CHUNK + 1, len(path), LARGE - 5, 2 * LARGE + 3, len(path)):
+def test_the_beginning_of_a_long_line_is_few_thin_nodes(scene: Scene) -> None:
+    """However it grew and was cut: its end is wide, and what did not change is not sent again."""
+    line = Polyline(scene.server.scene, "/line", COLOUR, spacing=0.05, pixels=1.0)
+    path = straight(3 * THIN + WIDE + 700)
+    for rows in (
+        10,
+        THIN,
+        THIN + 1,
+        THIN + WIDE,
+        2 * THIN + WIDE + 1,
+        len(path),
+        THIN - 5,
+        2 * THIN + 3,
+        len(path),
+    ):
         line.draw(path[:rows])
         segments = drawn(line)
-        assert np.allclose(segments[:, 0], path[: rows - 1])
-        assert np.allclose(segments[:, 1], path[1:rows])
-    assert len(line._nodes) == 3 + 3
+        assert np.allclose(segments[:, 0], path[: rows - 1], atol=1e-4)
+        assert np.allclose(segments[:, 1], path[1:rows], atol=1e-4)
+        assert sum(len(node.points) for node in line._nodes) >= min(WIDE, rows - 1)
+    first = line._thin[0]
+    assert (len(line._thin), len(line._nodes)) == (3, 4 + 3)
+    line.draw(path[: 2 * THIN + WIDE + 9])
+    assert line._thin[0] is first
+    assert len(line._thin) == 2
 
 
 def test_a_jump_back_ends_at_its_last_row(scene: Scene) -> None:
