@@ -1,6 +1,6 @@
 """Recordings that begin in motion: errors in the rooms, by where in the drive the recording begins.
 
-    python -m benchmarks.begun [--seeds 5] [--rates 40 10 5] [--begins 2.7 8.5 ...] [--bare]
+    python -m benchmarks.begun [--seeds 5] [--rates 40 10 5] [--begins 2.7 8.5 ...] [--bare] [--at-once]
 
 Prints centimetres, raw / aligned, seed by seed, and their medians. From 0 s on: begun at rest, to compare.
 """
@@ -15,7 +15,7 @@ from benchmarks.accuracy import Outcome, outcome, process
 from benchmarks.turned import angle_of, turned
 from hectorscope.run.warmup import load_everything
 from hectorscope.simulation import SceneOptions, Simulation
-from slam_core.config import SlamConfig
+from slam_core.config import SlamConfig, with_value
 from slam_core.measurements import Imu
 
 BEGINS = {
@@ -39,17 +39,19 @@ def options_of(begin: float, rate: float, sway: float, seed: int, seconds: float
     )
 
 
-def run(begin: float, rate: float, sway: float, seed: int, bare: bool) -> Outcome:
+def run(begin: float, rate: float, sway: float, seed: int, bare: bool, config: SlamConfig) -> Outcome:
     """The outcome of one recording; bare: without its inertial data."""
     items = turned(Simulation("rooms", options_of(begin, rate, sway, seed)).items(), angle_of(seed))
-    return outcome(process((each for each in items if not (bare and isinstance(each, Imu))), SlamConfig()))
+    return outcome(process((each for each in items if not (bare and isinstance(each, Imu))), config))
 
 
-def lines(begins: Sequence[float], rates: Sequence[float], seeds: int, bare: bool) -> Iterator[str]:
+def lines(
+    begins: Sequence[float], rates: Sequence[float], seeds: int, bare: bool, config: SlamConfig
+) -> Iterator[str]:
     """One for each kind of recording."""
     with ProcessPoolExecutor(PROCESSES, initializer=load_everything) as pool:
         jobs = {
-            case: [pool.submit(run, *case, seed, bare) for seed in range(1, seeds + 1)]
+            case: [pool.submit(run, *case, seed, bare, config) for seed in range(1, seeds + 1)]
             for case in product(begins, rates, SWAYS)
         }
         for (begin, rate, sway), futures in jobs.items():
@@ -71,9 +73,11 @@ def main() -> None:
     parser.add_argument("--begins", nargs="*", type=float, default=list(BEGINS))
     parser.add_argument("--rates", nargs="*", type=float, default=list(RATES))
     parser.add_argument("--bare", action="store_true", help="without inertial data")
+    parser.add_argument("--at-once", action="store_true", help="without navigation.start_in_motion")
     args = parser.parse_args()
+    config = with_value(SlamConfig(), "navigation.start_in_motion", not args.at_once)
     print(f"{'begins':>22} | scans        | raw / aligned | worst raw | by seed, raw/aligned, cm")
-    for line in lines(args.begins, args.rates, args.seeds, args.bare):
+    for line in lines(args.begins, args.rates, args.seeds, args.bare, config):
         print(line, flush=True)
 
 

@@ -9,6 +9,7 @@ from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.diagnostics import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED, Diagnostic
 from slam_core.localization.localiser import Localiser
 from slam_core.localization.prior_map import PriorMap
+from slam_core.localization.start_in_motion import StartInMotion
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan, Measurement
@@ -40,6 +41,7 @@ class HectorSlam:
         writes, start = (prior_map.write, prior_map.start) if prior_map else (True, np.zeros(3))
         self._localiser = Localiser(self.map, self._motion, start, is_prior=prior_map is not None, writes=writes)
         self._mapper = Mapper(self.map, writes=writes)
+        self._start = None if prior_map else StartInMotion(self._motion)
         self._scans, self._scan_ns = 0, 0
         self._record = PoseRecord()
         self._stopwatch = Stopwatch(clock)
@@ -69,11 +71,13 @@ class HectorSlam:
         """The path of a scan, in the order of figure 1."""
         config, motion, time_ns = self.config, self._motion, scan.mid_ns
         self._scan_ns = scan.end_ns
-        if motion.awaits_filter(begun=self._scans > 0):
+        if motion.awaits_filter(scan, begun=self._scans > 0):
             return self._skip(NO_ATTITUDE)
         stabilised = self._stabilise(scan, motion.poses, config.scan)  # section IV
         if not len(stabilised.points):
             return self._skip(NO_BEAM)
+        if self._start and self._start.takes(scan, stabilised, config):
+            return self._skip(NO_ATTITUDE)
         if not self._localiser.initialise(stabilised, time_ns, config):
             return self._skip(NOT_LOCALISED)
         prior = self._predict(time_ns)  # section V-A

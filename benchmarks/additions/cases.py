@@ -36,7 +36,7 @@ class Case:
 
     load: the items of a seed. figure: the column of `benchmarks.additions.runs` that is compared. tags: what there
     is for an addition to act on. settings: what every configuration gets besides. ghosts: the scene is watched for
-    cells that people left behind.
+    cells that people left behind. only: the additions that are measured in a long case; all, if empty.
     """
 
     family: str
@@ -49,6 +49,7 @@ class Case:
     ghosts: bool = False
     base: str = ""
     lost: float = LOST_M
+    only: frozenset[str] = frozenset()
 
     @property
     def graded(self) -> bool:
@@ -127,6 +128,30 @@ def _rooms() -> Iterator[Case]:
     for each in DRIVES:
         load = drive("rooms", replace(each.options, duration=SECONDS))
         yield from _pair(each.name, load, IMU if each.options.beam_timing else IMU - {"sweep"}, family="rooms")
+
+
+# What keeps a laser alone from being lost between rooms that look alike.
+DEPENDABLE = frozenset({
+    "map.appearance_delay", "map.wall_gap", "map.keyframe_max_delay", "matcher.prior_weight",
+    "matcher.prior_restart_sigmas", "tracking.check", "tracking.min_inlier_ratio", "tracking.min_overlap",
+    "tracking.unaided_mahalanobis_limit", "tracking.relocalise",
+})  # fmt: skip
+
+
+def _offices() -> Iterator[Case]:
+    """Twenty minutes."""
+    load = bare(drive("offices", SceneOptions(scan_rate=4.7, beams=361), begun_at_angles=False))
+    yield Case("offices", "20 min, scans alone", load, figure="aligned", tags=BARE, only=DEPENDABLE)
+
+
+def _begun() -> Iterator[Case]:
+    """Recordings that begin in motion."""
+    for name, options in (
+        ("in a turn, 40 Hz", SceneOptions(begin=6.25, duration=6.25 + SECONDS)),
+        ("in a turn, 5 Hz, sway", replace(DRIVES[-1].options, begin=6.25, duration=6.25 + SECONDS)),
+        ("at a constant velocity, 10 Hz, sway", replace(DRIVES[3].options, begin=8.5, duration=8.5 + SECONDS)),
+    ):
+        yield Case("begun", name, drive("rooms", options), tags=IMU | {"begun"})
 
 
 def _scenes() -> Iterator[Case]:
@@ -235,4 +260,4 @@ def _recordings() -> Iterator[Case]:
 
 def cases() -> list[Case]:
     """All of them; the recordings that lie beside the project where they are there."""
-    return [*_recordings(), *_faults(), *_corridor(), *_scenes(), *_rooms()]
+    return [*_recordings(), *_faults(), *_corridor(), *_scenes(), *_rooms(), *_begun(), *_offices()]

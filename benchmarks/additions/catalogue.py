@@ -79,6 +79,7 @@ SCOPES: Mapping[str, Scope] = {
     "aiding.standstill": _needs("imu"),
     "aiding.gate": _needs("imu", "aids"),
     "aiding.compass_tolerance": _needs("aids"),
+    "navigation.start_in_motion": _needs("begun"),
     "navigation.tilt_threshold": _needs("imu", figure="roll"),
     "navigation.height_threshold": _needs("imu", figure="height"),
     "navigation.height_gate": _needs("wild heights"),

@@ -95,6 +95,10 @@ ADDITIONS = (
         {"aiding.standstill": False},
     ),
     Addition(
+        "Begins the map of a base that moves at the start once scans have confirmed attitude and velocity.",
+        {"navigation.start_in_motion": False},
+    ),
+    Addition(
         "Corrects roll and pitch by the measured gravity while they are uncertain.",
         {"navigation.tilt_threshold": 1.0},
     ),

@@ -26,7 +26,9 @@ from slam_core.navigation.aiding.plausibility import SOURCES, is_plausible
 from slam_core.navigation.filter import NavigationFilter, projected
 from slam_core.navigation.monitor import SILENT_NS, Monitor
 from slam_core.navigation.planar_motion import PlanarMotion, odometry_sigmas
+from slam_core.navigation.pose_reset import Origin
 from slam_core.navigation.rejections import UNUSABLE
+from slam_core.navigation.rest import shows_motion
 from slam_core.results import AidingStatus, MatchResult, NavigationState, PlanarGaussian
 
 # The first scan defines the origin of the map: its pose has this covariance.
@@ -38,11 +40,12 @@ FIRST_MATCH = MatchResult(
 class EgoMotion:
     """Measurements of the motion and matches in, poses and their covariance out.
 
-    inertial: whether the filter is used, which is so from the moment its attitude is known.
+    inertial: whether the filter is used, which is so from the moment its attitude is known. begins_in_motion:
+    whether the base moved then, so that the attitude has to be confirmed.
     """
 
     def __init__(self, config: SlamConfig) -> None:
-        self.inertial = False
+        self.inertial = self.begins_in_motion = False
         self._config = config
         self._planar = PlanarMotion()
         self._plane = PlanarEstimator(self._planar)
@@ -50,6 +53,7 @@ class EgoMotion:
         self._aids = Aids()
         self._monitor = Monitor()
         self._has_imu = False
+        self._first_scan: LaserScan | None = None
 
     def configure(self, config: SlamConfig) -> None:
         """Change settings from the next measurement on."""
@@ -136,8 +140,8 @@ class EgoMotion:
             self._plane.configure(self._config.motion, self._config.navigation.gate_reset_time)
             self._aids.take(aid, self._plane, self._config.aiding)
 
-    def awaits_filter(self, begun: bool) -> bool:
-        """Switch to the filter once it is ready. Whether the first scan has to be skipped until then.
+    def awaits_filter(self, scan: LaserScan, begun: bool) -> bool:
+        """Switch to the filter once it is ready. Whether a scan has to be skipped until then, as the first one.
 
         begun: whether there were scans already.
         """
@@ -145,7 +149,18 @@ class EgoMotion:
             if begun:
                 self._filter.place(self._planar.prior(self._filter.sample_ns, self._config.motion))
             self.inertial = True
+            self.begins_in_motion = self._filter.begins_in_motion and not begun
+        if not self._filter.ready:
+            self._first_scan = self._first_scan or scan
+            self._filter.moves = shows_motion(self._first_scan, scan)
+        if self.begins_in_motion and scan.stamp_ns < self._filter.begin_ns:
+            return True
         return self._has_imu and not (self.inertial or begun or self._filter.weightless)
+
+    def begin_at_origin(self, time_ns: int, *, has_velocity: bool) -> None:
+        """The origin of the map is where the base is at a time, with its velocity if that is known."""
+        self._filter.correct(time_ns, Origin(FIRST_MATCH.gaussian, has_velocity=has_velocity))
+        self._aids = Aids()
 
     def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
         """Attitude and position of the base in the map at instants (k,) after `from_ns`: (k, 7) or wider."""

@@ -15,7 +15,7 @@ from slam_core.measurements import LEAP_NS, Float64s, Imu, Int64s, Transform
 from slam_core.navigation.corrections import BodyVelocity, Correction, HeightAid, PlanarPose
 from slam_core.navigation.history import History
 from slam_core.navigation.imu_check import ImuCheck
-from slam_core.navigation.initial_alignment import initial_state
+from slam_core.navigation.initial_alignment import initial_state, is_still, moving_state
 from slam_core.navigation.pose_reset import PoseReset
 from slam_core.navigation.rejections import (
     FAR_AHEAD,
@@ -38,7 +38,8 @@ MOTION = np.array([4, 5, 6, 0, 1, 2, 3, 7, 8, 9])  # of a state: position, attit
 class NavigationFilter:
     """Predict with every inertial sample; correct with everything else, at its own time, in any order.
 
-    ready: whether the filter has found its attitude; before that, corrections are counted and dropped.
+    ready: whether the filter has found its attitude; before that, corrections are counted and dropped. moves:
+    somebody saw the base move before that. begin_ns, begins_in_motion: of its first estimate.
     """
 
     def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
@@ -47,7 +48,8 @@ class NavigationFilter:
         self._imu_check = ImuCheck()
         self._first: list[tuple[int, Float64s]] = []
         self._history: History | None = None
-        self._suspect_ns = self._begin_ns = 0
+        self._suspect_ns = self.begin_ns = 0
+        self.moves = self.begins_in_motion = False
 
     def configure(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
         """Change settings from the next measurement on."""
@@ -62,7 +64,8 @@ class NavigationFilter:
         other._imu_check = self._imu_check.copy()
         other._first = self._first.copy()
         other._history = self._history.copy() if self._history else None
-        other._suspect_ns, other._begin_ns = self._suspect_ns, self._begin_ns
+        other._suspect_ns, other.begin_ns = self._suspect_ns, self.begin_ns
+        other.moves, other.begins_in_motion = self.moves, self.begins_in_motion
         return other
 
     @property
@@ -218,12 +221,17 @@ class NavigationFilter:
         self._first.append((stamp_ns, sample.copy()))
         if stamp_ns - self._first[0][0] < self._config.level_time * 1e9:
             return
-        estimate = initial_state(np.array([s[:6] for _, s in self._first]), self._config, self._platform)
+        samples, stamps = np.array([s[:6] for _, s in self._first]), [t for t, _ in self._first]
+        self.begins_in_motion = self._config.start_in_motion and (
+            self.moves or not is_still(samples, self._config)
+        )
+        begin = moving_state if self.begins_in_motion else initial_state
+        estimate = begin(samples, stamps, self._config, self._platform)
         self._first.clear()
         if estimate is None:
             self.counts[WEIGHTLESS] += 1
         else:
-            self._begin_ns = stamp_ns
+            self.begin_ns = stamp_ns
             self._history = History(stamp_ns, sample, *estimate)
             self._history.configure(self._config, self._platform)
 
@@ -236,7 +244,7 @@ class NavigationFilter:
         if not self._accepts_stamp(time_ns):
             return FAR_AHEAD
         if not self._started.add_correction(time_ns, correction):
-            return TOO_EARLY if time_ns < self._begin_ns else TOO_OLD
+            return TOO_EARLY if time_ns < self.begin_ns else TOO_OLD
         return ""
 
     def _accepts_stamp(self, stamp_ns: int) -> bool:

@@ -9,7 +9,7 @@ from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import is_measurement
 from slam_core.measurements import PLAUSIBLE, Float64s
 from slam_core.navigation.corrections import Correction, Update
-from slam_core.navigation.initial_alignment import with_pose
+from slam_core.navigation.initial_alignment import HEIGHT_SIGMA, SPEED_SIGMA, with_pose
 from slam_core.results import PlanarGaussian
 
 
@@ -34,3 +34,28 @@ class PoseReset(Correction):
     def update(self, x: Float64s, P: Float64s) -> Update:
         """The estimate turned and moved there."""
         return Update(*with_pose(x, P, self.pose), np.zeros(3), self.pose.covariance, 0.0, np.inf)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Origin(PoseReset):
+    """The base is at a planar pose and at height 0, as that is where the map begins.
+
+    has_velocity: it is as it was estimated; else it is unknown.
+    """
+
+    has_velocity: bool = True
+
+    def update(self, x: Float64s, P: Float64s) -> Update:
+        """The estimate turned and moved there."""
+        x, P = with_pose(x, P, self.pose)
+        forget(x, P, 5, HEIGHT_SIGMA)
+        for i in () if self.has_velocity else (6, 7, 8):
+            forget(x, P, i, SPEED_SIGMA)
+        return Update(x, P, np.zeros(3), self.pose.covariance, 0.0, np.inf)
+
+
+def forget(x: Float64s, P: Float64s, i: int, sigma: float) -> None:
+    """An error state i of position or velocity is 0 with this standard deviation, whatever it was; in place."""
+    x[1 + i] = 0.0
+    P[i, :] = P[:, i] = 0.0
+    P[i, i] = sigma**2

@@ -209,7 +209,8 @@ def nothing_used(name: str, skipped: Mapping[str, int], slam: HectorSlam) -> Sou
     if skipped.get(NO_ATTITUDE):
         return SourceError(
             f"{name}: no scan could be used, as the inertial data gave no attitude"
-            f" ({_counted(slam.status.unused)}): check the IMU, or leave it out by --imu-topic none"
+            f" ({_counted(slam.status.unused)}): check the IMU, leave it out by --imu-topic none, or, if the"
+            " recording is short and begins in motion, give --navigation.start-in-motion false"
         )
     return SourceError(f"{name}: no scan could be used ({_counted(skipped)}): choose other topics or wider limits")
 

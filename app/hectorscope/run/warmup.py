@@ -194,7 +194,7 @@ def _first_motion() -> EgoMotion:
     for measurement in _room(inertial=True):
         if not isinstance(measurement, LaserScan | Odometry | Height):
             motion.take(measurement)
-    motion.awaits_filter(begun=False)
+    motion.awaits_filter(_scan(END_NS), begun=False)
     motion.poses(END_NS - 100_000_000, np.array([0, 50_000_000, 100_000_000]))
     motion.prior(END_NS)
     return motion

@@ -118,6 +118,13 @@ class NavigationConfig:
             restart=True,
         ),
     ] = 0.5
+    start_in_motion: Annotated[
+        bool,
+        Param(
+            "A base that moves at the start: the map begins once scans have confirmed attitude and velocity,"
+            " some seconds later."
+        ),
+    ] = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core import geometry
+from slam_core.config import NavigationConfig
 from slam_core.measurements import Imu
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.results import PlanarGaussian
@@ -66,3 +67,22 @@ def test_it_takes_over_at_the_pose_of_somebody_else() -> None:
     assert np.allclose(after.velocity, [-before.velocity[1], before.velocity[0], before.velocity[2]])
     assert after.T_map_base.translation[2] == before.T_map_base.translation[2]
     assert after.covariance[3, 3] == pytest.approx(0.04)
+
+
+def test_a_base_that_turns_about_its_axes_finds_its_tilt() -> None:
+    """The forces are laid on each other by the gyros: their mean in body axes shows no direction."""
+    ride = Ride(lambda t: np.zeros(3), lambda t: euler_matrix(0.4 * np.sin(9.0 * t), 0.3 * np.cos(7.0 * t), t))
+    at_once = NavigationConfig(start_in_motion=False)
+    assert tilt_error(begun(0.5, ride).state, ride, 0.5) < 0.1
+    assert tilt_error(begun(0.5, ride, at_once).state, ride, 0.5) > 1.0
+
+
+def test_a_base_that_was_seen_to_move_has_an_unknown_velocity() -> None:
+    """Inertial data at rest and at a constant velocity are alike."""
+    for moves, sigma in ((False, 0.05), (True, 1.0)):
+        estimator = NavigationFilter(CONFIG)
+        estimator.moves = moves
+        for sample in still().samples(0.5):
+            estimator.predict(sample)
+        assert estimator.begins_in_motion is moves
+        assert np.sqrt(estimator.state.covariance[6, 6]) == pytest.approx(sigma, rel=0.1)

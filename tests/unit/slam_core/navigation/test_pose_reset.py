@@ -1,10 +1,12 @@
 """A belief that is set down somewhere else."""
 
 import numpy as np
+import pytest
 
 from slam_core import geometry
 from slam_core.config import NavigationConfig
 from slam_core.navigation.filter import NavigationFilter
+from slam_core.navigation.pose_reset import Origin
 from slam_core.results import PlanarGaussian
 from tests.motions import START_NS, gait, stamp
 
@@ -81,3 +83,21 @@ def test_a_place_that_is_none_is_refused():
     nav.place_at(stamp(1.9), PlanarGaussian(XI, -R))
     np.testing.assert_array_equal(nav.planar(stamp(1.9)).mean, before)
     assert nav.counts["correction without a usable value"] == 2
+
+
+@pytest.mark.parametrize("has_velocity", [True, False])
+def test_the_origin_of_a_map_is_where_the_base_is(has_velocity: bool) -> None:
+    """Its pose and height are 0; the velocity turns with it, or is unknown; the tilt stays."""
+    nav = driven(4.0)
+    before = nav.at(HERE)
+    nav.correct(HERE, Origin(PlanarGaussian(np.zeros(3), 1e-6 * np.eye(3)), has_velocity=has_velocity))
+    after = nav.at(HERE)
+    assert np.allclose(geometry.planar(after.T_map_base), 0.0, atol=1e-12)
+    assert after.T_map_base.translation[2] == 0.0
+    tilts = [geometry.split_heading(state.T_map_base.rotation)[1] for state in (before, after)]
+    assert np.allclose(*tilts, atol=1e-12)
+    speeds = [np.linalg.norm(state.velocity) for state in (before, after)]
+    assert speeds[1] == pytest.approx(speeds[0] if has_velocity else 0.0)
+    assert np.linalg.eigvalsh(after.covariance).min() > 0.0
+    sigma = np.sqrt(after.covariance[6, 6])
+    assert sigma < 0.2 if has_velocity else sigma == 1.0

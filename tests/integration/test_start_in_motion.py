@@ -1,0 +1,76 @@
+"""Recordings that begin while the robot drives: the map begins once its attitude and velocity are known."""
+
+from collections.abc import Iterable
+from functools import cache
+
+import numpy as np
+import pytest
+
+from hectorscope.inputs import Item
+from hectorscope.run.metrics import truth_errors
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from hectorscope.simulation import SceneOptions, Simulation
+from slam_core.config import SlamConfig, with_value
+from slam_core.diagnostics import NO_ATTITUDE
+from slam_core.localization.prior_map import PriorMap, saved_levels
+
+IN_A_TURN, AT_A_CONSTANT_VELOCITY = 6.25, 8.5
+AT_ONCE = with_value(SlamConfig(), "navigation.start_in_motion", False)
+
+
+@cache
+def drive(begin: float, sway: float, rate: float) -> tuple[Item, ...]:
+    """Twenty seconds in the rooms."""
+    options = SceneOptions(
+        begin=begin, duration=begin + 20.0, sway=sway, sway_frequency=1.2, scan_rate=rate, beams=541
+    )
+    return tuple(Simulation("rooms", options).items())
+
+
+def run(items: Iterable[Item], config: SlamConfig, given: PriorMap | None = None) -> Pipeline:
+    """All of them."""
+    pipeline = Pipeline(Settings(config), prior_map=given)
+    for measurement in [each for item in items for each in pipeline.admit(item)] + pipeline.flush():
+        pipeline.step(measurement)
+    return pipeline
+
+
+def raw(pipeline: Pipeline) -> float:
+    """Error of the positions, metres, the first pose laid on the truth."""
+    errors = truth_errors(pipeline.trajectory, pipeline.truth)
+    assert errors is not None
+    return errors["raw_rmse_m"]
+
+
+@pytest.mark.parametrize(
+    ("begin", "sway", "rate", "goal"),
+    [
+        (IN_A_TURN, 0.0, 10.0, 0.02),
+        (IN_A_TURN, 15.0, 10.0, 0.10),
+        (AT_A_CONSTANT_VELOCITY, 0.0, 5.0, 0.03),  # of which inertial data show nothing
+        (AT_A_CONSTANT_VELOCITY, 15.0, 20.0, 0.03),
+    ],
+)
+def test_the_whole_drive_fits_its_first_pose(begin: float, sway: float, rate: float, goal: float) -> None:
+    """A map that begins at once, by accelerometers that the motion misleads, is twice as bad or worse."""
+    items = drive(begin, sway, rate)
+    pipeline = run(items, SlamConfig())
+    assert raw(pipeline) < min(goal, raw(run(items, AT_ONCE)) / 2.0)
+    assert 3.0 < pipeline.trajectory[0, 0] < 6.0
+    assert set(pipeline.skipped) == {NO_ATTITUDE}
+    assert np.abs(pipeline.trajectory[0, 1:4]).max() < 1e-3
+
+
+def test_a_map_begins_at_once_where_the_robot_rests() -> None:
+    """The levelling time is all that a run at rest waits for."""
+    pipeline = run(drive(0.0, 0.0, 10.0)[:400], SlamConfig())
+    assert pipeline.trajectory[0, 0] < 0.6
+
+
+def test_nothing_is_waited_for_in_a_map_that_is_there() -> None:
+    """Scans in a prior map are matched from the first attitude on."""
+    items = drive(IN_A_TURN, 0.0, 10.0)
+    first = run(items, AT_ONCE)
+    given = PriorMap("rooms", saved_levels(first.slam.map), start=np.zeros(3))
+    assert run(items[:400], SlamConfig(), given).trajectory[0, 0] < 0.6
