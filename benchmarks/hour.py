@@ -12,6 +12,8 @@ two frames meanwhile. Memory is the most that the process of the server ever had
 import argparse
 import resource
 import statistics
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -28,10 +30,9 @@ from hectorscope.inputs import SourceOptions
 from hectorscope.run.warmup import load_everything
 from hectorscope.session.commands import Pause
 from hectorscope.session.engine import Engine
-from hectorscope.simulation import SimulateOptions, simulate
 from hectorscope.sources import open_source
 from hectorscope.web.server import PageServer
-from tests.conftest import FLAGS, chromium_path
+from tests.conftest import FLAGS, ROOT, chromium_path
 
 HOUR_S = 3600.0
 PATIENCE_MS = 600_000
@@ -54,7 +55,10 @@ def recording(given: Path | None) -> Iterator[Path]:
     """The given one, or a simulated hour that is removed in the end."""
     with tempfile.TemporaryDirectory() as folder:
         if given is None:
-            simulate(SimulateOptions(scenario="arena", out=Path(folder) / "hour.bag", duration=HOUR_S))
+            # In a process of its own: its memory is not that of a server.
+            command = [sys.executable, "-m", "hectorscope.cli.main", "simulate", "--scenario", "arena"]
+            command += ["--duration", str(HOUR_S), "--out", str(Path(folder) / "hour.bag")]
+            subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
         yield given or Path(folder) / "hour.bag"
 
 

@@ -132,9 +132,8 @@ def _rooms() -> Iterator[Case]:
 
 # What keeps a laser alone from being lost between rooms that look alike.
 DEPENDABLE = frozenset({
-    "map.appearance_delay", "map.wall_gap", "map.keyframe_max_delay", "matcher.prior_weight",
-    "matcher.prior_restart_sigmas", "tracking.check", "tracking.min_inlier_ratio", "tracking.min_overlap",
-    "tracking.unaided_mahalanobis_limit", "tracking.relocalise",
+    "map.appearance_delay", "matcher.prior_restart_sigmas", "tracking.min_overlap",
+    "tracking.unaided_mahalanobis_limit",
 })  # fmt: skip
 
 
