@@ -23,48 +23,49 @@ class StartInMotion:
 
     def __init__(self, motion: EgoMotion) -> None:
         self._motion = motion
-        self._begin_ns: int | None = None
+        self._begin_ns = 0
         self._stages = 0
-        self._fits = False
+        self._stage: _Stage | None = None
 
     def takes(self, scan: LaserScan, stabilised: StabilisedScan, config: SlamConfig) -> bool:
         """Whether a scan is used for the motion alone, as the map cannot begin yet."""
-        if not self._motion.begins_in_motion:
+        motion, stage, time_ns = self._motion, self._stage, scan.mid_ns
+        if not motion.begins_in_motion:
             return False
-        time_ns = scan.mid_ns
         self._begin_ns = self._begin_ns or time_ns
-        ends = not self._stages or self._is_long(time_ns)
-        settled = ends and self._stages > 1 and self._fits
-        if settled or time_ns - self._begin_ns > LONGEST_NS:
-            self._motion.begin_at_origin(time_ns, has_velocity=True)
-            self._motion.begins_in_motion = False
-            return False
-        if ends:
-            self._begin_stage(time_ns, config)
-        self._match(scan, stabilised, config)
+        if stage is None or stage.is_over(time_ns, FIRST_NS if self._stages == 1 else STAGE_NS):
+            fits = stage is not None and stage.fits
+            motion.begin_at_origin(time_ns, has_velocity=fits)
+            if (fits and self._stages > 1) or time_ns - self._begin_ns > LONGEST_NS:
+                motion.begins_in_motion, self._stage = False, None
+                return False
+            self._stage = stage = _Stage(motion, time_ns, config)
+            self._stages += 1
+        stage.match(scan, stabilised, config)
         return True
 
-    def _is_long(self, time_ns: int) -> bool:
-        """Whether the stage may end."""
-        span_ns = FIRST_NS if self._stages == 1 else STAGE_NS
-        return self._scans >= FEWEST and time_ns - self._stage_ns >= span_ns
 
-    def _begin_stage(self, time_ns: int, config: SlamConfig) -> None:
-        """An empty map, with its origin where the base is."""
+class _Stage:
+    """An empty map, with its origin where the base is. fits: whether every scan fitted it so far."""
+
+    def __init__(self, motion: EgoMotion, begin_ns: int, config: SlamConfig) -> None:
         pyramid = Pyramid(config.map)
-        self._localiser = Localiser(pyramid, self._motion, np.zeros(3), is_prior=False, writes=True)
+        self.fits = True
+        self._motion, self._begin_ns, self._scans = motion, begin_ns, 0
+        self._localiser = Localiser(pyramid, motion, np.zeros(3), is_prior=False, writes=True)
         self._mapper = Mapper(pyramid, writes=True)
-        self._motion.begin_at_origin(time_ns, has_velocity=self._fits)
-        self._stage_ns, self._scans, self._fits = time_ns, 0, True
-        self._stages += 1
 
-    def _match(self, scan: LaserScan, stabilised: StabilisedScan, config: SlamConfig) -> None:
-        """Sections IV-B, IV-C and V-B."""
+    def is_over(self, time_ns: int, span_ns: int) -> bool:
+        """Whether it is long enough."""
+        return self._scans >= FEWEST and time_ns - self._begin_ns >= span_ns
+
+    def match(self, scan: LaserScan, stabilised: StabilisedScan, config: SlamConfig) -> None:
+        """One more scan, sections IV-B, IV-C and V-B."""
         motion, time_ns = self._motion, scan.mid_ns
         prior = motion.prior(time_ns)
         placed, pose, match, verdict = self._localiser.locate(scan, stabilised, prior, config)
         self._mapper.update(placed, pose, match, verdict, time_ns, config.map, unaided=motion.unaided)
         fused, _ = motion.correct(time_ns, match, accepted=verdict.accepted)
         self._localiser.fused = fused.mean
-        self._fits = self._fits and verdict.state == "tracking"
+        self.fits = self.fits and verdict.state == "tracking"
         self._scans += 1

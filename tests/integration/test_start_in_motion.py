@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hectorscope.inputs import Item
+from hectorscope.run.checkpoints import Checkpoint, Place
 from hectorscope.run.metrics import truth_errors
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
@@ -74,3 +75,18 @@ def test_nothing_is_waited_for_in_a_map_that_is_there() -> None:
     first = run(items, AT_ONCE)
     given = PriorMap("rooms", saved_levels(first.slam.map), start=np.zeros(3))
     assert run(items[:400], SlamConfig(), given).trajectory[0, 0] < 0.6
+
+
+def test_a_checkpoint_before_the_map_begins_goes_on_the_same() -> None:
+    """The map that is given up and the one of the run are two."""
+    items = drive(IN_A_TURN, 0.0, 10.0)
+    straight, halves = Pipeline(Settings(SlamConfig())), Pipeline(Settings(SlamConfig()))
+    for k, item in enumerate(items[:2000]):
+        if item.stamp_ns - items[0].stamp_ns > 2_000_000_000 and not k % 100:
+            halves = Checkpoint(halves, Place(0, None), None).pipeline(halves.settings)
+        for pipeline in (straight, halves):
+            for measurement in pipeline.admit(item):
+                pipeline.step(measurement)
+    assert straight.scans > 0
+    assert straight.trajectory.tobytes() == halves.trajectory.tobytes()
+    assert straight.slam.map.updates == halves.slam.map.updates

@@ -33,18 +33,17 @@ class Place:
 
 
 class _Pickler(pickle.Pickler):
-    """Leaves out the map, which is kept in tiles, and rows, which are shared."""
+    """Leaves out the map of the run, which is kept in tiles, and rows, which are shared."""
 
-    def __init__(self, file: io.BytesIO, before: FrozenMap | None) -> None:
+    def __init__(self, file: io.BytesIO, kept: TiledMap, before: FrozenMap | None) -> None:
         super().__init__(file, pickle.HIGHEST_PROTOCOL)
-        self.map: FrozenMap | None = None
+        self.map = FrozenMap(kept, ZSTD, before)
         self.rows: list[GrowingRows] = []
-        self._before = before
+        self._kept = kept
 
     def persistent_id(self, value: Any) -> int | None:
         """-1 for the map, the number of rows, None for what is to be pickled."""
-        if isinstance(value, TiledMap):
-            self.map = self.map or FrozenMap(value, ZSTD, self._before)
+        if value is self._kept:
             return -1
         if isinstance(value, GrowingRows):
             self.rows.append(value.share())
@@ -77,9 +76,8 @@ class Checkpoint:
         self.scans = pipeline.scans
         self.serves_ns = self.time_ns + LEAD * max(0, interval_ns)
         file = io.BytesIO()
-        pickler = _Pickler(file, before.map if before else None)
+        pickler = _Pickler(file, pipeline.slam.map, before.map if before else None)
         pickler.dump(pipeline)
-        assert pickler.map is not None
         self._state, self._rows = ZSTD.pack(file.getvalue()), pickler.rows
         self.map: FrozenMap = pickler.map
 
