@@ -16,6 +16,7 @@ from hectorscope.session.commands import Configure, Seek
 from hectorscope.session.engine import Engine
 from hectorscope.session.journal import Journal, resumed
 from hectorscope.session.journal_files import CHECKPOINT, JournalError
+from hectorscope.session.row_files import RowFiles
 from hectorscope.session.station import Station
 from hectorscope.session.station_commands import PutMark
 from slam_core.measurements import Imu, LaserScan
@@ -101,7 +102,7 @@ def test_an_odd_checkpoint_is_left_out_with_the_reason(
     """One of another version, and one that holds something else; the run is made again from its messages."""
     folder = left(tmp_path, "20200101T000000Z-1")
     (folder / "stream_0001.mcap").write_bytes(drive.read_bytes())
-    write_checkpoint(folder, "no checkpoint")  # type: ignore[arg-type]
+    write_checkpoint(folder, "no checkpoint", RowFiles(folder))  # type: ignore[arg-type]
     found = resumed(folder, reopen, Settings(), None)
     assert found.pipeline.scans > 40
     assert "holds no checkpoint" in found.left_out

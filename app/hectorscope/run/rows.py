@@ -3,7 +3,7 @@
 import mmap
 import os
 import tempfile
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
 from typing import BinaryIO
 
@@ -86,32 +86,38 @@ class GrowingRows:
 
     Copies share what they have in common, also what one of them appended and another one appends after it: a run
     that goes the same way again writes nothing. besides: columns of which this does not depend, as they are
-    measured anew each time; the first values stay.
+    measured anew each time; the first values stay. compared: the others.
     """
 
     def __init__(self, columns: int, besides: Collection[int] = ()) -> None:
         self._store = _Store(columns)
         self._count = 0
-        self._compared = [column for column in range(columns) if column not in besides]
+        self.compared = [column for column in range(columns) if column not in besides]
 
     def __len__(self) -> int:
         return self._count
 
+    @classmethod
+    def of(cls, rows: Rows, compared: Iterable[int]) -> "GrowingRows":
+        """Rows (n, columns) from a file, and the columns that are compared."""
+        other = cls(rows.shape[1])
+        other.compared = list(compared)
+        other.extend(rows)
+        return other
+
     def share(self) -> "GrowingRows":
         """An independent copy; the rows so far are in memory once."""
         other = GrowingRows.__new__(GrowingRows)
-        other._store, other._count, other._compared = self._store, self._count, self._compared
+        other._store, other._count, other.compared = self._store, self._count, self.compared
         return other
 
-    def __getstate__(self) -> tuple[Rows, list[int]]:
-        """For a file: the rows alone, without the room for more."""
-        return self.view.copy(), self._compared
+    def continues(self, earlier: "GrowingRows | None") -> bool:
+        """Whether these begin with all rows of another one, of which they were a copy."""
+        return earlier is not None and earlier._store is self._store and len(earlier) <= len(self)
 
-    def __setstate__(self, state: tuple[Rows, list[int]]) -> None:
-        """Rows from a file."""
-        rows, self._compared = state
-        self._store, self._count = _Store(rows.shape[1]), len(rows)
-        self._store.write(rows)
+    def __reduce__(self) -> tuple[Callable[[Rows, Iterable[int]], "GrowingRows"], tuple[Rows, list[int]]]:
+        """For another process: the rows alone, without the room for more."""
+        return GrowingRows.of, (self.view.copy(), self.compared)
 
     def append(self, row: tuple[float, ...]) -> None:
         """One more row; views taken before keep their length and their values."""
@@ -131,7 +137,7 @@ class GrowingRows:
         if not self._count < end <= self._store.used:
             return end == self._count
         there = self._store.rows[self._count : end]
-        return np.array_equal(there[:, self._compared], rows[:, self._compared], equal_nan=True)
+        return np.array_equal(there[:, self.compared], rows[:, self.compared], equal_nan=True)
 
     def _part(self) -> None:
         """Go on apart from a copy that has gone another way."""

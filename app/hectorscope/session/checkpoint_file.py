@@ -1,20 +1,25 @@
 """The checkpoint of a journal as a file: a pickle, so one that others could write is never read."""
 
 import hashlib
+import io
 import os
 import pickle
 import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from itertools import count
 from pathlib import Path
+from typing import Any
 
 from hectorscope.common.kernel_cache import version
 from hectorscope.inputs import Item
 from hectorscope.run.annotations import Annotations
 from hectorscope.run.checkpoints import Checkpoint
+from hectorscope.run.rows import GrowingRows
 from hectorscope.run.settings import Settings
 from hectorscope.session.journal_files import CHECKPOINT, JournalError, write_durably
+from hectorscope.session.row_files import KeptRows, RowFiles, read_rows
 
 MAGIC = "hectorscope-checkpoint"
 
@@ -49,11 +54,37 @@ def our_version() -> str:
     return version()
 
 
-def write_checkpoint(folder: Path, saved: Saved) -> None:
-    """OSError if there is no room."""
-    content = pickle.dumps(saved, pickle.HIGHEST_PROTOCOL)
+class _Pickler(pickle.Pickler):
+    """Leaves out rows, which have files of their own."""
+
+    def __init__(self, file: io.BytesIO, files: RowFiles) -> None:
+        super().__init__(file, pickle.HIGHEST_PROTOCOL)
+        self._files = files
+        self._numbers = count()
+
+    def persistent_id(self, value: Any) -> KeptRows | None:
+        """Where the rows are; None for all else."""
+        return self._files.append(next(self._numbers), value) if isinstance(value, GrowingRows) else None
+
+
+class _Unpickler(pickle.Unpickler):
+    def __init__(self, folder: Path, content: bytes) -> None:
+        super().__init__(io.BytesIO(content))
+        self._folder = folder
+
+    def persistent_load(self, kept: KeptRows) -> GrowingRows:
+        """The rows that `persistent_id` told of."""
+        return read_rows(self._folder, kept)
+
+
+def write_checkpoint(folder: Path, saved: Saved, files: RowFiles) -> None:
+    """OSError if there is no room. files: of this folder, which know what it has of the rows already."""
+    file = io.BytesIO()
+    _Pickler(file, files).dump(saved)
+    content = file.getvalue()
     head = f"{MAGIC} {our_version()} {hashlib.sha256(content).hexdigest()}\n"
     write_durably(folder / CHECKPOINT, head.encode(), content)
+    files.tidy()
 
 
 def read_checkpoint(folder: Path) -> Saved | None:
@@ -77,7 +108,9 @@ def read_checkpoint(folder: Path) -> Saved | None:
 
 def _loaded(path: Path, content: bytes) -> Saved:
     try:
-        saved = pickle.loads(content)  # of a file that only we can write
+        saved = _Unpickler(path.parent, content).load()  # of a file that only we can write
+    except JournalError:
+        raise
     except Exception as error:  # whatever stands in it is called
         reason = f"{type(error).__name__}: {error}"
         raise JournalError(f"{path} cannot be read ({reason}): the run is made again from its messages") from error

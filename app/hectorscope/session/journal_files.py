@@ -1,7 +1,7 @@
 """The files of a journal: what a live run leaves on the disk while it goes on, and how it is found again.
 
-A folder for each run: the messages of the stream (ros/stream_recorder.py), the newest checkpoint, the actions,
-and `closed` once the run ended in order or was gone on with.
+A folder for each run: the messages of the stream (ros/stream_recorder.py), the newest checkpoint with the rows of
+its run, the actions, and `closed` once the run ended in order or was gone on with.
 """
 
 import json
@@ -19,6 +19,7 @@ if sys.platform != "win32":
     import fcntl
 
 ABOUT, CHECKPOINT, CLOSED, ACTIONS = "about.json", "checkpoint", "closed", "actions.jsonl"
+ROWS = "rows_{}.f64"  # of the run, by number
 KEPT, KEPT_BYTES = 5, 4 * 2**30  # journals of runs, and all together; the oldest ones are removed
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hectorscope.session.checkpoint_file import Saved, write_checkpoint
 from hectorscope.session.journal_files import append_durably
+from hectorscope.session.row_files import RowFiles
 
 LOST = "actions cannot be logged ({}): make room"
 LATER = "the journal cannot be kept ({}): make room, it is tried again"
@@ -18,6 +19,7 @@ class JournalWriter:
     def __init__(self, folder: Path) -> None:
         self.failed = False
         self._folder = folder
+        self._rows = RowFiles(folder)
         self._lines: list[str] = []
         self._saved: Saved | None = None
         self._then: Callable[[], None] = lambda: None
@@ -70,7 +72,7 @@ class JournalWriter:
                 return
 
     def _checkpoint(self, saved: Saved) -> None:
-        self.failed = not self._write(LATER, partial(write_checkpoint, self._folder, saved))
+        self.failed = not self._write(LATER, partial(write_checkpoint, self._folder, saved, self._rows))
         if not self.failed:
             self._then()
         self._saved = None
