@@ -4,7 +4,7 @@
 
 A robot drives through the arena again and again; a process of its own simulates what it measures. The memory is
 what the process of the run has to hold (RssAnon and RssShmem of Linux), each minute of the recording; rows lie in
-files, of which the system keeps in memory what is read. --write keeps the picture of it in docs/images/ten-hours.svg.
+files, of which the system keeps in memory what is read. --write keeps the picture in docs/images/ten-hours.svg.
 """
 
 import argparse
