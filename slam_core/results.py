@@ -144,12 +144,14 @@ class Status(NamedTuple):
     """The pipeline at the time of the last scan.
 
     search_failure: why the pose in the map is unknown; None while it is known. start_found: where the run began in
-    a prior map, once that is known. skipped: scans without a result, by reason. unused: other measurements that
-    were not used as they came, by reason.
+    a prior map, once that is known. moved_at_start: whether the map began later than the scans, as the base
+    moved. skipped: scans without a result, by reason. unused: other measurements that were not used as they came,
+    by reason.
     """
 
     search_failure: SearchFailure | None
     start_found: StartFound | None
+    moved_at_start: bool
     skipped: Counter[str]
     unused: Counter[str]
 

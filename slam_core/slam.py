@@ -151,7 +151,8 @@ class HectorSlam:
     def status(self) -> Status:
         """Whether the pose in the map is known, and what was not used so far."""
         relocaliser = self._localiser.relocaliser
-        return Status(relocaliser.failure, relocaliser.found, self._skipped, self._motion.unused)
+        moved = self._start is not None and self._start.is_over
+        return Status(relocaliser.failure, relocaliser.found, moved, self._skipped, self._motion.unused)
 
     @property
     def now_ns(self) -> int | None:

@@ -19,9 +19,13 @@ FEWEST = 4  # scans of a stage
 
 
 class StartInMotion:
-    """One for each run. Of a base in motion: a short stage, and others until each scan of one fits its map."""
+    """One for each run. Of a base in motion: a short stage, and others until each scan of one fits its map.
+
+    is_over: whether there was one, and the map has begun.
+    """
 
     def __init__(self, motion: EgoMotion) -> None:
+        self.is_over = False
         self._motion = motion
         self._begin_ns = 0
         self._stages = 0
@@ -37,7 +41,7 @@ class StartInMotion:
             fits = stage is not None and stage.fits
             motion.begin_at_origin(time_ns, has_velocity=fits)
             if (fits and self._stages > 1) or time_ns - self._begin_ns > LONGEST_NS:
-                motion.begins_in_motion, self._stage = False, None
+                motion.begins_in_motion, self._stage, self.is_over = False, None, True
                 return False
             self._stage = stage = _Stage(motion, time_ns, config)
             self._stages += 1

@@ -61,12 +61,14 @@ def test_the_whole_drive_fits_its_first_pose(begin: float, sway: float, rate: fl
     assert 3.0 < pipeline.trajectory[0, 0] < 6.0
     assert set(pipeline.skipped) == {NO_ATTITUDE}
     assert np.abs(pipeline.trajectory[0, 1:4]).max() < 1e-3
+    assert [f"the map begins after {pipeline.trajectory[0, 0]:.1f} s" in note for note in pipeline.notes] == [True]
 
 
 def test_a_map_begins_at_once_where_the_robot_rests() -> None:
     """The levelling time is all that a run at rest waits for."""
     pipeline = run(drive(0.0, 0.0, 10.0)[:400], SlamConfig())
     assert pipeline.trajectory[0, 0] < 0.6
+    assert not pipeline.notes
 
 
 def test_nothing_is_waited_for_in_a_map_that_is_there() -> None:

@@ -12,7 +12,7 @@ from hectorscope.run.constant_rate import ConstantRate
 from hectorscope.run.rows import GrowingRows, Rows
 from hectorscope.run.series import DURATIONS, SERIES_FIELDS, series_row
 from hectorscope.run.settings import Mode, Settings
-from hectorscope.run.wording import arrival_text, diagnostic_text, search_text, start_text
+from hectorscope.run.wording import arrival_text, diagnostic_text, moved_text, search_text, start_text
 from slam_core.diagnostics import NO_ATTITUDE
 from slam_core.evaluation.trajectory import Trajectory, first_on_first, interpolate
 from slam_core.localization.prior_map import PriorMap
@@ -119,9 +119,11 @@ class Pipeline:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is reported once: where in a prior map the run began."""
-        start = self.slam.status.start_found
-        return (start_text(start),) if start else ()
+        """What is reported once: where in a prior map the run began, or that the map begins late."""
+        status = self.slam.status
+        if status.moved_at_start and self.scans:
+            return (moved_text(float(self.trajectory[0, 0])),)
+        return (start_text(status.start_found),) if status.start_found else ()
 
     def _apply_changes(self, stamp_ns: int) -> None:
         config = self.settings.at(stamp_ns)

@@ -109,6 +109,14 @@ def search_text(failure: SearchFailure | None) -> str:
             return "the scan fits in very many places of the map"
 
 
+def moved_text(seconds: float) -> str:
+    """Why a recording has no result at its beginning."""
+    return (
+        f"the robot moved at the beginning: the map begins after {seconds:.1f} s, once scans had confirmed"
+        " attitude and velocity (navigation.start_in_motion)"
+    )
+
+
 def start_text(start: StartFound) -> str:
     """Where the run began in the prior map."""
     x, y, psi = start.pose.tolist()
