@@ -19,11 +19,11 @@ def messages_for(name: str) -> Messages:
 
 
 def small_run(ros: Messages, n: int = 50) -> list[tuple[str, Any, int]]:
-    """Scans at 10 Hz with an IMU and truth; the mount comes last, as latched transforms may."""
+    """Scans at 10 Hz at rest with an IMU and truth; the mount comes last, as latched transforms may."""
     entries: list[tuple[str, Any, int]] = []
     for i in range(n):
         t = i * TENTH
-        entries.append(("/scan", ros.scan(t, ranges=np.full(100, 1.0 + i), angle_increment=0.01), t))
+        entries.append(("/scan", ros.scan(t, ranges=np.full(100, 2.0 + i / 1000), angle_increment=0.01), t))
         entries.append(("/imu", ros.imu(t + 1, "base_link"), t + 1))
         entries.append(("/ground_truth", ros.pose_stamped(t + 2), t + 2))
     mount = ros.tf(0, "base_link", "laser", (0.2, 0.0, 0.1))

@@ -16,7 +16,7 @@ GAP = range(20, 30)
 def test_the_run_goes_on_while_the_recording_is_examined(tmp_path: Path) -> None:
     """The findings come with the time of the run at which they begin; the log says how many there are."""
     entries = [entry for entry in small_run(messages_for("run.bag")) if entry[2] // (SECOND // 10) not in GAP]
-    source = open_source(str(write_bag(tmp_path / "run.bag", entries)), SourceOptions(imu_topic="none"))
+    source = open_source(str(write_bag(tmp_path / "run.bag", entries)), SourceOptions())
     with running(source, speed=float("inf")) as engine:
         engine.send(Examine())
         snapshot = until(engine, lambda now: now.examined is not None and now.playback.state == "ended", 60.0)
