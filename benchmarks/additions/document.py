@@ -112,9 +112,7 @@ def _best(found: Found) -> str:
 
 def _paper(rows: Rows, every: list[Case]) -> str:
     lines = []
-    for case in filter(lambda case: case.graded, every):
-        if case.only:
-            continue
+    for case in filter(lambda case: case.graded and not case.only, every):
         columns = [[row[case.figure] for row in rows_of(rows, case, name)] for name in (LAST_POSE, PAPER, FULL)]
         if columns[2]:
             lines.append([_name(case, case.figure), *(_errors(each, case.lost, case.figure) for each in columns)])

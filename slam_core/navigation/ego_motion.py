@@ -148,14 +148,15 @@ class EgoMotion:
         if self._filter.ready and not self.inertial:
             if begun:
                 self._filter.place(self._planar.prior(self._filter.sample_ns, self._config.motion))
-            self.inertial = True
+            self.inertial, self._first_scan = True, None
             self.begins_in_motion = self._filter.begins_in_motion and not begun
-        if not self._filter.ready:
-            self._first_scan = self._first_scan or scan
-            self._filter.moves = shows_motion(self._first_scan, scan)
-        if self.begins_in_motion and scan.stamp_ns < self._filter.begin_ns:
-            return True
-        return self._has_imu and not (self.inertial or begun or self._filter.weightless)
+        if self.inertial:
+            return self.begins_in_motion and scan.stamp_ns < self._filter.begin_ns
+        if begun or not self._has_imu or self._filter.weightless:
+            return False
+        self._first_scan = self._first_scan or scan
+        self._filter.moves = shows_motion(self._first_scan, scan)
+        return True
 
     def begin_at_origin(self, time_ns: int, *, has_velocity: bool) -> None:
         """The origin of the map is where the base is at a time, with its velocity if that is known."""

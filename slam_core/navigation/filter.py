@@ -225,8 +225,10 @@ class NavigationFilter:
         self.begins_in_motion = self._config.start_in_motion and (
             self.moves or not is_still(samples, self._config)
         )
-        begin = moving_state if self.begins_in_motion else initial_state
-        estimate = begin(samples, stamps, self._config, self._platform)
+        if self.begins_in_motion:
+            estimate = moving_state(samples, stamps, self._config, self._platform)
+        else:
+            estimate = initial_state(samples, self._config, self._platform)
         self._first.clear()
         if estimate is None:
             self.counts[WEIGHTLESS] += 1

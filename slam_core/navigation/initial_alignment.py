@@ -34,7 +34,7 @@ def is_still(samples: Float64s, config: NavigationConfig) -> bool:
 
 
 def initial_state(
-    samples: Float64s, _stamps: Sequence[int], config: NavigationConfig, platform: PlatformConfig
+    samples: Float64s, config: NavigationConfig, platform: PlatformConfig
 ) -> tuple[Float64s, Float64s] | None:
     """(x, P) at the last of the samples (n, 6), at the origin with heading 0; None if there is no gravity in them.
 

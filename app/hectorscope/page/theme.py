@@ -79,11 +79,16 @@ EXPOSURE = 1.0 / 0.6
 BRIGHTEST = 0.77  # that the curve makes of any colour
 
 
+def linear(colours: ArrayLike) -> NDArray[np.float64]:
+    """Light, 0 to 1, of colours in sRGB, 0-255 (IEC 61966-2-1)."""
+    share = np.asarray(colours, np.float64) / 255.0
+    light: NDArray[np.float64] = np.where(share > 0.04045, ((share + 0.055) / 1.055) ** 2.4, share / 12.92)
+    return light
+
+
 def for_lines(colours: ArrayLike) -> NDArray[np.uint8]:
     """What to send for lines that shall show colours (..., 3), 0-255: as near as the film curve lets them."""
-    share = np.asarray(colours, np.float64) / 255.0
-    light = np.where(share > 0.04045, ((share + 0.055) / 1.055) ** 2.4, share / 12.92)  # IEC 61966-2-1
-    value = np.clip(light @ np.linalg.inv(AFTER_CURVE).T, 0.0, BRIGHTEST)
+    value = np.clip(linear(colours) @ np.linalg.inv(AFTER_CURVE).T, 0.0, BRIGHTEST)
     a, b, c = (over - value * under for over, under in zip(OVER, UNDER, strict=True))
     wanted = (np.sqrt(b * b - 4.0 * a * c) - b) / (2.0 * a) @ np.linalg.inv(BEFORE_CURVE).T / EXPOSURE
     light = np.clip(wanted, 0.0, 1.0)

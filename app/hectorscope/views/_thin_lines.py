@@ -6,6 +6,7 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
+from hectorscope.page.theme import linear
 from slam_core.measurements import Float32s
 
 LINES = 1  # primitive of glTF 2.0: two points each
@@ -15,15 +16,13 @@ FLOAT = 5126
 def model(segments: Float32s, colour: NDArray[np.uint8]) -> bytes:
     """The GLB file (glTF 2.0, 4.4) of segments (n, 2, 3), in metres, of one colour (3,) in sRGB."""
     points = segments.reshape(-1, 3)
-    share = colour / 255.0
-    light = np.where(share > 0.04045, ((share + 0.055) / 1.055) ** 2.4, share / 12.92)  # glTF has linear colours
     told = {
         "asset": {"version": "2.0"},
         "scenes": [{"nodes": [0]}],
         "scene": 0,
         "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": LINES, "material": 0}]}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [*light.tolist(), 1.0]}}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [*linear(colour).tolist(), 1.0]}}],
         "accessors": [
             {
                 "bufferView": 0,
