@@ -16,7 +16,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from hectorscope.page.theme import DARK, LIGHT, Rgb, Theme
+from hectorscope.page.theme import DARK, LIGHT, Rgb, Theme, linear
 
 Floats = NDArray[np.float64]
 
@@ -57,13 +57,6 @@ class Finding:
     def good(self) -> bool:
         """Whether it is enough."""
         return self.found >= self.wanted
-
-
-def linear(colour: Rgb) -> Floats:
-    """Light of an sRGB colour (3,), 0 to 1 (IEC 61966-2-1)."""
-    share = np.asarray(colour, np.float64) / 255.0
-    light: Floats = np.where(share > 0.04045, ((share + 0.055) / 1.055) ** 2.4, share / 12.92)
-    return light
 
 
 def seen(colour: Rgb, reader: str) -> Floats:

@@ -24,6 +24,7 @@ from typing import Any
 
 from playwright.sync_api import sync_playwright
 
+from benchmarks.memory import FILES, HELD, resident
 from benchmarks.tables import table
 from hectorscope.simulation import SimulateOptions, simulate
 from tests.conftest import FLAGS, ROOT, chromium_path
@@ -61,13 +62,12 @@ class Look:
 
 def look(pid: int, url: str) -> Look:
     """As the system and the program tell it."""
-    status = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines())
     handles = [str(each.readlink()) for each in Path(f"/proc/{pid}/fd").iterdir()]
     figures = metrics(url)
     return Look(
-        sum(int(status[kind].split()[0]) for kind in ("RssAnon", "RssShmem")) / 1024,
-        int(status["RssFile"].split()[0]) / 1024,
-        int(status["Threads"]),
+        resident(HELD, pid),
+        resident(FILES, pid),
+        sum(1 for _ in Path(f"/proc/{pid}/task").iterdir()),
         sum(handle.startswith("socket:") for handle in handles),
         int(figures["hectorscope_browsers"]),
         int(figures["hectorscope_scans_total"]),

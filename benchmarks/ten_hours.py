@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from pathlib import Path
 
 import numpy as np
 
+from benchmarks.memory import HELD, resident
 from benchmarks.svg import Drawing, label, sheet
 from benchmarks.tables import table
 from hectorscope.inputs import Item
@@ -75,11 +75,9 @@ def received(hours: float, beams: int) -> Iterator[Item]:
 
 def look(pipeline: Pipeline, hours: float) -> Look:
     """Now."""
-    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text("utf-8").splitlines())
     rows = (pipeline.trajectory, pipeline.series, pipeline.truth, pipeline.navigation)
     size = sum(each.nbytes for each in rows) / MEBIBYTE
-    memory = sum(int(status[kind].split()[0]) for kind in ("RssAnon", "RssShmem")) / 1024
-    return Look(hours, pipeline.scans, memory, size, pipeline.slam.map.nbytes / MEBIBYTE)
+    return Look(hours, pipeline.scans, resident(HELD), size, pipeline.slam.map.nbytes / MEBIBYTE)
 
 
 def looks(hours: float, beams: int) -> Iterator[Look]:
