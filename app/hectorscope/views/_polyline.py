@@ -20,7 +20,7 @@ THIN = 8 * CHUNK  # segments of a node of thin ones
 class Polyline:
     """Draws rows of a growing array as a line below the node `root`; `dashed` leaves out every second segment.
 
-    The beginning of a very long line is thin: a browser without a graphics card takes half a second for the wide
+    The beginning of a very long line is thin: a browser without a graphics card is slow with the wide
     lines of an hour. spacing, tolerance: of the points that are drawn, metres, as in `Corners`.
     """
 
