@@ -6,6 +6,7 @@ mapped first is askew. It is given up, and mapped anew with what was learned of 
 
 import numpy as np
 
+from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.localiser import Localiser
 from slam_core.mapping.mapper import Mapper
@@ -14,13 +15,16 @@ from slam_core.measurements import LaserScan
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.scan.stabilise import StabilisedScan
 
-FIRST_NS, STAGE_NS, LONGEST_NS = 1_000_000_000, 2_000_000_000, 6_000_000_000
+FIRST_NS, STAGE_NS, LONGEST_NS = 1_000_000_000, 2_000_000_000, 8_000_000_000
 FEWEST = 4  # scans of a stage
+LEVEL = 0.05  # of the vertical in the axes of the base: one that tilts no more drives on a plane
+VERTICAL = np.array([[0.0, 0.0, 1.0]])
 
 
 class StartInMotion:
     """One for each run. Of a base in motion: a short stage, and others until each scan of one fits its map.
 
+    One that tilts needs a stage more: its acceleration and its tilt are told apart later.
     is_over: whether there was one, and the map has begun.
     """
 
@@ -40,7 +44,8 @@ class StartInMotion:
         if stage is None or stage.is_over(time_ns, FIRST_NS if self._stages == 1 else STAGE_NS):
             fits = stage is not None and stage.fits
             motion.begin_at_origin(time_ns, has_velocity=fits)
-            if (fits and self._stages > 1) or time_ns - self._begin_ns > LONGEST_NS:
+            fewest = 3 if stage and stage.tilts else 2
+            if (fits and self._stages >= fewest) or time_ns - self._begin_ns > LONGEST_NS:
                 motion.begins_in_motion, self._stage, self.is_over = False, None, True
                 return False
             self._stage = stage = _Stage(motion, time_ns, config)
@@ -56,12 +61,18 @@ class _Stage:
         pyramid = Pyramid(config.map)
         self.fits = True
         self._motion, self._begin_ns, self._scans = motion, begin_ns, 0
+        self._lowest, self._highest = np.ones(3), -np.ones(3)
         self._localiser = Localiser(pyramid, motion, np.zeros(3), is_prior=False, writes=True)
         self._mapper = Mapper(pyramid, writes=True)
 
     def is_over(self, time_ns: int, span_ns: int) -> bool:
         """Whether it is long enough."""
         return self._scans >= FEWEST and time_ns - self._begin_ns >= span_ns
+
+    @property
+    def tilts(self) -> bool:
+        """Whether the base has tilted since its begin, by more than a floor makes it."""
+        return bool((self._highest - self._lowest > LEVEL).any())
 
     def match(self, scan: LaserScan, stabilised: StabilisedScan, config: SlamConfig) -> None:
         """One more scan, sections IV-B, IV-C and V-B."""
@@ -72,4 +83,6 @@ class _Stage:
         fused, _ = motion.correct(time_ns, match, accepted=verdict.accepted)
         self._localiser.fused = fused.mean
         self.fits = self.fits and verdict.state == "tracking"
+        up = geometry.rotate(geometry.conjugate(motion.motion_at([time_ns])[0, 3:7]), VERTICAL)[0]
+        self._lowest, self._highest = np.minimum(self._lowest, up), np.maximum(self._highest, up)
         self._scans += 1

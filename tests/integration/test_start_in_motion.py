@@ -48,17 +48,20 @@ def raw(pipeline: Pipeline) -> float:
     ("begin", "sway", "rate", "goal"),
     [
         (IN_A_TURN, 0.0, 10.0, 0.02),
-        (IN_A_TURN, 15.0, 10.0, 0.10),
+        (IN_A_TURN, 15.0, 10.0, 0.04),
         (AT_A_CONSTANT_VELOCITY, 0.0, 5.0, 0.03),  # of which inertial data show nothing
         (AT_A_CONSTANT_VELOCITY, 15.0, 20.0, 0.03),
     ],
 )
 def test_the_whole_drive_fits_its_first_pose(begin: float, sway: float, rate: float, goal: float) -> None:
-    """A map that begins at once, by accelerometers that the motion misleads, is twice as bad or worse."""
+    """A map that begins at once, by accelerometers that the motion misleads, is twice as bad or worse.
+
+    A base that sways needs two seconds more than one that stays level.
+    """
     items = drive(begin, sway, rate)
     pipeline = run(items, SlamConfig())
     assert raw(pipeline) < min(goal, raw(run(items, AT_ONCE)) / 2.0)
-    assert 3.0 < pipeline.trajectory[0, 0] < 6.0
+    assert (5.0 if sway else 3.0) < pipeline.trajectory[0, 0] < (6.0 if sway else 4.0)
     assert set(pipeline.skipped) == {NO_ATTITUDE}
     assert np.abs(pipeline.trajectory[0, 1:4]).max() < 1e-3
     assert [f"the map begins after {pipeline.trajectory[0, 0]:.1f} s" in note for note in pipeline.notes] == [True]
