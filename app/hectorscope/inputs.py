@@ -51,6 +51,7 @@ class SourceOptions:
     imu_delay: float | None = None  # s by which its stamps are late
     scan_mirrored: bool | None = None
     scan_delay: float | None = None
+    scan_sweep: float | None = None  # s from the first beam to the last; negative: the last one is the first
     own_frame: str | None = None  # whose transforms come from here: what tf says of frames in it is left out
     link: LinkOptions | None = None
 
@@ -60,7 +61,7 @@ OptionValue = str | bool | float | tuple[float, ...]
 # What `SourceOptions` state about the sensors themselves, and so what can be repaired.
 SENSOR_OPTIONS = (
     "imu_topic", "odometry_topic", "imu_accel_unit", "imu_gyro_unit", "imu_inverted", "imu_rotation", "imu_delay",
-    "scan_mirrored", "scan_delay",
+    "scan_mirrored", "scan_delay", "scan_sweep",
 )  # fmt: skip
 
 

@@ -202,6 +202,18 @@ def test_a_laser_alone_is_enough(recordings: Path, name: str) -> None:
     assert not source.report.skipped
 
 
+@pytest.mark.parametrize(("name", "late"), [(f"{JACKAL}.bag", 0.04), (JARVIS, 0.13)])
+def test_inspect_tells_how_late_scans_are_against_the_truth(recordings: Path, name: str, late: float) -> None:
+    """By the turns of both. Those of jackal_vicon have no beam timing, and fit none better than all at once."""
+    report = inspect_bag(recordings / name, SourceOptions())
+    truth = report.measures.truth
+    assert truth is not None
+    assert truth.lag == pytest.approx(late, abs=0.02)
+    assert truth.ratio == pytest.approx(1.0, abs=0.05)
+    assert "truth against the scans" in str(report)
+    assert ("the scans fit as well as if each was taken at once" in str(report)) == (name != JARVIS)
+
+
 def test_inspect_needs_no_laser(recordings: Path) -> None:
     """A bag of inertial data alone is described: rate, longest gap, and that nothing plays the scan."""
     report = inspect_bag(recordings / "imu_only" / "ardrone_imu.bag", SourceOptions())

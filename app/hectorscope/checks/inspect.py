@@ -10,6 +10,7 @@ from hectorscope.checks.doctor import Doctor
 from hectorscope.checks.findings import findings, repairing_options
 from hectorscope.checks.inspect_text import rendered
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
+from hectorscope.checks.sweep_time import SweepTime
 from hectorscope.checks.topic_times import FEWEST, TopicTimes
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Examinable, Finding, Item, SourceError, SourceOptions, SourceReport
@@ -94,6 +95,7 @@ class BagReport:
     parts: tuple[Part, ...]
     source: SourceReport
     measures: Measures
+    sweep: SweepTime | None
     findings: tuple[Finding, ...]
     repaired: tuple[Finding, ...] = ()
     faults: tuple[Finding, ...] = ()
@@ -118,7 +120,7 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
     source = open_bag(path, options) if BAG.accepts(str(path)) else open_source(str(path), options)
     if not isinstance(source, Recorded) or source.span_ns is None:
         raise SourceError(f"{path} is no recording: give one")
-    evidence = SensorStatistics()
+    evidence = SensorStatistics(with_truth=True)
     counts = dict.fromkeys(_MEASURES.values(), 0)
     first_scan: LaserScan | None = None
     for item in source.items():
@@ -138,6 +140,7 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
         tuple(_part(role, source, counts[kind], first_scan) for role, kind in _MEASURES.items()),
         source.report,
         measures,
+        evidence.sweep_time(),
         tuple(findings(measures, options)),
         faults=tuple(doctor.findings(source.parts, source.unplaced, source.clock_offset_ns)),
     )

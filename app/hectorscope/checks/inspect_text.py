@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 from hectorscope.checks.findings import remedy
 from hectorscope.checks.sensor_statistics import Measures
+from hectorscope.checks.sweep_time import SweepTime
 from hectorscope.inputs import Finding, SourceReport
 
 if TYPE_CHECKING:
     from hectorscope.checks.inspect import BagReport, TopicLine
 
 Row = tuple[str, ...]
+GYROSCOPE, TRUTH = TIMED = "gyroscope against the scans", "truth against the scans"
 
 
 def _date(time_ns: int) -> str:
@@ -35,7 +37,7 @@ def rendered(report: "BagReport") -> Iterator[str]:
     ]
     yield from _table([("part", "played by", "used", ""), *used], right=(2,))
     for title, lines in (
-        ("devices", list(_devices(report.measures))),
+        ("devices", [*_devices(report.measures), *_sweep(report.sweep)]),
         ("repaired", [f"{finding.fact}: {finding.repair}" for finding in report.repaired]),
         ("wrong with them", list(_wrong(report.findings))),
         ("wrong with the recording", [_fault(fault, report.start_ns) for fault in report.faults]),
@@ -77,13 +79,27 @@ def _devices(measures: Measures) -> Iterator[str]:
         up = " ".join(f"{part:z.2f}" for part in felt.up)
         yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
     for name, turn in (
-        ("gyroscope against the scans", measures.turn),
+        (GYROSCOPE, measures.turn),
         ("gyroscope against gravity", measures.tilt),
         ("odometry against the scans", measures.wheels),
+        (TRUTH, measures.truth),
     ):
         if turn is not None:
-            late = f", the scans {turn.lag:z.2f} s late" if turn is measures.turn else ""
+            late = f", the scans {turn.lag:z.2f} s late" if name in TIMED else ""
             yield f"{name}: turns {turn.ratio:z.2f} times as far, correlation {turn.correlation:z.2f}{late}"
+
+
+def _sweep(sweep: SweepTime | None) -> Iterator[str]:
+    """What the scans show of their timing, if the messages do not state it."""
+    if sweep is None:
+        return
+    if sweep.is_clear:
+        yield (
+            f"no beam timing: the scans fit best as sweeps of {sweep.seconds:.2g} s (mean residual"
+            f" {sweep.residual:.2f}, at once {sweep.at_once:.2f}): try --scan-sweep {sweep.seconds:.2g}"
+        )
+    else:
+        yield "no beam timing: the scans fit as well as if each was taken at once"
 
 
 def _wrong(found: tuple[Finding, ...]) -> Iterator[str]:

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from hectorscope.checks.contradictions import Agreement, Gravity, compare_tilts, compare_turns, gravity, yaw_rates
+from hectorscope.checks.sweep_time import SweepTime, estimate
 from hectorscope.inputs import Item
 from hectorscope.run.warmup import warm_up
 from slam_core.config import SlamConfig
-from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry
+from slam_core.geometry import heading
+from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry, TruthPose
 from slam_core.slam import HectorSlam
 
 LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
@@ -18,6 +20,7 @@ FEWEST_SPANS = 12
 SURE = 0.7  # correlation
 TURNED = 0.005  # rad in a span of turning: less is a robot that drives straight on
 TILTED = 0.03  # rad in a span of tilting, likewise
+TRUTH_STEP_S = 0.02  # motion capture may give several poses within a millisecond, whose rates are noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,23 +28,29 @@ class Measures:
     """What could be measured; None where the data does not show it.
 
     turn: the gyroscope's turn about the vertical, against that of the scans. wheels: the odometry's, likewise.
-    tilt: the gyroscope against the way gravity moves through the IMU.
+    tilt: the gyroscope against the way gravity moves through the IMU. truth: the turns of the true poses, as of
+    the gyroscope.
     """
 
     gravity: Gravity | None = None
     turn: Agreement | None = None
     wheels: Agreement | None = None
     tilt: Agreement | None = None
+    truth: Agreement | None = None
 
 
 class SensorStatistics:
-    """Takes the items of a source as they come."""
+    """Takes the items of a source as they come. with_truth: the true poses are compared, too."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, with_truth: bool = False) -> None:
+        self._with_truth = with_truth
+        self._truth: list[tuple[float, float]] = []
         self._begin_ns: int | None = None
         self._imu: list[tuple[float, ...]] = []
         self._wheels: list[tuple[float, ...]] = []
         self._scans: list[LaserScan] = []
+        self._periods_ns: list[int] = []
+        self._scan_ns: int | None = None
         self._slam: HectorSlam | None = None
         self._headings: list[tuple[float, float]] = []
 
@@ -58,16 +67,21 @@ class SensorStatistics:
             _keep(self._wheels, time, item.yaw_rate)
         elif isinstance(item, LaserScan):
             self._add_scan(item)
+        elif isinstance(item, TruthPose) and self._with_truth:
+            self._truth.append((time, heading(item.T_map_base.rotation)))
         return time
 
     def _add_scan(self, scan: LaserScan) -> None:
+        if self._scan_ns is not None:
+            self._periods_ns.append(scan.stamp_ns - self._scan_ns)
+        self._scan_ns = scan.stamp_ns
         if not self._scans or scan.stamp_ns - self._scans[-1].stamp_ns >= SCAN_PERIOD_NS:
             self._scans.append(scan)
 
     @property
     def comparable(self) -> bool:
         """Whether anything but the scans measures turns."""
-        return bool(self._imu or self._wheels)
+        return bool(self._imu or self._wheels or self._truth)
 
     def at_rest(self) -> Measures:
         """What is known before anything turns, and without matching a scan."""
@@ -77,17 +91,27 @@ class SensorStatistics:
     def measures(self) -> Measures:
         """All that is known so far. Scans are matched without the sensors that are checked."""
         headings = self._turns_of_scans()
-        imu, wheels = np.array(self._imu), np.array(self._wheels)
+        imu = np.array(self._imu)
+        wheels = _sure(_turns(headings, np.array(self._wheels)), TURNED)
+        truth = _sure(_turns(headings, _rates(self._truth)), TURNED)
         if len(imu) < FEWEST_SAMPLES:
-            return Measures(wheels=_sure(_turns(headings, wheels), TURNED))
+            return Measures(wheels=wheels, truth=truth)
         times, rates, forces = imu[:, 0], imu[:, 1:4], imu[:, 4:7]
         felt = np.column_stack([times, yaw_rates(times, rates, forces)])
         return Measures(
             gravity=gravity(forces),
             turn=_sure(_turns(headings, felt), TURNED),
-            wheels=_sure(_turns(headings, wheels), TURNED),
+            wheels=wheels,
             tilt=_sure(compare_tilts(times, rates, forces), TILTED),
+            truth=truth,
         )
+
+    def sweep_time(self) -> SweepTime | None:
+        """How long a sweep seems to take, where the scans do not tell it. Matches them several times."""
+        if not self._periods_ns or self._scans[0].time_increment:
+            return None
+        warm_up()
+        return estimate(self._scans, float(np.median(self._periods_ns)) * 1e-9)
 
     def _turns_of_scans(self) -> Float64s:
         """(n, 2) seconds and heading, unwrapped; NaN where the pose was lost."""
@@ -113,6 +137,17 @@ def _keep(samples: list[tuple[float, ...]], time: float, *values: float) -> None
     """Of what a damaged message holds nothing: one such value would be all that is left of a mean."""
     if all(abs(value) < PLAUSIBLE for value in values):
         samples.append((time, *values))
+
+
+def _rates(headings: list[tuple[float, float]]) -> Float64s:
+    """(m, 2) seconds and rate of turn, of headings at times that may come in bursts."""
+    known = np.array(headings).reshape(-1, 2)
+    if len(known) < FEWEST_SAMPLES:
+        return known[:0]
+    known = known[np.argsort(known[:, 0], kind="stable")]
+    times = np.arange(known[0, 0], known[-1, 0], TRUTH_STEP_S)
+    yaw = np.interp(times, known[:, 0], np.unwrap(known[:, 1]))
+    return np.column_stack([times[:-1] + 0.5 * TRUTH_STEP_S, np.diff(yaw) / TRUTH_STEP_S])
 
 
 def _turns(headings: Float64s, rates: Float64s) -> Agreement | None:

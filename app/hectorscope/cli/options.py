@@ -66,6 +66,11 @@ _SOURCE = {
         "Whether the beams run against the sign of the angle increment.", "false", "{true,false}"
     ),
     "scan_delay": _Words("How late the stamps of the scans are, seconds.", "0", "SECONDS"),
+    "scan_sweep": _Words(
+        "Time from the first beam of a scan to its last, seconds; negative: the last beam is the first.",
+        "by time_increment",
+        "SECONDS",
+    ),
 }
 _SWITCH: dict[Any, bool] = {"true": True, "false": False}
 

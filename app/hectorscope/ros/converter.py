@@ -147,7 +147,7 @@ class Converter:
     def _scan(self, pending: _Pending, waited_ns: float) -> LaserScan | None:
         message = pending.message
         stamp_ns = pending.stamp_ns - self._repairs.scan_delay_ns
-        middle_ns = stamp_ns + messages.sweep_ns(message) // 2
+        middle_ns = stamp_ns + self._repairs.sweep_ns(messages.sweep_ns(message)) // 2
         mount = self._repairs.laser_pose or self._mount(pending, waited_ns, middle_ns)
         if mount is None:
             return None

@@ -20,10 +20,11 @@ class Repairs:
     """Units, axes and delays of one recording or connection; SourceError for a value that cannot be meant."""
 
     def __init__(self, options: SourceOptions) -> None:
-        self.imu_delay_ns = _delay_ns("imu", options.imu_delay)
-        self.scan_delay_ns = _delay_ns("scan", options.scan_delay)
+        self.imu_delay_ns = _delay_ns("imu-delay", options.imu_delay)
+        self.scan_delay_ns = _delay_ns("scan-delay", options.scan_delay)
         self.laser_pose = _placed(options.laser_pose) if options.laser_pose else None
         self._mirrored = options.scan_mirrored is True
+        self._sweep_s = _seconds("scan-sweep", options.scan_sweep)
         sign = {vector: -1.0 if options.imu_inverted == vector else 1.0 for vector in ("accel", "gyro")}
         self._accel = sign["accel"] * ACCEL_UNITS[options.imu_accel_unit or "m/s2"]
         self._gyro = sign["gyro"] * GYRO_UNITS[options.imu_gyro_unit or "rad/s"]
@@ -49,11 +50,27 @@ class Repairs:
             return magnetic
         return replace(magnetic, field=geometry.rotate(self._turned, magnetic.field))
 
+    def sweep_ns(self, stated_ns: int) -> int:
+        """From the first beam of a scan to its last, if its message states so much."""
+        return stated_ns if self._sweep_s is None else round(abs(self._sweep_s) * 1e9)
+
     def scan(self, scan: LaserScan) -> LaserScan:
-        """A scan with its beams the right way round."""
+        """A scan with its beams the right way round, at their times."""
+        if self._sweep_s is not None:
+            scan = with_sweep(scan, self._sweep_s)
         if not self._mirrored:
             return scan
         return replace(scan, angle_min=-scan.angle_min, angle_increment=-scan.angle_increment)
+
+
+def with_sweep(scan: LaserScan, seconds: float) -> LaserScan:
+    """The scan with a sweep of so many seconds, from its stamp on; negative: its last beam is the first."""
+    n = len(scan.ranges)
+    timed = replace(scan, time_increment=abs(seconds) / max(n - 1, 1))
+    if seconds >= 0.0:
+        return timed
+    last = scan.angle_min + (n - 1) * scan.angle_increment
+    return replace(timed, ranges=scan.ranges[::-1].copy(), angle_min=last, angle_increment=-scan.angle_increment)
 
 
 def _placed(pose: tuple[float, ...]) -> Transform:
@@ -73,9 +90,11 @@ def _words(values: tuple[float, ...]) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 
-def _delay_ns(device: str, seconds: float | None) -> int:
-    if seconds is None:
-        return 0
-    if not abs(seconds) <= LONGEST_DELAY_S:
-        raise SourceError(f"--{device}-delay is {seconds:g} s: give -{LONGEST_DELAY_S:g} to {LONGEST_DELAY_S:g}")
-    return round(seconds * 1e9)
+def _seconds(flag: str, seconds: float | None) -> float | None:
+    if seconds is not None and not abs(seconds) <= LONGEST_DELAY_S:
+        raise SourceError(f"--{flag} is {seconds:g} s: give -{LONGEST_DELAY_S:g} to {LONGEST_DELAY_S:g}")
+    return seconds
+
+
+def _delay_ns(flag: str, seconds: float | None) -> int:
+    return round((_seconds(flag, seconds) or 0.0) * 1e9)

@@ -118,3 +118,23 @@ def test_a_part_can_be_left_out() -> None:
     topics = [Topic("/imu", "sensor_msgs/msg/Imu"), Topic("/scan", "sensor_msgs/msg/LaserScan")]
     assert choose_roles(topics, SourceOptions()).imu == "/imu"
     assert choose_roles(topics, SourceOptions(imu_topic="none")).imu is None
+
+
+@pytest.mark.parametrize("seconds", [0.1, -0.1])
+def test_a_stated_sweep_gives_each_beam_its_time(seconds: float) -> None:
+    """It takes the place of time_increment, from the stamp on; a negative one begins with the last beam."""
+    plain = convert(SourceOptions(), (0, 0, 0), (0, 0, 1))[-1]
+    scan = convert(SourceOptions(scan_sweep=seconds), (0, 0, 0), (0, 0, 1))[-1]
+    assert isinstance(plain, LaserScan)
+    assert isinstance(scan, LaserScan)
+    assert (scan.stamp_ns, scan.end_ns) == (plain.stamp_ns, plain.stamp_ns + SECOND // 10)
+    angles = [each.angle_min + each.angle_increment * np.arange(len(each.ranges)) for each in (plain, scan)]
+    order = slice(None, None, 1 if seconds > 0.0 else -1)
+    np.testing.assert_allclose(angles[1][order], angles[0])
+    np.testing.assert_array_equal(scan.ranges[order], plain.ranges)
+
+
+def test_an_impossible_sweep_is_refused() -> None:
+    """The flag, its value and the range."""
+    with pytest.raises(SourceError, match=r"--scan-sweep is 100 s: give -10 to 10"):
+        Converter(ROLES, SourceOptions(scan_sweep=100.0))
