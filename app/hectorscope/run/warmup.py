@@ -50,8 +50,7 @@ def warm_up(report: Report = _untold) -> None:
     _compiler.report = report
     with _compiler.first_scan():
         _first_map()
-    gc.freeze()  # what is loaded by now stays: the garbage collector may pass it over
-    gc.set_threshold(GARBAGE)
+    _spare_collector()
 
 
 class _Compiler(event.Listener):
@@ -214,6 +213,13 @@ def load_everything() -> None:
     """Load or compile every kernel: a few scans of a small made-up room through every branch."""
     for inertial in (True, False):
         _everything(inertial)
+    _spare_collector()
+
+
+def _spare_collector() -> None:
+    """What is loaded by now stays: the garbage collector need not go through it again, which takes 0.1 s."""
+    gc.freeze()
+    gc.set_threshold(GARBAGE)
 
 
 def _everything(inertial: bool) -> None:

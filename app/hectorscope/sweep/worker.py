@@ -27,7 +27,6 @@ def serve() -> None:
     from hectorscope.sweep.execute import execute  # noqa: PLC0415
 
     load_everything()
-    gc.freeze()  # what is loaded by now stays
     _answer(answers, READY)
     while True:
         summary = execute(RunSpec.from_json(waiting.get()))
