@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.additions.cases import RANGE_NOISE, SECONDS, SEEDS, VARIANTS, Case, cases
 from benchmarks.additions.catalogue import FULL, LAST_POSE, MEASURED, PAPER, scope
 from benchmarks.additions.compare import FEWEST, SHOWN, Comparison, compare
-from benchmarks.additions.runs import DECIDED, PROBED, SMALL, Figures, Key, rows_of
+from benchmarks.additions.runs import DECIDED, GHOSTLY, PROBED, SMALL, Figures, Key, rows_of
 from benchmarks.additions.words import DIFFERS, HEAD
 from benchmarks.tables import table
 from slam_core.config import Addition, Leaves, SlamConfig
@@ -127,7 +127,8 @@ Errors in centimetres unless another unit is given, median / worst, and how many
 def _ghosts(rows: Rows, every: list[Case]) -> str:
     case = next(case for case in every if case.ghosts)
     lines = []
-    for name, label in ((FULL, "defaults"), ("map.clear_interval", "without removal"), (PAPER, "paper")):
+    for name in GHOSTLY:
+        label = name if name in {FULL, PAPER} else f"without `{name}`"
         watched = [row for row in rows_of(rows, case, name) if "ghosts" in row]
         if watched:
             cells, longest = ([row[key] for row in watched] for key in ("ghosts", "longest"))

@@ -31,7 +31,7 @@ SMALL = 0.02  # of the error: a smaller difference is next to nothing
 DECIDED = 6  # seeds that all differ by more, and in the same direction
 PROBED = 3  # seeds after which an addition that changed nothing in a case is not run there any more
 LAST_S = 2.0  # seconds of which the error at the end is the mean
-GHOSTLY = (FULL, "map.clear_interval", PAPER)  # configurations that are watched for ghosts
+GHOSTLY = (FULL, "map.clear_interval", "map.appearance_delay", PAPER)  # configurations that are watched for ghosts
 
 Key = tuple[str, str, int, str]
 """Family, name and seed of a case, and the configuration."""
@@ -92,7 +92,16 @@ def missing(case: Case, seed: int, rows: Mapping[Key, Figures]) -> list[str]:
         return []
     names = [name for name in wanted(case) if name not in {PAPER, LAST_POSE} or seed <= PAPER_SEEDS]
     absent = [name for name in names if (case.family, case.name, seed, name) not in rows]
-    return [name for name in absent if name == FULL or not is_settled(case, name, rows)]
+    unwatched = [
+        name for name in names if case.ghosts and name in GHOSTLY and not is_watched(case, seed, name, rows)
+    ]
+    due = [name for name in absent if name == FULL or not is_settled(case, name, rows)]
+    return list(dict.fromkeys(due + unwatched))
+
+
+def is_watched(case: Case, seed: int, name: str, rows: Mapping[Key, Figures]) -> bool:
+    """Whether the ghosts of a run were counted."""
+    return "ghosts" in rows.get((case.family, case.name, seed, name), {})
 
 
 def is_settled(case: Case, name: str, rows: Mapping[Key, Figures]) -> bool:

@@ -14,8 +14,15 @@ class ScanConfig:
         float, Param("Minimum range: shorter beams are not used.", "m", 0.0, 10.0, tier="basic")
     ] = 0.4
     range_max: Annotated[
-        float, Param("Maximum range: longer beams are not used.", "m", 1.0, 250.0, tier="basic")
-    ] = 30.0
+        float,
+        Param(
+            "Maximum range: longer beams are not used. The default leaves it to what the device says of itself.",
+            "m",
+            1.0,
+            250.0,
+            tier="basic",
+        ),
+    ] = 250.0
     z_min: Annotated[float, Param("Lowest endpoint used, relative to the laser.", "m", -10.0, 0.0)] = -1.0
     z_max: Annotated[float, Param("Highest endpoint used, relative to the laser.", "m", 0.0, 10.0)] = 1.0
     stabilise: Annotated[

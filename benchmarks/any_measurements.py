@@ -1,0 +1,84 @@
+"""How long steps take when anything is measured and every setting moves: the fuzz of measurements, timed.
+
+    python -m benchmarks.any_measurements [--examples 500]
+
+Runs the machine of `tests/property/test_any_measurements.py` with maps as large as they are by default. A step is one
+measurement. Prints the longest steps with what was measured; times are of the processor, so that other programs do
+not count, and without the kernels that are compiled.
+"""
+
+import argparse
+import time
+import warnings
+from collections.abc import Iterable
+
+import numpy as np
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import initialize, invariant, run_state_machine_as_test
+
+from hectorscope.run.warmup import load_everything
+from slam_core import HectorSlam, SlamConfig
+from slam_core.measurements import Imu, Measurement
+from tests.property.test_any_measurements import REST, AnyMeasurements
+
+EXAMPLES, STEPS = 500, 30
+SLOW_MS = 50.0
+SHOWN = 5
+
+
+class Timed(AnyMeasurements):
+    """The same, with the default map and a clock."""
+
+    steps: list[tuple[float, str]] = []  # noqa: RUF012  of all examples together
+
+    @initialize(paper=st.booleans(), resting=st.booleans())
+    def begin(self, paper: bool, resting: bool) -> None:
+        """As before, but for the map."""
+        self.slam = HectorSlam(SlamConfig.paper() if paper else SlamConfig())
+        for _ in range(40 if resting else 0):
+            self.now_ns += 25_000_000
+            self.add(Imu(self.now_ns, np.zeros(3), REST))
+
+    def add(self, measurement: Measurement) -> None:
+        """To the pipeline, timed."""
+        begin = time.thread_time()
+        super().add(measurement)
+        self.steps.append((1e3 * (time.thread_time() - begin), type(measurement).__name__))
+
+    @invariant()
+    def the_map_is_bounded(self) -> None:
+        """By its limit, which the test looks at."""
+
+
+def report(steps: Iterable[tuple[float, str]]) -> str:
+    """Of all steps."""
+    ordered = sorted(steps, reverse=True)
+    times = np.array([ms for ms, _ in ordered])
+    longest = ", ".join(f"{ms:.1f} ms ({name})" for ms, name in ordered[:SHOWN])
+    return (
+        f"{len(times)} steps, median {np.median(times):.3f} ms, {np.sum(times > SLOW_MS)} over {SLOW_MS:g} ms;"
+        f" longest {longest}"
+    )
+
+
+def main() -> None:
+    """Print the report."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--examples", type=int, default=EXAMPLES)
+    args = parser.parse_args()
+    warnings.simplefilter("ignore", RuntimeWarning)
+    load_everything()
+    chosen = settings(
+        max_examples=args.examples,
+        stateful_step_count=STEPS,
+        derandomize=True,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    run_state_machine_as_test(Timed, settings=chosen)
+    print(report(Timed.steps))
+
+
+if __name__ == "__main__":
+    main()
