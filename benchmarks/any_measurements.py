@@ -2,9 +2,9 @@
 
     python -m benchmarks.any_measurements [--examples 500]
 
-Runs the machine of `tests/property/test_any_measurements.py` with maps as large as they are by default. A step is one
-measurement. Prints the longest steps with what was measured; times are of the processor, so that other programs do
-not count, and without the kernels that are compiled.
+Runs the machine of `tests/property/test_any_measurements.py` with maps as large as they are by default. A step is
+one measurement. Prints the longest steps with what was measured; times are of the processor, so that other
+programs do not count.
 """
 
 import argparse

@@ -23,10 +23,6 @@ PARTS = (
     ),
     Addition("Uses a rejected source again when its measurements agree.", {"navigation.gate_reset_time": 60.0}),
     Addition(
-        "Does not use a magnetic field of unusual size or dip.",
-        {"aiding.compass_tolerance": 1.0},
-    ),
-    Addition(
         "Without an IMU, starts the match at the pose that a constant-velocity model predicts.",
         {"matcher.start_estimate": "last_pose"},
     ),
@@ -68,7 +64,6 @@ SCOPES: Mapping[str, Scope] = {
     "map.grow": _needs("large"),
     "matcher.surfel_weight": _ACCURACY,
     "matcher.converged_step": _ACCURACY,
-    "matcher.coarse_beams": _ACCURACY,
     "matcher.start_estimate": _needs("no imu"),
     "tracking.check": _REJECTING,
     "tracking.min_inlier_ratio": _REJECTING,
@@ -78,15 +73,12 @@ SCOPES: Mapping[str, Scope] = {
     "tracking.continue_from_prediction": _LOST,
     "aiding.standstill": _needs("imu"),
     "aiding.gate": _needs("imu", "aids"),
-    "aiding.compass_tolerance": _needs("aids"),
     "navigation.start_in_motion": _needs("begun"),
     "navigation.tilt_threshold": _needs("imu", figure="roll"),
     "navigation.height_threshold": _needs("imu", figure="height"),
     "navigation.height_gate": _needs("wild heights"),
     "navigation.gate_reset_time": _needs("gates"),
-    "motion.odometry_gate": _needs("imu", "wheels"),
     "motion.odometry_slip": _needs("wheels"),
-    "motion.observed_only": _needs("no imu"),
     "fusion.widen_vertical": _needs("imu", figure="height"),
 }
 EVERYWHERE = Scope()

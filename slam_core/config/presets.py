@@ -67,10 +67,6 @@ ADDITIONS = (
         {"matcher.converged_step": 0.0},
     ),
     Addition(
-        "Matches the coarser levels with a part of the beams.",
-        {"matcher.coarse_beams": 0},
-    ),
-    Addition(
         "Compares a match far from the prediction with one that starts at the prediction.",
         {"matcher.prior_restart_sigmas": 0.0},
     ),
@@ -115,16 +111,8 @@ ADDITIONS = (
         {"aiding.gate": 0.0},
     ),
     Addition(
-        "Rejects wheel velocities far from the prediction (with an IMU).",
-        {"motion.odometry_gate": 0.0},
-    ),
-    Addition(
         "Adds a share of the wheel velocity to its noise (slip).",
         {"motion.odometry_slip": 0.0},
-    ),
-    Addition(
-        "Without an IMU, widens only the covariance of the pose and what is correlated with it at a match.",
-        {"motion.observed_only": False},
     ),
     Addition(
         "Does not widen the covariance of height, vertical velocity and bias at a match.",

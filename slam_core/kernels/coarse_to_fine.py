@@ -58,20 +58,14 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
         unobservable[0] = unobservable[1] = 0.0
     work, matched = _workspace(), np.empty(6)
     term = _prior_term(prior, settings.sigma, start[2])
-    last, n = len(cells) - 1, len(xs)
-    mixed = Beams(_interleaved(xs, last), _interleaved(ys, last))
+    last = len(cells) - 1
     for i in range(last, 0, -1):
-        cell, (begin, end) = resolution * (1 << i), _share(i, n, settings.coarse_beams)
+        cell = resolution * (1 << i)
         close = max(settings.converged_step, NEAR * cell) if settings.converged_step else 0.0
         limits = Limits(settings.iterations_coarse, close)
-        lighter, share = term.copy(), (end - begin) / max(n, 1)
-        for row in range(3):
-            for column in range(3):
-                lighter[row, column] *= share
-        some = Beams(mixed.xs[begin:end], mixed.ys[begin:end])
         level = Level(cells[i], corner >> i, 1.0 / cell)
         output.taken[i], _ = gauss_newton(
-            level, some, pose, lighter, unobservable, limits, residuals, trace[i], work, matched
+            level, beams, pose, term, unobservable, limits, residuals, trace[i], work, matched
         )
     finest = Level(cells[0], corner, 1.0 / resolution)
     limits = Limits(settings.iterations_fine, settings.converged_step)
@@ -90,8 +84,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
             fill(trace[0], its_trace)
             output.taken[0], converged = its_steps, its_end
     if settings.surfel_weight > 0.0:
-        half = n - n // 2
-        halves = ((mixed.xs[:half], mixed.ys[:half]), (mixed.xs[half:], mixed.ys[half:]))
+        halves = ((xs[::2].copy(), ys[::2].copy()), (xs[1::2].copy(), ys[1::2].copy()))
         settle(
             Level(surfels, corner, 1.0 / resolution), halves, pose, matched, settings.surfel_weight, unobservable
         )
@@ -108,39 +101,6 @@ def _part(points, xs, ys):
     for k in range(len(xs)):
         put(xs, k, get(points, 2 * k))
         put_too(ys, k, get(points, 2 * k + 1))
-
-
-@njit(cache=True, error_model="numpy")
-def _interleaved(values, levels):
-    """A copy with every other value moved behind the rest, and of that rest again, once a coarser level."""
-    mixed, rest = values.copy(), len(values)
-    for _ in range(max(levels, 1)):
-        half = rest - rest // 2
-        _deal(mixed[:rest].copy(), mixed[:half], mixed[half:rest])
-        rest = half
-    return mixed
-
-
-@njit(**INNER)
-def _deal(values, first, second):
-    """Values alternately to two arrays."""
-    for k in range(len(second)):
-        put(first, k, get(values, 2 * k))
-        put_too(second, k, get(values, 2 * k + 1))
-    if len(first) > len(second):
-        first[-1] = values[-1]
-
-
-@njit(cache=True, error_model="numpy")
-def _share(i, n, fewest):
-    """Begin and end of the `_interleaved` beams of level i: half of those left, if they are `fewest` or more."""
-    begin, end = 0, n
-    for _ in range(i if fewest else 0):
-        end = begin if begin else n
-        begin = end - end // 2
-        if end - begin < fewest:
-            return 0, end
-    return begin, end
 
 
 @njit(cache=True, error_model="numpy")

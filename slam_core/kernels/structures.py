@@ -56,7 +56,6 @@ class MatchSettings(NamedTuple):
     iterations_coarse: int
     iterations_fine: int
     converged_step: float
-    coarse_beams: int
     prior_restart_sigmas: float
     sigma: float
     surfel_weight: float
@@ -120,5 +119,4 @@ class FusionRule(NamedTuple):
     method: int
     omega: float
     unobservable: Float64s
-    observed_only: bool
     widen_vertical: bool

@@ -35,9 +35,9 @@ def coarse_to_fine(
     points: (n, 2) endpoints in the stabilised frame, metres. start: (3,) pose. trace: keep every iterate.
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
     config.prior_weight; R is that of the scan alone. Where next to no beams fix some direction of the position,
-    the pose keeps its start estimate in it (config.degeneracy_threshold). Coarser levels take fewer beams
-    (config.coarse_beams). A match far from the prediction is compared with one that starts there
-    (config.prior_restart_sigmas). At last the endpoints are matched with the surfels (config.surfel_weight).
+    the pose keeps its start estimate in it (config.degeneracy_threshold). A match far from the prediction is
+    compared with one that starts there (config.prior_restart_sigmas). At last the endpoints are matched with the
+    surfels (config.surfel_weight).
     """
     pyramid.cover(points, start)
     levels = pyramid.levels
@@ -74,7 +74,6 @@ def _settings(config: MatcherConfig) -> tuple[float, ...]:
         config.iterations_coarse,
         config.iterations_fine,
         config.converged_step,
-        config.coarse_beams,
         config.prior_restart_sigmas,
         config.sigma,
         config.surfel_weight,

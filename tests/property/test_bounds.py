@@ -104,7 +104,7 @@ def test_writing_and_clearing_stay_within_the_map(kind, points, cleared, pose):
 def test_matching_stays_within_the_map(kind, points, start, prior):
     """From every start, with every prediction, by surfels and by samples."""
     pyramid, _ = made(kind)
-    config = MatcherConfig(coarse_beams=2, iterations_fine=3)
+    config = MatcherConfig(iterations_fine=3)
     predicted = PlanarGaussian(prior, np.diag([0.1, 0.1, 0.1]))
     for ends in (points, room()):
         match = coarse_to_fine(pyramid, ends, start, config, prior=predicted, trace=True)

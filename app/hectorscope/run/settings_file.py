@@ -30,9 +30,13 @@ RENAMED = {
 }
 # Settings of version 0.1 without which no trajectory is worse: entries of old files that are passed over.
 REMOVED = {
+    "aiding.compass_tolerance",
+    "matcher.coarse_beams",
     "matcher.max_yaw_step",
     "matcher.weak_observability_threshold",
     "matcher.weak_share",
+    "motion.observed_only",
+    "motion.odometry_gate",
     "tracking.mahalanobis_limit",
     "tracking.max_sigmas",
 }

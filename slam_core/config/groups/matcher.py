@@ -29,16 +29,6 @@ class MatcherConfig:
             0.05,
         ),
     ] = 0.0005
-    coarse_beams: Annotated[
-        int,
-        Param(
-            "Each coarser level uses half of the beams that the finer levels left, if these are at least so"
-            " many (0: all beams, the paper).",
-            "",
-            0,
-            2000,
-        ),
-    ] = 360
     prior_restart_sigmas: Annotated[
         float,
         Param(

@@ -152,16 +152,6 @@ class AidingConfig:
     compass_sigma: Annotated[
         float, Param("Standard deviation of a magnetic heading.", "rad", 0.01, 1.0, log=True)
     ] = 0.1
-    compass_tolerance: Annotated[
-        float,
-        Param(
-            "The magnetic field is not used while its size (as a share) or its dip (in rad) differs from the"
-            " running mean by more than this.",
-            "",
-            0.01,
-            1.0,
-        ),
-    ] = 0.15
     declination: Annotated[
         float,
         Param(
@@ -232,20 +222,3 @@ class MotionConfig:
         float,
         Param("Standard deviation of a wheel velocity as a share of it, added in quadrature: slip.", "", 0.0, 2.0),
     ] = 0.2
-    odometry_gate: Annotated[
-        float,
-        Param(
-            "With an IMU, the Mahalanobis limit of a wheel velocity: one further from the prediction is"
-            " rejected (0: off, the paper).",
-            "σ",
-            0.0,
-            100.0,
-        ),
-    ] = 5.0
-    observed_only: Annotated[
-        bool,
-        Param(
-            "A match widens by 1 / (1 - omega) only the covariance of the pose and what is correlated with it"
-            " (off: all states, eq. (18))."
-        ),
-    ] = True

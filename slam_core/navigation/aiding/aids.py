@@ -22,7 +22,7 @@ from slam_core.measurements import (
     MagneticField,
     Transform,
 )
-from slam_core.navigation.aiding.compass import Compass, seen
+from slam_core.navigation.aiding.compass import Compass
 from slam_core.navigation.aiding.georeference import Georeference
 from slam_core.navigation.aiding.sensors import (
     Gravity,
@@ -156,18 +156,14 @@ class Aids:
 
     def _heading(self, magnetic: MagneticField, estimator: Estimator, config: AidingConfig) -> None:
         compass, time_ns = self._compass, magnetic.stamp_ns
-        field = seen(geometry.rotate(estimator.pose(time_ns).rotation, magnetic.field))
-        fault = compass.check(field, time_ns, config.compass_tolerance)
-        if fault:
-            estimator.drop("compass", fault)
-            return
+        x, y, _ = geometry.rotate(estimator.pose(time_ns).rotation, magnetic.field).tolist()
         share, variance = self._share("compass", time_ns), config.compass_sigma**2
         if compass.norths:
             variance *= 1.0 + 1.0 / compass.norths
             heading = MagneticHeading(magnetic.field, compass.north, variance, share, config.gate)
             estimator.correct(time_ns, heading)
         if self._trusted(time_ns):
-            compass.learn_north(field.direction, share, config.compass_sigma)
+            compass.learn_north(math.atan2(y, x), share, config.compass_sigma)
             turn = math.pi / 2 - config.declination - compass.north
             self._georeference.set_compass(turn, config.compass_sigma)
 

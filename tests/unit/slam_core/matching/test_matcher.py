@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from slam_core.config import MapConfig, MatcherConfig
-from slam_core.kernels import coarse_to_fine as coarse_kernels
 from slam_core.kernels import gauss_newton
 from slam_core.kernels.gauss_newton import TOGETHER
 from slam_core.mapping.pyramid import Pyramid
@@ -185,35 +184,6 @@ def test_converged_step_ends_early(room):
     early = coarse_to_fine(room, points, truth + 0.02, MatcherConfig(converged_step=0.0005, iterations_fine=20))
     assert sum(early.iterations) < sum(plain.iterations)
     assert np.abs(early.pose - plain.pose).max() < 0.002
-
-
-def test_coarser_levels_need_only_some_of_the_beams(room):
-    """With every other beam of the level below, and so on, the match ends where it does with all of them."""
-    truth = np.array([0.3, -0.2, 0.7])
-    points = room_points(truth)
-    some, every = (
-        coarse_to_fine(room, points, truth + 0.05, MatcherConfig(coarse_beams=k, converged_step=1e-5))
-        for k in (60, 0)
-    )
-    np.testing.assert_allclose(some.pose, every.pose, atol=1e-4)
-    assert len(some.residuals) == len(points)
-
-
-@pytest.mark.parametrize("n", [0, 1, 2, 181, 1080])
-@pytest.mark.parametrize("fewest", [0, 1, 180])
-def test_levels_share_the_beams_by_turns(n, fewest):
-    """Each level has as many as it needs or all that are left, none twice, spread over the whole sweep."""
-    mixed = coarse_kernels._interleaved(np.arange(n, dtype=np.float32), 2)
-    assert sorted(mixed) == list(range(n))
-    shares = [mixed[slice(*coarse_kernels._share(i, n, fewest))] for i in range(3)]
-    assert len(shares[0]) == n
-    for share in shares[1:]:
-        assert len(share) == n or len(share) >= fewest > 0
-        if 1 < len(share) < n:
-            assert np.ptp(np.diff(share)) == 0
-    if fewest and n == 1080:
-        assert [len(share) for share in shares] == [1080, 540, 270]
-        assert not set(shares[1]) & set(shares[2])
 
 
 def corridor_end(wall_at):
