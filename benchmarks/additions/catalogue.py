@@ -79,6 +79,7 @@ SCOPES: Mapping[str, Scope] = {
     "navigation.height_gate": _needs("wild heights"),
     "navigation.gate_reset_time": _needs("gates"),
     "motion.odometry_slip": _needs("wheels"),
+    "motion.observed_only": _needs("no imu"),
     "fusion.widen_vertical": _needs("imu", figure="height"),
 }
 EVERYWHERE = Scope()

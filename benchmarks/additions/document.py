@@ -103,14 +103,14 @@ The number of cases in which an addition helps, harms, makes no clear difference
 def _removed() -> str:
     return """## Removed after these runs
 
-Four more additions were on in all of these runs. Over 20 seeds none of them helped or harmed in any case, so they
+Three more additions were on in all of these runs. Over 20 seeds none of them helped or harmed in any case, so they
 were removed with their settings: fewer beams for the coarser levels (`matcher.coarse_beams`; a match took 1.03
-times as long without it), a narrower widening without an IMU (`motion.observed_only`), the gate of the wheels
-(`motion.odometry_gate`), and the test of the size of the magnetic field (`aiding.compass_tolerance`). Slip and the
-gate of the aiding sensors do what the last two did.
+times as long without it), the gate of the wheels (`motion.odometry_gate`), and the test of the size of the
+magnetic field (`aiding.compass_tolerance`). Slip and the gate of the aiding sensors do what the last two did.
 
-`tracking.min_overlap` and `tracking.unaided_mahalanobis_limit` do not show here, but in the offices: they keep
-scans from being written at a wrong place there, see [accuracy](accuracy.md#a-laser-and-nothing-else)."""
+`tracking.min_overlap`, `tracking.unaided_mahalanobis_limit` and `motion.observed_only` do not show here, but in
+the offices: they keep scans from being written at a wrong place there, see
+[accuracy](accuracy.md#a-laser-and-nothing-else)."""
 
 
 def _best(found: Found) -> str:

@@ -119,4 +119,5 @@ class FusionRule(NamedTuple):
     method: int
     omega: float
     unobservable: Float64s
+    observed_only: bool
     widen_vertical: bool
