@@ -107,7 +107,8 @@ def agreement(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> float:
     far = 1.5 * inverse * float(max(np.abs(scan.points).max(), np.abs(scan.laser).max())) + 2.0  # in any direction
     rows, columns = ((math.floor(max(0.0, n - far)), math.ceil(n + far)) for n in (row, column))
     low, high, left, right = common((0, row1 - row0, 0, column1 - column0), (*rows, *columns))
-    cells = walls(level, (row0 + low, row0 + high, column0 + left, column0 + right))
+    # In one piece, as kernels are compiled for each layout.
+    cells = np.ascontiguousarray(walls(level, (row0 + low, row0 + high, column0 + left, column0 + right)))
     first = low, left
     total = kernels.agreement(cells, first, scan.points, scan.laser, inverse, column, row, pose[2], slack)
     return float(total) / (2.0 * int(kernels.WALL) * len(scan.points))

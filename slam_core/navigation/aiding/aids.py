@@ -70,6 +70,7 @@ class Estimator(Protocol):
 LASTING = {"gps": 30.0, "gps velocity": 1.0, "compass": 10.0, "attitude": 2.0, "ground": 0.5}
 TRUST_NS = 1_000_000_000  # a match is good for this long
 STEP_NS = 300_000_000  # a ground that lies elsewhere for this long has a step
+STEEPEST = 0.05  # of the horizontal part of a magnetic field to its vertical one: less shows no north
 REGAUGE_NS = 60_000_000_000  # satellites that contradict the map for this long: where it lies was learned wrongly
 REST_SPEED = 0.02  # m/s: how still a base stands that stands still
 DRIFT_SPEED = 0.3  # m/s: drift of the velocity of an unaided filter at rest
@@ -156,7 +157,10 @@ class Aids:
 
     def _heading(self, magnetic: MagneticField, estimator: Estimator, config: AidingConfig) -> None:
         compass, time_ns = self._compass, magnetic.stamp_ns
-        x, y, _ = geometry.rotate(estimator.pose(time_ns).rotation, magnetic.field).tolist()
+        x, y, z = geometry.rotate(estimator.pose(time_ns).rotation, magnetic.field).tolist()
+        if math.hypot(x, y) <= STEEPEST * abs(z):
+            estimator.drop("compass", "magnetic field that points up or down")
+            return
         share, variance = self._share("compass", time_ns), config.compass_sigma**2
         if compass.norths:
             variance *= 1.0 + 1.0 / compass.norths

@@ -149,6 +149,19 @@ def test_metal_moves_nothing() -> None:
     assert geometry.heading(drive.estimator.state.T_map_base.rotation) == pytest.approx(truth, abs=0.1)
 
 
+@pytest.mark.parametrize("up", [np.array([0.0, 0.0, 5e-5]), np.array([0.0, 0.0, -5e-5]), np.zeros(3)])
+def test_a_field_without_a_direction_is_dropped(up: np.ndarray) -> None:
+    """It points up or down, or there is none: such a field is named and changes no heading."""
+
+    def vertical(ride: Ride, t: float) -> MagneticField:
+        return MagneticField(stamp(t), ride.attitude(t).T @ up)
+
+    drive = Drive(gait(), vertical, blind_s=9.0).finish(14.0)
+    status = drive.status("compass")
+    assert status.used == 0
+    assert set(status.dropped) == {"magnetic field that points up or down"}
+
+
 def test_a_beam_to_the_ground_holds_the_height_and_takes_a_step_for_a_step() -> None:
     """The height follows to 0.1 m; a floor that drops by half a metre leaves it there, and is used again."""
 
