@@ -18,6 +18,7 @@ class Compass:
     def __init__(self) -> None:
         self.norths = 0.0
         self._north = np.zeros(2)
+        self._contrary = 0.0  # independent headings in a row that speak against it
 
     @property
     def north(self) -> float:
@@ -27,10 +28,15 @@ class Compass:
     def learn_north(self, direction: float, share: float, sigma: float) -> None:
         """The direction of the field at a moment when the heading was trusted; share: what is new in it.
 
-        Once there is a north, one further than two sigma (radians) away has passed metal, and is left out.
+        Once there is a north, one further than two sigma (radians) away has passed metal, and is left out. If that
+        goes on, something about the robot has changed, and north is learned anew.
         """
-        if self.norths > 1.0 and abs(wrap(direction - self.north)) > 2.0 * sigma:
+        far = self.norths > 1.0 and abs(wrap(direction - self.north)) > 2.0 * sigma
+        self._contrary = self._contrary + share if far else 0.0
+        if far and self._contrary < NORTHS:
             return
+        if far:
+            self.norths = self._contrary = 0.0
         self.norths = min(self.norths + share, NORTHS)
         wanted = np.array([math.cos(direction), math.sin(direction)])
         self._north = self._north + share / self.norths * (wanted - self._north)
