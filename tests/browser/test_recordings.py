@@ -39,7 +39,7 @@ def drop_from_disk(page: Page, path: Path) -> None:
 
 def test_a_folder_that_is_dropped_is_opened(opened: Opened, open_page: Open, tmp_path: Path) -> None:
     """A rosbag2 folder, under its own name; what is in its metadata.yaml is not looked at."""
-    bag = write_bag(tmp_path / "drive", small_run(Messages()))
+    bag = write_bag(tmp_path / "drive", small_run(Messages(), 80))
     (bag / "metadata.yaml").write_text("rosbag2_bagfile_information: {relative_file_paths: [/etc/passwd]}")
     page = open_page(opened.server.url, LISTED)
     drop_from_disk(page, bag)
