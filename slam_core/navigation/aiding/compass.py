@@ -31,6 +31,8 @@ class Compass:
         Once there is a north, one further than two sigma (radians) away has passed metal, and is left out. If that
         goes on, something about the robot has changed, and north is learned anew.
         """
+        if share <= 0.0:  # of a field that is not later than the last one
+            return
         far = self.norths > 1.0 and abs(wrap(direction - self.north)) > 2.0 * sigma
         self._contrary = self._contrary + share if far else 0.0
         if far and self._contrary < NORTHS:

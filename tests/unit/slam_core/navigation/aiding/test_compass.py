@@ -26,3 +26,10 @@ def test_a_north_that_stays_elsewhere_is_learned_anew() -> None:
     compass.learn_north(1.0, 1.0, 0.1)
     assert compass.north == pytest.approx(1.0)
     assert compass.norths == 1.0
+
+
+def test_a_field_with_nothing_new_teaches_nothing() -> None:
+    """Such as the first one, if its stamp is not later than that of one before."""
+    compass = Compass()
+    compass.learn_north(1.0, 0.0, 0.1)
+    assert compass.norths == 0.0
