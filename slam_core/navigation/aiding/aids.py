@@ -168,8 +168,9 @@ class Aids:
             estimator.correct(time_ns, heading)
         if self._trusted(time_ns):
             compass.learn_north(math.atan2(y, x), share, config.compass_sigma)
-            turn = math.pi / 2 - config.declination - compass.north
-            self._georeference.set_compass(turn, config.compass_sigma)
+            if compass.norths:
+                turn = math.pi / 2 - config.declination - compass.north
+                self._georeference.set_compass(turn, config.compass_sigma)
 
     def _place(self, fix: GpsPosition, estimator: Estimator, config: AidingConfig) -> None:
         """Fuse it if it is known where the map lies; learn that from it if the map is trusted."""
