@@ -11,17 +11,15 @@ import argparse
 import time
 import warnings
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from hypothesis import HealthCheck, settings
-from hypothesis import strategies as st
-from hypothesis.stateful import initialize, invariant, run_state_machine_as_test
+from hypothesis.stateful import run_state_machine_as_test
 
 from hectorscope.run.warmup import load_everything
-from slam_core import HectorSlam, SlamConfig
-from slam_core.measurements import Imu, Measurement
-from tests.property.test_any_measurements import REST, AnyMeasurements
+from slam_core.measurements import Measurement
+from tests.property.test_any_measurements import AnyMeasurements
 
 EXAMPLES, STEPS = 500, 30
 SLOW_MS = 50.0
@@ -31,15 +29,8 @@ SHOWN = 5
 class Timed(AnyMeasurements):
     """The same, with the default map and a clock."""
 
+    map_settings: Mapping[str, float] = {}
     steps: list[tuple[float, str]] = []  # noqa: RUF012  of all examples together
-
-    @initialize(paper=st.booleans(), resting=st.booleans())
-    def begin(self, paper: bool, resting: bool) -> None:
-        """As before, but for the map."""
-        self.slam = HectorSlam(SlamConfig.paper() if paper else SlamConfig())
-        for _ in range(40 if resting else 0):
-            self.now_ns += 25_000_000
-            self.add(Imu(self.now_ns, np.zeros(3), REST))
 
     def add(self, measurement: Measurement) -> None:
         """To the pipeline, timed."""
@@ -47,10 +38,6 @@ class Timed(AnyMeasurements):
         super().add(measurement)
         ms, grown = 1e3 * (time.thread_time() - begin), self.slam.map.levels[0].shape != window
         self.steps.append((ms, "a larger window" if grown else type(measurement).__name__))
-
-    @invariant()
-    def the_map_is_bounded(self) -> None:
-        """By its limit, which the test looks at."""
 
 
 def report(steps: Iterable[tuple[float, str]]) -> str:

@@ -201,7 +201,7 @@ def speed() -> str:
         recorded.append(k * 5_000_000, still)
     R = np.diag(MATCH_SIGMA**2)
     corrections: dict[str, Correction] = {f"match, {m}": PlanarPose(np.zeros(3), R, 0.02, m) for m in METHODS}
-    corrections |= {"height": HeightAid(0.0, 0.2, 5.0), "wheels": BodyVelocity(np.zeros(2), 0.05, 5.0)}
+    corrections |= {"height": HeightAid(0.0, 0.2, 5.0), "wheels": BodyVelocity(np.zeros(2), 0.05)}
     took = microseconds(lambda: model.predict(x, P, 0, 5_000_000, recorded))
     rows = [("prediction with covariance", f"{took:.1f} us", "8 us")]
     for name, correction in corrections.items():

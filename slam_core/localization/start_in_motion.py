@@ -17,7 +17,7 @@ from slam_core.scan.stabilise import StabilisedScan
 
 FIRST_NS, STAGE_NS, LONGEST_NS = 1_000_000_000, 2_000_000_000, 8_000_000_000
 FEWEST = 4  # scans of a stage
-LEVEL = 0.05  # of the vertical in the axes of the base: one that tilts no more drives on a plane
+LEVEL = 0.05  # rad, nearly: so much the vertical turns in the axes of a base that drives on a floor
 VERTICAL = np.array([[0.0, 0.0, 1.0]])
 
 

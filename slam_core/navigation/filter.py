@@ -184,9 +184,9 @@ class NavigationFilter:
         config = self._config
         return self.correct(time_ns, HeightAid(height, sigma or config.height_sigma, config.height_gate))
 
-    def update_velocity_body(self, time_ns: int, velocity: Float64s, sigma: float, gate: float = 0.0) -> bool:
+    def update_velocity_body(self, time_ns: int, velocity: Float64s, sigma: float) -> bool:
         """A velocity in the axes of the base, (2,) forward and left or (3,), m/s. See `correct`."""
-        return self.correct(time_ns, BodyVelocity(np.array(velocity), sigma, gate))
+        return self.correct(time_ns, BodyVelocity(np.array(velocity), sigma))
 
     def correct(self, time_ns: int, correction: Correction) -> bool:
         """Any other measurement, at its own time. Whether it came to its gate: what cannot be used is counted."""

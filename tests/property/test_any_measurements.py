@@ -1,6 +1,7 @@
 """Whatever is measured, however settings move: results are numbers, covariances positive, the map bounded."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -27,8 +28,8 @@ from slam_core.measurements import (
 )
 from tests.worlds import room_ranges
 
-LIMIT = 4.0  # MB
-START = with_values(SlamConfig(), {"map.size": 64, "map.limit": LIMIT})
+SMALL_MAP = {"map.size": 64, "map.limit": 4.0}
+START = with_values(SlamConfig(), SMALL_MAP)
 BEAMS = 60
 ANGLES = np.linspace(-math.pi, math.pi, BEAMS, endpoint=False)
 
@@ -63,7 +64,12 @@ CHANGES = st.sampled_from(NO_RESTART).flatmap(lambda leaf: st.tuples(st.just(lea
 
 
 class AnyMeasurements(RuleBasedStateMachine):
-    """A robot in a room whose sensors measure anything at any time, and somebody who moves every slider."""
+    """A robot in a room whose sensors measure anything at any time, and somebody who moves every slider.
+
+    map_settings: what the map begins with.
+    """
+
+    map_settings: Mapping[str, float] = SMALL_MAP
 
     def __init__(self) -> None:
         super().__init__()
@@ -74,8 +80,7 @@ class AnyMeasurements(RuleBasedStateMachine):
     def begin(self, paper: bool, resting: bool) -> None:
         """With the defaults or the method of the paper, with inertial data of a robot at rest or without."""
         base = SlamConfig.paper() if paper else SlamConfig()
-        config = with_values(base, {"map.size": 64, "map.limit": LIMIT})
-        self.slam = HectorSlam(config)
+        self.slam = HectorSlam(with_values(base, self.map_settings))
         for _ in range(40 if resting else 0):
             self.now_ns += 25_000_000
             self.add(Imu(self.now_ns, np.zeros(3), REST))
@@ -172,9 +177,9 @@ class AnyMeasurements(RuleBasedStateMachine):
     @invariant()
     def the_map_is_bounded(self) -> None:
         """Its cells are numbers, and take no more memory than they may."""
-        levels = self.slam.map.levels
+        levels, limit = self.slam.map.levels, self.slam.config.map.limit
         assert all(np.isfinite(level.log_odds).all() for level in levels)
-        assert megabytes(levels[0].log_odds.size, len(levels)) <= LIMIT
+        assert megabytes(levels[0].log_odds.size, len(levels)) <= limit
 
 
 def is_gaussian(mean: np.ndarray, covariance: np.ndarray) -> bool:

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from hectorscope.checks.inspect import BagReport, TopicLine
 
 Row = tuple[str, ...]
-GYROSCOPE, TRUTH = TIMED = "gyroscope against the scans", "truth against the scans"
 
 
 def _date(time_ns: int) -> str:
@@ -78,14 +77,14 @@ def _devices(measures: Measures) -> Iterator[str]:
     if felt is not None:
         up = " ".join(f"{part:z.2f}" for part in felt.up)
         yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
-    for name, turn in (
-        (GYROSCOPE, measures.turn),
-        ("gyroscope against gravity", measures.tilt),
-        ("odometry against the scans", measures.wheels),
-        (TRUTH, measures.truth),
+    for name, turn, is_timed in (
+        ("gyroscope against the scans", measures.turn, True),
+        ("gyroscope against gravity", measures.tilt, False),
+        ("odometry against the scans", measures.wheels, False),
+        ("truth against the scans", measures.truth, True),
     ):
         if turn is not None:
-            late = f", the scans {turn.lag:z.2f} s late" if name in TIMED else ""
+            late = f", the scans {turn.lag:z.2f} s late" if is_timed else ""
             yield f"{name}: turns {turn.ratio:z.2f} times as far, correlation {turn.correlation:z.2f}{late}"
 
 

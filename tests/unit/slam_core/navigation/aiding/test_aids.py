@@ -144,7 +144,7 @@ def test_metal_moves_nothing() -> None:
         return MagneticField(stamp(t), ride.attitude(t).T @ (NORTH + metal))
 
     drive = Drive(gait(), disturbed, blind_s=9.0).finish(14.0)
-    assert drive.status("compass").rejected >= 15
+    assert drive.status("compass").rejected == 20
     truth = geometry.heading(geometry.from_rotation_matrix(gait().attitude(14.0)))
     assert geometry.heading(drive.estimator.state.T_map_base.rotation) == pytest.approx(truth, abs=0.1)
 
