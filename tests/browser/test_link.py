@@ -20,17 +20,19 @@ DEAF = "Worker.prototype.postMessage = () => {};"
 
 def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
     """Nothing looks live while the server is silent, and once it is back the page is, with nobody's help."""
-    page = open_page(show.url)
+    first = PageServer(show.engine, port=0)  # of its own: that of `show` is for the next test, too
+    first.start()
+    page = open_page(first.url)
     page.wait_for_function("document.hidden === false")
     page.evaluate(NEXT_HEARTBEAT)
-    show.server.stop()
+    first.stop()
     silence = page.locator(".hs-message", has_text="No message from the server")
     expect(silence).to_be_visible()
     expect(silence).to_contain_text("The picture is")
     expect(page.locator(".hs-deaf")).to_be_visible()
     with page.expect_event("requestfailed", lambda request: request.url.endswith("healthz")):
         pass  # the page has asked whether it may open itself again
-    port = urlsplit(show.url).port
+    port = urlsplit(first.url).port
     assert port is not None
     again = PageServer(show.engine, port=port)
     again.start()
