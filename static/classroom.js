@@ -53,7 +53,7 @@
     for (const name of SHARED) if (JSON.stringify(own.get(name)) !== JSON.stringify(view[name])) own.set(name, view[name]);
     const [wanted, ...pose] = view.camera;
     if (wanted !== mode(window.hectorscope.cameraState())) window.hectorscope.camera(wanted);
-    if (wanted === "free") window.__viserMutable.cameraControl.setLookAt(...pose, true);
+    if (wanted === "free") window.__viserMutable.cameraControl.setLookAt(...pose, !window.hectorscope.lessMotion());
   }
 
   function explore() {

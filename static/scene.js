@@ -11,7 +11,8 @@
   const ROBOT_PIXELS = 26;
   const RIMS = ["prior", "match", "fused"].map((key) => `/floor/${key}/pose/rim`);
   const MARGIN = 1.08; // the map fills this much less than the window
-  const SMOOTH = 0.25; // seconds of lag of every movement
+  const SMOOTH = 0.25; // seconds of lag of every movement, but for who wants less motion
+  const LESS_MOTION = window.matchMedia("(prefers-reduced-motion: reduce)");
   const TILT = 0.97; // radians off the vertical
   const NEAR = 18; // metres: following begins no farther than this
   const KEPT = 1000; // milliseconds between two looks at what to keep of the camera
@@ -207,7 +208,7 @@
 
   function frame(now) {
     requestAnimationFrame(frame);
-    const share = 1 - Math.exp(-Math.min(now - before, 200) / 1000 / SMOOTH);
+    const share = LESS_MOTION.matches ? 1 : 1 - Math.exp(-Math.min(now - before, 200) / 1000 / SMOOTH);
     before = now;
     const page = viser();
     if (!page?.cameraControl || !page.camera || !page.canvas) return;
@@ -262,6 +263,6 @@
     magnify(page);
     order();
   });
-  Object.assign(window.hectorscope, { camera, cameraNow, restoreCamera: () => (restored = false), cameraState: () => ({ ...state }) });
+  Object.assign(window.hectorscope, { camera, cameraNow, lessMotion: () => LESS_MOTION.matches, restoreCamera: () => (restored = false), cameraState: () => ({ ...state }) });
   requestAnimationFrame(frame);
 })();

@@ -18,7 +18,7 @@ PROJECT = """([x, y, z]) => {
   return [box.left + (clip[0] / clip[3] + 1) / 2 * box.width, box.top + (1 - clip[1] / clip[3]) / 2 * box.height];
 }"""
 # Neither on its way to an angle nor moved of late, by the clock and by frames, which are slow on a busy machine.
-RESTS = """(({goal, moved, still}) => goal === null && still > 3 && performance.now() - moved > 500)(
+RESTS = """(({goal, moved, still}) => goal === null && still > 3 && performance.now() - moved > 250)(
   window.hectorscope.cameraState())"""
 
 

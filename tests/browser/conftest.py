@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect, sync_playwright
@@ -57,6 +57,17 @@ BEGUN = """(() => {
   return !!at && Math.hypot(at.x, at.y) < 1e-3 && window.hectorscope.levels().places.length === 3;
 })()"""
 
+# Twenty frames a second. Software graphics that draw sixty take more than one processor, even of a page at rest.
+FEWER_FRAMES = """(() => {
+  const frame = window.requestAnimationFrame.bind(window), waiting = new Set();
+  window.requestAnimationFrame = (draw) => {
+    const id = window.setTimeout(() => frame((time) => waiting.delete(id) && draw(time)), 33);
+    waiting.add(id);
+    return id;
+  };
+  window.cancelAnimationFrame = (id) => waiting.delete(id) && window.clearTimeout(id);
+})()"""
+
 Open = Callable[..., Page]
 
 
@@ -83,7 +94,8 @@ def open_page(browser: Browser) -> Iterator[Open]:
     """`open_page(url, ready=READY)`: a new person's page, once `ready` holds in it; no script of it may fail.
 
     size: of the window. own: what this browser has kept (static/browser.js); without plots the scene is larger.
-    before: a script that runs before those of the page.
+    before: a script that runs before those of the page. motion: what this person wants of the camera; to wait until
+    it has glided somewhere takes two seconds.
     """
     with fresh_pages(browser) as opened:
         yield opened
@@ -100,8 +112,10 @@ def fresh_pages(browser: Browser) -> Iterator[Open]:
         size: ViewportSize = SIZE,
         own: dict[str, Any] | None = None,
         before: str = "",
+        motion: Literal["reduce", "no-preference"] = "reduce",
     ) -> Page:
-        contexts.append(browser.new_context(viewport=size))
+        contexts.append(browser.new_context(viewport=size, reduced_motion=motion))
+        contexts[-1].add_init_script(FEWER_FRAMES)
         contexts[-1].add_init_script(before)
         contexts[-1].add_init_script(KEPT % json.dumps(json.dumps({"plots": "off"} if own is None else own)))
         page = contexts[-1].new_page()

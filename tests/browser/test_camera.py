@@ -17,6 +17,18 @@ CAMERA = """() => {
 ROBOT = "window.__viserMutable.nodeRefFromName['/robot'].matrixWorld.elements.slice(12, 15)"
 
 
+# How many angles the camera takes on its way to the vertical.
+WAY_UP = """() => new Promise((there) => {
+  const angles = new Set(), state = window.hectorscope.cameraState;
+  const look = () => {
+    angles.add(window.__viserMutable.cameraControl.polarAngle);
+    state().goal === null ? there(angles.size) : requestAnimationFrame(look);
+  };
+  window.hectorscope.camera("top");
+  requestAnimationFrame(look);
+})"""
+
+
 MIDDLE = """() => {
   const box = window.__viserMutable.canvas.getBoundingClientRect();
   return [box.left + box.width / 2, box.top + box.height / 2];
@@ -101,6 +113,15 @@ def test_free_leaves_the_vertical(again: Open) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("motion", "least", "most"), [("no-preference", 4, 1000), ("reduce", 1, 3)])
+def test_the_camera_glides_unless_less_motion_is_wanted(
+    show: Show, open_page: Open, motion: str, least: int, most: int
+) -> None:
+    """As the operating system of this person says (prefers-reduced-motion)."""
+    page = open_page(show.url, motion=motion)
+    assert least <= page.evaluate(WAY_UP) <= most
+
+
 def test_each_person_has_a_view_of_their_own(show: Show, open_page: Open) -> None:
     """Pointing one browser's camera by the server leaves the other's alone."""
     one, other = open_page(show.url), open_page(show.url)

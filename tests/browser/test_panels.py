@@ -84,13 +84,13 @@ def test_a_click_in_the_log_goes_there(run: Run, open_page: Open) -> None:
     run.engine.send(Configure("fusion.omega", 0.3))
     there = run.until(lambda s: s.config.fusion.omega == 0.3)
     run.engine.send(Seek(there.playback.time_ns + 3 * 10**9))
-    run.until(lambda s: s.scans > there.scans + 50 and s.playback.state == "paused")
+    later = run.until(lambda s: s.scans > there.scans + 50 and s.playback.state == "paused")
     page = open_page(run.url)
     open_tab(page, "Log")
     entry = page.locator(".hs-log-list li", has_text="fusion.omega: 0.1 → 0.3")
     expect(entry.locator("small")).to_have_text(f"scan {there.scans}")
     entry.get_by_role("button").click()
-    back = run.until(lambda s: s.epoch > there.epoch and s.playback.state == "paused")
+    back = run.until(lambda s: s.epoch > later.epoch and s.playback.state == "paused")
     assert (back.scans, back.playback.time_ns) == (there.scans, there.playback.time_ns)
 
 
