@@ -16,6 +16,8 @@ NEXT_HEARTBEAT = """new Promise((heard) => {
 })"""
 # viser talks to the server from a worker.
 DEAF = "Worker.prototype.postMessage = () => {};"
+# The clock of the page, set forward by `window.later` milliseconds.
+CLOCK = "{ const now = performance.now.bind(performance); performance.now = () => now() + (window.later ?? 0); }"
 
 
 def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
@@ -46,5 +48,6 @@ def test_a_broken_link_is_seen_and_mended(show: Show, open_page: Open) -> None:
 @pytest.mark.slow
 def test_a_server_that_never_says_anything_is_named(show: Show, open_page: Open) -> None:
     """A page that was served but never heard its server does not look live either."""
-    page = open_page(show.url, ready="document.readyState === 'complete'", before=DEAF)
+    page = open_page(show.url, ready="document.readyState === 'complete'", before=CLOCK + DEAF)
+    page.evaluate("window.later = 19_000")
     expect(page.locator(".hs-message")).to_contain_text("since the page was opened")

@@ -28,6 +28,11 @@ pytestmark = pytest.mark.browser
 S = 10**9
 PATIENCE_S = 120.0
 STATE = "window.hectorscope.timeline.state()"
+# A place of the window where nothing lies over the scene.
+OVER_THE_SCENE = """() => {
+  const box = window.__viserMutable.canvas.getBoundingClientRect();
+  return [box.left + 0.5 * box.width, box.top + 0.2 * box.height];
+}"""
 SIZES = {"desk": (1280, 800), "tablet": (768, 1024), "phone": (390, 844)}
 LIT = """() => {
   const canvas = document.querySelector('.hs-timeline-track canvas');
@@ -129,7 +134,7 @@ def test_a_page_that_asks_before_the_server_knows_it_asks_again(bench: Bench, op
     page.wait_for_timeout(1500)
     assert page.evaluate(f"[{STATE}.end, window.hectorscope.plotted().tables.series ?? null]") == [None, None]
     page.evaluate("window.cameraHeard = true")
-    page.mouse.move(400, 300)
+    page.mouse.move(*page.evaluate(OVER_THE_SCENE))
     page.mouse.wheel(0, 50)
     page.wait_for_function(f"{STATE}.marks.length && window.hectorscope.plotted().tables.series?.known > 100")
 
