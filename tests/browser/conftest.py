@@ -94,8 +94,8 @@ def open_page(browser: Browser) -> Iterator[Open]:
     """`open_page(url, ready=READY)`: a new person's page, once `ready` holds in it; no script of it may fail.
 
     size: of the window. own: what this browser has kept (static/browser.js); without plots the scene is larger.
-    before: a script that runs before those of the page. motion: what this person wants of the camera; to wait until
-    it has glided somewhere takes two seconds.
+    before: a script that runs before those of the page. motion: what this person wants of the camera, which takes
+    two seconds to glide somewhere.
     """
     with fresh_pages(browser) as opened:
         yield opened
