@@ -9,7 +9,10 @@ from slam_core.state import SlamState
 
 
 class HectorSlam(SlamState):
-    """The pipeline: `add` measurements of any sensor in order of arrival, then `finish`."""
+    """The pipeline: `add` measurements of any sensor in order of arrival, then `finish`.
+
+    `SlamState` has its parameters, and what can be asked of it between two measurements.
+    """
 
     def add(self, measurement: Measurement) -> list[StepResult]:
         """Take in one measurement. The results of the scans that it completes: a scan waits for inertial data."""

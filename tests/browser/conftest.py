@@ -57,7 +57,7 @@ BEGUN = """(() => {
   return !!at && Math.hypot(at.x, at.y) < 1e-3 && window.hectorscope.levels().places.length === 3;
 })()"""
 
-# Twenty frames a second. Software graphics that draw sixty take more than one processor, even of a page at rest.
+# Some 25 frames a second. Software graphics that draw sixty take more than one processor, even of a page at rest.
 FEWER_FRAMES = """(() => {
   const frame = window.requestAnimationFrame.bind(window), waiting = new Set();
   window.requestAnimationFrame = (draw) => {

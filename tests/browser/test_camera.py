@@ -112,7 +112,6 @@ def test_free_leaves_the_vertical(again: Open) -> None:
     page.wait_for_function(turned)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("motion", "least", "most"), [("no-preference", 4, 1000), ("reduce", 1, 3)])
 def test_the_camera_glides_unless_less_motion_is_wanted(
     show: Show, open_page: Open, motion: str, least: int, most: int
@@ -122,6 +121,7 @@ def test_the_camera_glides_unless_less_motion_is_wanted(
     assert least <= page.evaluate(WAY_UP) <= most
 
 
+@pytest.mark.slow
 def test_each_person_has_a_view_of_their_own(show: Show, open_page: Open) -> None:
     """Pointing one browser's camera by the server leaves the other's alone."""
     one, other = open_page(show.url), open_page(show.url)
