@@ -43,7 +43,7 @@ ADDITIONS = (
         {"map.wall_gap": 0.0},
     ),
     Addition(
-        "With scans alone, delays a keyframe that fits worse than the running mean.",
+        "With scans alone, delays a keyframe in a turn that fits worse than the running mean.",
         {"map.keyframe_max_delay": 0.0},
     ),
     Addition(

@@ -49,9 +49,9 @@ def test_only_a_slow_laser_without_other_help_is_looked_at_twice():
         np.testing.assert_array_equal(lazy.trajectory, eager.trajectory)
 
 
-def driven(items, patience):
+def driven(items, delay):
     """The pipeline after all of them."""
-    return process(items, with_value(SlamConfig(), "map.keyframe_max_delay", patience))
+    return process(items, with_value(SlamConfig(), "map.keyframe_max_delay", delay))
 
 
 def occupied(pipeline):
@@ -59,7 +59,7 @@ def occupied(pipeline):
     return int((pipeline.slam.map.levels[0].cells > UNKNOWN).sum())
 
 
-def test_with_patience_fewer_walls_are_drawn_twice():
+def test_with_a_delay_fewer_walls_are_drawn_twice():
     """Tilted scans put walls where there are none: the map has less of them."""
     items = drive(SWAYING)
     assert occupied(driven(items, 0.5)) < 0.95 * occupied(driven(items, 0.0))

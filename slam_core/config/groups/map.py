@@ -125,8 +125,8 @@ class MapConfig:
     keyframe_max_delay: Annotated[
         float,
         Param(
-            "With scans alone, a keyframe that fits worse than the running mean is delayed by this time at"
-            " most (0: off, the paper).",
+            "With scans alone, a keyframe in a turn that fits worse than the running mean is delayed by this time"
+            " at most (0: off, the paper).",
             "s",
             0.0,
             10.0,

@@ -30,25 +30,35 @@ def test_a_scan_is_written_once_the_robot_moved_or_turned(policy, pose):
     assert not policy.selects(pose, 2 * SECOND, None, CONFIG)
 
 
-def test_a_scan_that_fits_badly_waits_for_a_better_one(policy):
-    """The better one is written at once, though it was taken little further on."""
-    assert not policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
-    assert policy.selects(np.array([0.6, 0.0, 0.0]), SECOND + 1, WELL, CONFIG)
+def turned(by):
+    """A pose at the origin."""
+    return np.array([0.0, 0.0, by])
 
 
-def test_nothing_waits_longer_than_the_patience(policy):
+def test_a_scan_in_a_turn_that_fits_badly_waits_for_a_better_one(policy):
+    """The better one is written at once, though the robot turned little further."""
+    assert not policy.selects(turned(0.6), SECOND, BADLY, CONFIG)
+    assert policy.selects(turned(0.61), SECOND + 1, WELL, CONFIG)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.4, -0.4])
+def test_a_scan_that_fits_badly_is_written_where_the_robot_turns_slowly(policy, rate):
+    """Its sweep is not distorted: what fits badly is new, and the next scans need it."""
+    assert policy.selects(np.array([0.5, 0.0, rate]), SECOND, BADLY, CONFIG)
+
+
+def test_nothing_waits_longer_than_the_longest_delay(policy):
     """After half a second any scan will do, and the next wait begins anew."""
-    far, further = np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])
-    assert not policy.selects(far, SECOND, BADLY, CONFIG)
-    assert not policy.selects(far, SECOND + SECOND // 2 - 1, BADLY, CONFIG)
-    assert policy.selects(far, SECOND + SECOND // 2, BADLY, CONFIG)
-    assert not policy.selects(further, 2 * SECOND, 2.0 * BADLY, CONFIG)
+    assert not policy.selects(turned(0.6), SECOND, BADLY, CONFIG)
+    assert not policy.selects(turned(1.2), SECOND + SECOND // 2 - 1, BADLY, CONFIG)
+    assert policy.selects(turned(1.2), SECOND + SECOND // 2, BADLY, CONFIG)
+    assert not policy.selects(turned(-2.0), 2 * SECOND, 2.0 * BADLY, CONFIG)
 
 
 def test_a_clock_that_is_set_back_ends_the_wait(policy):
     """Or the map would never be written again."""
-    assert not policy.selects(np.array([0.5, 0.0, 0.0]), 50 * SECOND, BADLY, CONFIG)
-    assert policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, BADLY, CONFIG)
+    assert not policy.selects(turned(-3.0), 5 * SECOND, BADLY, CONFIG)
+    assert policy.selects(turned(0.3), SECOND, BADLY, CONFIG)
 
 
 def test_what_is_new_does_not_count_as_a_bad_fit(policy):
@@ -67,6 +77,6 @@ def test_a_scan_on_nothing_but_unknown_map_is_written_at_once(policy):
 
 
 def test_all_scans_are_alike_where_the_motion_is_known(policy):
-    """Without residuals there is no wait, nor with a patience of 0, the paper's way."""
-    assert policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, None, CONFIG)
-    assert policy.selects(np.array([1.0, 0.0, 0.0]), 2 * SECOND, BADLY, MapConfig(keyframe_max_delay=0.0))
+    """Without residuals there is no wait, nor with a delay of 0, the paper's way."""
+    assert policy.selects(turned(0.6), SECOND, None, CONFIG)
+    assert policy.selects(turned(1.2), 2 * SECOND, BADLY, MapConfig(keyframe_max_delay=0.0))
