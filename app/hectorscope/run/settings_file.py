@@ -38,6 +38,7 @@ REMOVED = {
     "motion.odometry_gate",
     "tracking.mahalanobis_limit",
     "tracking.max_sigmas",
+    "tracking.min_overlap",
 }
 
 
