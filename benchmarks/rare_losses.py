@@ -23,6 +23,7 @@ CASES = ("offices, 20 min, laser alone", "mit_csail, laser alone")
 SWITCHED_OFF = (
     "map.keyframe_max_delay",
     "tracking.unaided_mahalanobis_limit",
+    "tracking.min_overlap",
     "motion.observed_only",
 )
 

@@ -88,11 +88,11 @@ class MatchResult(NamedTuple):
 class Rejection(NamedTuple):
     """Why a match was rejected: which figure, its value, and the limit or the usual value that it missed.
 
-    inlier_ratio: share of the known endpoints on occupied cells, against its running mean. mahalanobis_distance:
-    sigmas from the prediction.
+    overlap: share of the scan on known cells. inlier_ratio: share of the known endpoints on occupied cells,
+    against its running mean. mahalanobis_distance: sigmas from the prediction.
     """
 
-    code: Literal["inlier_ratio", "mahalanobis_distance"]
+    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance"]
     value: float
     limit: float
 

@@ -132,7 +132,7 @@ def _rooms() -> Iterator[Case]:
 
 # What keeps a laser alone from being lost between rooms that look alike.
 DEPENDABLE = frozenset({
-    "map.appearance_delay", "matcher.prior_restart_sigmas",
+    "map.appearance_delay", "matcher.prior_restart_sigmas", "tracking.min_overlap",
     "tracking.unaided_mahalanobis_limit",
 })  # fmt: skip
 

@@ -14,6 +14,10 @@ PARTS = (
         {"tracking.min_inlier_ratio": 0.0},
     ),
     Addition(
+        "Part of `tracking.check`: rejects a match that lies mostly outside the known map.",
+        {"tracking.min_overlap": 0.0},
+    ),
+    Addition(
         "Part of `tracking.check`: with slow scans alone, searches at a smaller distance to the prediction.",
         {"tracking.unaided_mahalanobis_limit": 1000.0},
     ),
@@ -63,6 +67,7 @@ SCOPES: Mapping[str, Scope] = {
     "matcher.start_estimate": _needs("no imu"),
     "tracking.check": _REJECTING,
     "tracking.min_inlier_ratio": _REJECTING,
+    "tracking.min_overlap": _REJECTING,
     "tracking.unaided_mahalanobis_limit": _needs("unaided"),
     "tracking.relocalise": _LOST,
     "tracking.continue_from_prediction": _LOST,

@@ -10,7 +10,6 @@ from slam_core.results import ACCEPTED, Fit, MatchResult, PlanarGaussian, Reject
 
 USUAL_INLIER_RATIO = 0.9  # before any match was accepted
 MEMORY = 0.05  # weight of the newest match in the running mean
-OUTSIDE = 0.3  # a scan of which less lies on known cells was taken outside of the map
 # A scan of which less than MOSTLY lies on known cells is rejected more than NEAR sigmas from the prediction.
 MOSTLY, NEAR = 0.6, 5.0
 # A position leaps that is further from the prediction than so many metres, standard deviations, and times the
@@ -58,6 +57,8 @@ class Tracker:
 
     def check(self, fit: Fit, distance: float, config: TrackingConfig) -> Rejection | None:
         """The reason to reject a match; None if there is none. distance: to the prediction, sigmas."""
+        if fit.known < config.min_overlap:
+            return Rejection("overlap", fit.known, config.min_overlap)
         if fit.hit < config.min_inlier_ratio * self._usual:
             return Rejection("inlier_ratio", fit.hit, self._usual)
         if _astray(fit, distance):
@@ -66,7 +67,7 @@ class Tracker:
 
     def confirms(self, fit: Fit, distance: float, config: TrackingConfig) -> bool:
         """Whether a pose that a search found is accepted: it must fit clearly better than a suspect match."""
-        if _astray(fit, distance):
+        if fit.known < config.min_overlap or _astray(fit, distance):
             return False
         return fit.hit >= 0.5 * (1.0 + config.min_inlier_ratio) * self._usual
 
@@ -101,7 +102,7 @@ class Tracker:
     def reject(self, fit: Fit, rejection: Rejection, config: TrackingConfig) -> Verdict:
         """Continue from the prediction."""
         self._rejected += 1
-        self._outside_map &= fit.known < OUTSIDE
+        self._outside_map &= fit.known < config.min_overlap
         if self._rejected < config.lost_after:
             return Verdict("degraded", rejection, accepted=False)
         return Verdict("lost", rejection, accepted=False, outside_map=self._outside_map)

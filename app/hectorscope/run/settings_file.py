@@ -38,7 +38,6 @@ REMOVED = {
     "motion.odometry_gate",
     "tracking.mahalanobis_limit",
     "tracking.max_sigmas",
-    "tracking.min_overlap",
 }
 
 

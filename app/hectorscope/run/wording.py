@@ -74,6 +74,8 @@ def rejection_text(rejection: Rejection) -> str:
     """Why a match was rejected."""
     value, limit = rejection.value, rejection.limit
     match rejection.code:
+        case "overlap":
+            return f"only {value:.0%} of the scan lie where the map is known; {limit:.0%} are needed"
         case "inlier_ratio":
             return f"the scan fits the map badly: {value:.0%} of its points lie on walls, usually {limit:.0%}"
         case "mahalanobis_distance":

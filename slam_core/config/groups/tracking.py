@@ -22,6 +22,7 @@ class TrackingConfig:
     min_inlier_ratio: Annotated[
         float, Param("Minimum inlier ratio of a match, relative to its running mean.", "", 0.0, 1.0)
     ] = 0.65
+    min_overlap: Annotated[float, Param("Minimum share of the endpoints on known cells.", "", 0.0, 1.0)] = 0.3
     unaided_mahalanobis_limit: Annotated[
         float,
         Param(

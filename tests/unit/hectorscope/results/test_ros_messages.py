@@ -13,12 +13,11 @@ from tests.page import step_result
 )
 def test_the_level_follows_the_tracking(state: Tracking, level: int):
     """The reason of a rejected match is its message; each warning is a status of its own."""
-    rejection = Rejection("inlier_ratio", 0.2, 0.5) if level else None
+    rejection = Rejection("overlap", 0.2, 0.5) if level else None
     result = step_result()._replace(verdict=Verdict(state, rejection))
     told, warning = diagnostics(result, {"residual": 0.25}, ["the gyro was clipped"]).status
     assert told.level == level
-    why = "the scan fits the map badly: 20% of its points lie on walls, usually 50%"
-    assert told.message == (why if level else state)
+    assert told.message == ("only 20% of the scan lie where the map is known; 50% are needed" if level else state)
     assert [(pair.key, pair.value) for pair in told.values] == [("residual", "0.25")]
     assert (warning.level, warning.message) == (WARN, "the gyro was clipped")
 

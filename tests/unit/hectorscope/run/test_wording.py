@@ -37,6 +37,7 @@ def test_a_sentence_names_the_sensor_and_the_value():
 @pytest.mark.parametrize(
     ("rejection", "text"),
     [
+        (Rejection("overlap", 0.1, 0.3), "only 10% of the scan lie where the map is known; 30% are needed"),
         (
             Rejection("inlier_ratio", 0.2, 0.9),
             "the scan fits the map badly: 20% of its points lie on walls, usually 90%",

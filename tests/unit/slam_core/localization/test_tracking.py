@@ -38,11 +38,11 @@ def test_the_fit_counts_known_and_occupied_cells():
     assert fit(level, points[2:3], np.zeros(3)) == Fit(1.0, 1.0)
 
 
-def test_a_match_is_rejected_for_each_of_two_reasons():
-    """Few inliers, hardly known and far from the prediction: code, value and limit."""
+def test_a_match_is_rejected_for_each_of_three_reasons():
+    """Little overlap, few inliers, hardly known and far from the prediction: code, value and limit."""
     tracker = Tracker()
     assert tracker.check(GOOD, 1.0, CONFIG) is None
-    assert tracker.check(Fit(0.1, 1.0), 1.0, CONFIG) is None  # into a room that is new
+    assert tracker.check(Fit(0.1, 1.0), 1.0, CONFIG) == ("overlap", 0.1, CONFIG.min_overlap)
     assert tracker.check(BAD, 1.0, CONFIG) == ("inlier_ratio", 0.2, 0.9)
     assert tracker.check(Fit(0.5, 0.9), 40.0, CONFIG) == ("mahalanobis_distance", 40.0, NEAR)
     assert tracker.check(GOOD, 40.0, CONFIG) is None  # the correction at the end of a corridor
@@ -85,6 +85,7 @@ def test_a_pose_from_a_search_needs_a_better_fit():
     assert not tracker.check(WORSE, 0.0, CONFIG)
     assert not tracker.confirms(WORSE, 0.0, CONFIG)
     assert tracker.confirms(GOOD, 90.0, CONFIG)
+    assert not tracker.confirms(Fit(0.1, 1.0), 0.0, CONFIG)
 
 
 def test_a_scan_on_little_known_map_is_rejected_far_from_the_prediction() -> None:
