@@ -36,7 +36,7 @@ class Case:
 
     load: the items of a seed. figure: the column of `benchmarks.additions.runs` that is compared. tags: what there
     is for an addition to act on. settings: what every configuration gets besides. ghosts: the scene is watched for
-    cells that people left behind. only: the additions that are measured in a long case; all, if empty.
+    cells that people left behind.
     """
 
     family: str
@@ -49,7 +49,6 @@ class Case:
     ghosts: bool = False
     base: str = ""
     lost: float = LOST_M
-    only: frozenset[str] = frozenset()
 
     @property
     def graded(self) -> bool:
@@ -128,19 +127,6 @@ def _rooms() -> Iterator[Case]:
     for each in DRIVES:
         load = drive("rooms", replace(each.options, duration=SECONDS))
         yield from _pair(each.name, load, IMU if each.options.beam_timing else IMU - {"sweep"}, family="rooms")
-
-
-# What keeps a laser alone from being lost between rooms that look alike.
-DEPENDABLE = frozenset({
-    "map.appearance_delay", "matcher.prior_restart_sigmas", "tracking.min_overlap",
-    "tracking.unaided_mahalanobis_limit",
-})  # fmt: skip
-
-
-def _offices() -> Iterator[Case]:
-    """Twenty minutes."""
-    load = bare(drive("offices", SceneOptions(scan_rate=4.7, beams=361), begun_at_angles=False))
-    yield Case("offices", "20 min, scans alone", load, figure="aligned", tags=BARE, only=DEPENDABLE)
 
 
 def _begun() -> Iterator[Case]:
@@ -259,4 +245,4 @@ def _recordings() -> Iterator[Case]:
 
 def cases() -> list[Case]:
     """All of them; the recordings that lie beside the project where they are there."""
-    return [*_recordings(), *_faults(), *_corridor(), *_scenes(), *_rooms(), *_begun(), *_offices()]
+    return [*_recordings(), *_faults(), *_corridor(), *_scenes(), *_rooms(), *_begun()]

@@ -56,8 +56,6 @@ def wanted(case: Case) -> list[str]:
     at_fault = case.family.startswith(("faults", "outages"))
     names = [addition.name for addition in MEASURED]
     acting = [n for n in names if scope(n).needs <= case.tags and not (at_fault and scope(n).accuracy)]
-    if case.only:
-        return [FULL, *(name for name in acting if name in case.only)]
     return [FULL, PAPER, *([] if at_fault else [LAST_POSE]), *acting]
 
 

@@ -11,7 +11,13 @@ from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
-from slam_core.localization.tracking import Tracker, exceeds_basin, mahalanobis_distance, search_window
+from slam_core.localization.tracking import (
+    LEAP_SIGMAS,
+    Tracker,
+    exceeds_basin,
+    mahalanobis_distance,
+    search_window,
+)
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
 from slam_core.matching.matcher import coarse_to_fine
@@ -152,16 +158,18 @@ class Localiser:
                 stabilised, match = better
                 distance = mahalanobis_distance(match, prior)
                 rejection = tracker.check(match.fit, distance, tracking)
-        if not (rejection or (doubtful and distance > limit) or (unaided and tracker.leaps(match, prior))):
+        leaps = unaided and tracker.leaps(match, prior)
+        if not (rejection or (doubtful and distance > limit) or leaps):
             return stabilised, match, tracker.accept(None)
         self._pyramid.cover(stabilised.points, prior.mean)
         start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
         start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
         for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
-            leaps = unaided and tracker.leaps(candidate, prior)
-            if not leaps and tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
+            if unaided and tracker.leaps(candidate, prior):
+                continue
+            if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
                 return placed, candidate, tracker.accept(rejection)
-        rejection = rejection or Rejection("mahalanobis_distance", distance, limit)
+        rejection = rejection or Rejection("mahalanobis_distance", distance, LEAP_SIGMAS if leaps else limit)
         return stabilised, match, tracker.reject(match.fit, rejection, tracking)
 
     def _other_motion(
