@@ -1,6 +1,6 @@
 """What keeps a laser alone from being lost: additions switched off one by one, where defaults are rarely lost.
 
-    python -m benchmarks.rare_losses [--variants 40]
+    python -m benchmarks.rare_losses [--variants 30]
 
 Runs the variants of `benchmarks.ensembles` and writes docs/rare-losses.md after each configuration.
 """
@@ -18,7 +18,7 @@ from benchmarks.tables import table
 from hectorscope.run.warmup import load_everything
 from tests.conftest import ROOT
 
-VARIANTS = 40
+VARIANTS = 30
 CASES = ("offices, 20 min, laser alone", "mit_csail, laser alone")
 SWITCHED_OFF = (
     "map.keyframe_max_delay",
