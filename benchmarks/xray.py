@@ -17,15 +17,15 @@ import numpy as np
 
 from benchmarks import xray_drag
 from benchmarks.tables import table
-from hectorscope.panels._xray_bench import Bench, Subject
 from hectorscope.panels._xray_shown import Shown
 from hectorscope.panels._xray_wanted import Wanted
+from hectorscope.panels._xray_worker import Subject, Worker
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from hectorscope.run.warmup import load_everything
 from hectorscope.run.xray.covariances import Cloud, fusion
 from hectorscope.run.xray.landscape import Around, Basin, landscape
-from hectorscope.run.xray.specimen import Specimen, specimen_of
+from hectorscope.run.xray.match_problem import MatchProblem, problem_of
 from hectorscope.session.rework import Rework
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig
@@ -62,35 +62,35 @@ def spent(call: Callable[[], object], repeats: int) -> tuple[float, float]:
 def drags(rework: Rework, result: StepResult, settings: Settings, repeats: int) -> tuple[float, float]:
     """Median and longest time from another start to what is shown of it, milliseconds."""
     shown: queue.Queue[Shown] = queue.Queue()
-    bench = Bench(lambda _, found: shown.put(found))
-    bench.look_at(Subject(rework, result, settings.start, settings))
-    bench.want(1, Wanted(lab="landscape"))
+    worker = Worker(lambda _, found: shown.put(found))
+    worker.look_at(Subject(rework, result, settings.start, settings))
+    worker.want(1, Wanted(lab="landscape"))
     start = shown.get(timeout=PATIENCE_S).handle
     assert start is not None
     steps = iter(np.random.default_rng(1).uniform(-0.5, 0.5, (repeats, 3)))
 
     def drag() -> None:
-        bench.start_at(1, start + next(steps))
+        worker.start_at(1, start + next(steps))
         shown.get(timeout=PATIENCE_S)
 
     found = spent(drag, repeats)
-    bench.leave(1)
+    worker.leave(1)
     return found
 
 
-def rows(specimen: Specimen, repeats: int) -> list[tuple[str, float, float]]:
+def rows(problem: MatchProblem, repeats: int) -> list[tuple[str, float, float]]:
     """Each part with its median and its longest time."""
     parts: dict[str, Callable[[], object]] = {
-        f"landscape of level {level}, 61 x 61 poses x {len(specimen.points)} beams": partial(
-            landscape, specimen, level, Around("xy", 1.0)
+        f"landscape of level {level}, 61 x 61 poses x {len(problem.points)} beams": partial(
+            landscape, problem, level, Around("xy", 1.0)
         )
-        for level in range(len(specimen.grids))
+        for level in range(len(problem.grids))
     }
-    parts["all iterations of the reference"] = lambda: specimen.iterations(specimen.start)
-    parts["covariances and their fusion"] = lambda: fusion(specimen, 0.3)
+    parts["all iterations of the reference"] = lambda: problem.iterations(problem.start)
+    parts["covariances and their fusion"] = lambda: fusion(problem, 0.3)
     found = [(name, *spent(call, repeats)) for name, call in parts.items()]
-    found.append(("basin, 3721 starts", *spent(lambda: _whole(Basin(specimen, Around("xy", 1.0))), 3)))
-    found.append(("cloud, 400 matches", *spent(lambda: _whole(Cloud(specimen, 0.02)), 3)))
+    found.append(("basin, 3721 starts", *spent(lambda: _whole(Basin(problem, Around("xy", 1.0))), 3)))
+    found.append(("cloud, 400 matches", *spent(lambda: _whole(Cloud(problem, 0.02)), 3)))
     return found
 
 
@@ -111,9 +111,9 @@ def main() -> None:
         print(xray_drag.measure(chosen.seconds, BEAMS))
         return
     rework, result, settings = scanned(chosen.seconds)
-    specimen = specimen_of(rework.before(settings), result, settings.start)
-    assert specimen is not None
-    found = rows(specimen, chosen.repeats)
+    problem = problem_of(rework.before(settings), result, settings.start)
+    assert problem is not None
+    found = rows(problem, chosen.repeats)
     found.append(("a dragged start, to its picture", *drags(rework, result, settings, chosen.repeats)))
     cells = [[name, f"{median:.1f}", f"{longest:.1f}"] for name, median, longest in found]
     print(table(["part", "median, ms", "longest, ms"], cells))

@@ -8,7 +8,7 @@ import numpy as np
 from playwright.sync_api import Page, sync_playwright
 
 from benchmarks.screenshots import SIZE
-from hectorscope.run.xray.specimen import specimen_of
+from hectorscope.run.xray.match_problem import problem_of
 from hectorscope.session.commands import Seek
 from hectorscope.session.engine import Engine
 from hectorscope.simulation import SceneOptions, Simulation
@@ -66,7 +66,7 @@ def followed(engine: Engine, page: Page, url: str, seconds: float) -> str:
     assert latest is not None
     now = after(engine, Seek(latest.playback.start_ns + round(seconds * 1e9)))
     assert now.rework is not None and now.result is not None
-    inside = specimen_of(now.rework.before(now.ahead.settings), now.result, now.config)
+    inside = problem_of(now.rework.before(now.ahead.settings), now.result, now.config)
     assert inside is not None
     page.goto(f"{url}?fixedDpr=0.3")
     page.wait_for_function(READY, timeout=PATIENCE_MS)

@@ -11,7 +11,7 @@ from hectorscope.panels._xray_scene import HANDLE_PIXELS
 from hectorscope.run.checkpoints import Checkpoints, Place
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
-from hectorscope.run.xray.specimen import Specimen, specimen_of
+from hectorscope.run.xray.match_problem import MatchProblem, problem_of
 from hectorscope.session.other_scans import OtherScans
 from hectorscope.session.rework import Rework
 from hectorscope.simulation import SceneOptions, Simulation
@@ -60,10 +60,10 @@ def other_scans(config: SlamConfig = PAPER) -> OtherScans:
 
 
 @cache
-def specimen(config: SlamConfig = PAPER) -> Specimen:
+def problem(config: SlamConfig = PAPER) -> MatchProblem:
     """The same, opened."""
     rework, result = scanned(config)
-    found = specimen_of(rework.before(Settings(config)), result, config)
+    found = problem_of(rework.before(Settings(config)), result, config)
     assert found is not None
     return found
 

@@ -9,7 +9,7 @@ from playwright.sync_api import Page, TimeoutError, expect
 
 from hectorscope.panels._xray_places import along_axes, compare
 from hectorscope.run.xray.attitude import passage
-from hectorscope.run.xray.specimen import Specimen, specimen_of
+from hectorscope.run.xray.match_problem import MatchProblem, problem_of
 from hectorscope.session.commands import Seek, StepScan
 from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
@@ -32,17 +32,17 @@ OFFSETS = """() => ["start", "end"].map((name) => {
 THERE = "(name) => !!window.__viserMutable.nodeRefFromName[name]?.visible"
 
 
-def resting(engine: Engine) -> tuple[Snapshot, Specimen]:
+def resting(engine: Engine) -> tuple[Snapshot, MatchProblem]:
     """Six seconds after the start, and the scan shown there."""
     latest = engine.mailbox.latest
     assert latest is not None
     now = after(engine, Seek(latest.playback.start_ns + 6_000_000_000))
-    return now, specimen(now)
+    return now, problem(now)
 
 
-def specimen(now: Snapshot) -> Specimen:
+def problem(now: Snapshot) -> MatchProblem:
     assert now.rework is not None and now.result is not None
-    found = specimen_of(now.rework.before(now.ahead.settings), now.result, now.config)
+    found = problem_of(now.rework.before(now.ahead.settings), now.result, now.config)
     assert found is not None
     return found
 
@@ -94,7 +94,7 @@ def test_the_iterations_are_stepped_through(engine: Engine, url: str, open_page:
     expect(words).to_contain_text(f"{steps[-1].cost:.3f}")
     expect(page.locator(".hs-marks .hs-xray-axis")).to_have_count(2)
     after(engine, StepScan())
-    other = specimen(until(engine, lambda now: now.rework is not None))
+    other = problem(until(engine, lambda now: now.rework is not None))
     expect(words).to_contain_text(f"{other.iterations(other.start)[-1].cost:.3f}")
     page.keyboard.press("i")
     expect(page.locator(CARD)).to_be_hidden()

@@ -12,8 +12,8 @@ import numpy as np
 from hectorscope.panels import _xray_words as words
 from hectorscope.panels._format import fixed, number
 from hectorscope.run.xray.covariances import Cloud, fusion
+from hectorscope.run.xray.match_problem import MatchProblem
 from hectorscope.run.xray.places import Kind, place
-from hectorscope.run.xray.specimen import Specimen
 from slam_core.geometry import transform_points
 from slam_core.measurements import Float64s
 
@@ -32,7 +32,7 @@ class Compared:
     """Covariances (3, 3) of one scan, by their names: of eq. (15), by samples, and the cloud of noisy matches."""
 
     kind: Kind
-    specimen: Specimen
+    problem: MatchProblem
     cloud: Cloud
     found: Mapping[str, Float64s]
 
@@ -59,9 +59,9 @@ def compared(keep: Keep, noise: float, slice_s: float) -> Iterator[str]:
 
 def compare(kind: Kind, noise: float) -> Compared:
     """Of the scan of a place, with an empty cloud."""
-    specimen = place(kind)
-    both = fusion(specimen, OMEGA)
-    return Compared(kind, specimen, Cloud(specimen, noise), {"match": both.R, "sampled": both.sampled})
+    problem = place(kind)
+    both = fusion(problem, OMEGA)
+    return Compared(kind, problem, Cloud(problem, noise), {"match": both.R, "sampled": both.sampled})
 
 
 def along_axes(covariances: Mapping[str, Float64s]) -> dict[str, tuple[float, float, float]]:
@@ -106,9 +106,9 @@ def place_html(shown: Compared) -> str:
         (f'<i class="hs-xray-key hs-xray-{name}"></i>{NAMES[name]}', *_worded(values))
         for name, values in along_axes(covariances).items()
     ]
-    title = f"<h3>{TITLES[shown.kind]} · {len(shown.specimen.points)} beams · cloud of {len(shown.cloud)}</h3>"
+    title = f"<h3>{TITLES[shown.kind]} · {len(shown.problem.points)} beams · cloud of {len(shown.cloud)}</h3>"
     figures = words.table(("σ, mm", "long", "short", "ψ, °"), rows)
-    return f'{title}<div class="hs-xray-beside">{picture(shown.specimen, covariances)}{figures}</div>'
+    return f'{title}<div class="hs-xray-beside">{picture(shown.problem, covariances)}{figures}</div>'
 
 
 def _worded(values: tuple[float, float, float]) -> tuple[str, str, str]:
@@ -116,10 +116,10 @@ def _worded(values: tuple[float, float, float]) -> tuple[str, str, str]:
     return fixed(1e3 * along, 2), fixed(1e3 * across, 2), fixed(float(np.degrees(psi)), 3)
 
 
-def picture(specimen: Specimen, covariances: Mapping[str, Float64s]) -> str:
+def picture(problem: MatchProblem, covariances: Mapping[str, Float64s]) -> str:
     """The endpoints around the robot, and the ellipses enlarged alike; north of the map is up."""
     metre = 0.5 * SIDE / SEEN
-    ends = metre * (transform_points(specimen.matched, specimen.points) - specimen.matched[:2])
+    ends = metre * (transform_points(problem.matched, problem.points) - problem.matched[:2])
     near = ends[np.abs(ends).max(axis=1) < 0.5 * SIDE]
     dots = "".join(f"M{x:.1f} {-y:.1f}h0" for x, y in near.tolist())
     largest = max(float(np.linalg.eigvalsh(C[:2, :2])[-1]) for C in covariances.values()) ** 0.5

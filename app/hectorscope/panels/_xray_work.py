@@ -17,7 +17,7 @@ from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.covariances import Cloud, Fusion, fusion
 from hectorscope.run.xray.landscape import FOUND, SIDE, Around, Basin, Landscape, is_same, landscape
 from hectorscope.run.xray.lens import lens
-from hectorscope.run.xray.specimen import Specimen
+from hectorscope.run.xray.match_problem import MatchProblem
 from slam_core.measurements import Float64s
 from slam_core.reference.scan_matching import Iteration, transformed
 
@@ -33,10 +33,10 @@ FOUND_RGBA, FAILED_RGBA = (60, 212, 160, 190), (255, 118, 70, 120)
 
 
 class OpenScan:
-    """A specimen with what was worked out of it; belongs to one thread."""
+    """A match problem with what was worked out of it; belongs to one thread."""
 
-    def __init__(self, specimen: Specimen) -> None:
-        self.specimen = specimen
+    def __init__(self, problem: MatchProblem) -> None:
+        self.problem = problem
         self._kept: dict[Any, Any] = {}
 
     def keep(self, key: Any, make: Callable[[], Any]) -> Any:
@@ -49,30 +49,30 @@ class OpenScan:
 
     def level(self, wanted: int) -> int:
         """A level that there is."""
-        return min(wanted, len(self.specimen.grids) - 1)
+        return min(wanted, len(self.problem.grids) - 1)
 
     def shown(self, wanted: Wanted, dragged: Float64s | None) -> Iterator[Shown]:
         """What to show, one after another. dragged: (3,) another start than the run's."""
-        start = self.specimen.start if dragged is None else dragged
+        start = self.problem.start if dragged is None else dragged
         yield from LABS[wanted.lab](self, wanted, start)
 
 
 def _steps(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    specimen, levels = opened.specimen, len(opened.specimen.grids)
-    found: tuple[Iteration, ...] = opened.keep(("steps", *start.tolist()), lambda: specimen.iterations(start))
+    problem, levels = opened.problem, len(opened.problem.grids)
+    found: tuple[Iteration, ...] = opened.keep(("steps", *start.tolist()), lambda: problem.iterations(start))
     k = min(wanted.step, len(found) - 1)
-    resolution = specimen.grids[found[k].level].resolution
-    text = words.steps_html(found, k, resolution, specimen.config.matcher.sigma)
-    dots = opened.keep(("dots", k, *start.tolist()), lambda: beams(specimen, found[k]))
+    resolution = problem.grids[found[k].level].resolution
+    text = words.steps_html(found, k, resolution, problem.config.matcher.sigma)
+    dots = opened.keep(("dots", k, *start.tolist()), lambda: beams(problem, found[k]))
     yield Shown(
         text, _step_marks(found, k), dots, handle=start, level=found[k].level, steps=len(found), levels=levels
     )
 
 
-def beams(specimen: Specimen, now: Iteration) -> Dots:
+def beams(problem: MatchProblem, now: Iteration) -> Dots:
     """Every endpoint in the colour of its residual, with the gradient of M: two cells long for one of 1 a cell."""
-    ends = transformed(specimen.points.astype(np.float64), now.pose)
-    resolution = specimen.grids[now.level].resolution
+    ends = transformed(problem.points.astype(np.float64), now.pose)
+    resolution = problem.grids[now.level].resolution
     lines = np.stack([ends, ends + 2.0 * resolution**2 * now.gradients], axis=1)
     return Dots(now.level, ends, SENT.residual_colours(now.residuals.astype(np.float32)), lines)
 
@@ -97,14 +97,14 @@ def _step_marks(found: tuple[Iteration, ...], k: int) -> list[Mark]:
 
 
 def _landscape(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    specimen, level = opened.specimen, opened.level(wanted.level)
+    problem, level = opened.problem, opened.level(wanted.level)
     around = Around(wanted.plane, wanted.span, wanted.yaw if wanted.plane == "xy" else 0.0)
-    found: Landscape = opened.keep((level, around), lambda: landscape(specimen, level, around))
-    basin: Basin | None = opened.keep(around, lambda: Basin(specimen, around)) if wanted.show == "basin" else None
+    found: Landscape = opened.keep((level, around), lambda: landscape(problem, level, around))
+    basin: Basin | None = opened.keep(around, lambda: Basin(problem, around)) if wanted.show == "basin" else None
     rises = wanted.show == "surface"
-    cost: Heat = opened.keep(("heat", level, around, rises), lambda: cost_heat(found, specimen, rises=rises))
+    cost: Heat = opened.keep(("heat", level, around, rises), lambda: cost_heat(found, problem, rises=rises))
     while True:
-        heat = basin_heat(basin, found, specimen) if basin else cost
+        heat = basin_heat(basin, found, problem) if basin else cost
         yield _landscape_shown(opened, found, basin, heat, start)
         if basin is None or basin.whole:
             return
@@ -116,18 +116,18 @@ def _landscape(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Sh
 def _landscape_shown(
     opened: OpenScan, found: Landscape, basin: Basin | None, heat: Heat, start: Float64s
 ) -> Shown:
-    specimen, level = opened.specimen, found.level
-    match = specimen.end(start, trace=True)
+    problem, level = opened.problem, found.level
+    match = problem.end(start, trace=True)
     path = np.concatenate([start[None], match.trace[:, 1:]])
-    same, matched = is_same(specimen, match.pose), specimen.matched
+    same, matched = is_same(problem, match.pose), problem.matched
     text = words.ends_html(start, match.pose, matched, same)
-    text += words.landscape_html(found, basin, matched, specimen.grids[level].resolution)
+    text += words.landscape_html(found, basin, matched, problem.grids[level].resolution)
     marks = [robot("matched", level, matched, "ξ*"), line("path", level, path)]
     marks += [robot("start", level, start), robot("same" if same else "elsewhere", level, match.pose)]
-    return Shown(text, marks, heat=heat, handle=start, level=level, levels=len(specimen.grids))
+    return Shown(text, marks, heat=heat, handle=start, level=level, levels=len(problem.grids))
 
 
-def cost_heat(found: Landscape, specimen: Specimen, *, rises: bool) -> Heat:
+def cost_heat(found: Landscape, problem: MatchProblem, *, rises: bool) -> Heat:
     """Bright where the cost is low; the surface rises with the cost."""
     costs = found.costs - found.costs.min()
     share = costs / max(float(costs.max()), 1e-12)
@@ -136,29 +136,29 @@ def cost_heat(found: Landscape, specimen: Specimen, *, rises: bool) -> Heat:
     for channel in range(3):
         picture[..., channel] = np.interp(at, np.arange(len(STOPS)), STOPS[:, channel])
     picture[..., 3] = OPAQUE
-    return _heat(found, specimen, picture, 0.05 + RISE * found.around.span * share if rises else None)
+    return _heat(found, problem, picture, 0.05 + RISE * found.around.span * share if rises else None)
 
 
-def basin_heat(basin: Basin, found: Landscape, specimen: Specimen) -> Heat:
+def basin_heat(basin: Basin, found: Landscape, problem: MatchProblem) -> Heat:
     """Starts that end at the matched pose, and those that do not."""
     picture = np.zeros((SIDE, SIDE, 4), np.uint8)
     outcome = basin.coarse()
     picture[:] = FAILED_RGBA
     picture[outcome == FOUND] = FOUND_RGBA
-    return _heat(found, specimen, picture, None)
+    return _heat(found, problem, picture, None)
 
 
-def _heat(found: Landscape, specimen: Specimen, picture: Any, heights: Float64s | None) -> Heat:
+def _heat(found: Landscape, problem: MatchProblem, picture: Any, heights: Float64s | None) -> Heat:
     side = 2.0 * found.around.span + found.around.step[0]  # a pose lies in the middle of its pixel
-    return Heat(found.level, picture, specimen.matched[:2], (side, side), heights)
+    return Heat(found.level, picture, problem.matched[:2], (side, side), heights)
 
 
 def _lens(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    levels = len(opened.specimen.grids)
+    levels = len(opened.problem.grids)
     if wanted.at is None:
         yield Shown("<p>Click a place of the map.</p>", levels=levels)
         return
-    found = lens(opened.specimen, opened.level(wanted.at[0]), *wanted.at[1:])
+    found = lens(opened.problem, opened.level(wanted.at[0]), *wanted.at[1:])
     size, place = found.resolution, np.array(found.place)
     first = (np.array(found.cell) + 0.5) * size
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
@@ -178,12 +178,12 @@ def _lens(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
 def _covariance(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
     if wanted.of == "places":
         for text in compared(opened.keep, wanted.noise, SLICE_S):
-            yield Shown(text, levels=len(opened.specimen.grids))
+            yield Shown(text, levels=len(opened.problem.grids))
         return
-    specimen, levels = opened.specimen, len(opened.specimen.grids)
-    cloud: Cloud = opened.keep(("cloud", wanted.noise), lambda: Cloud(specimen, wanted.noise))
-    run_omega = specimen.config.fusion.omega
-    fused: Fusion = opened.keep("fusion", lambda: fusion(specimen, run_omega))
+    problem, levels = opened.problem, len(opened.problem.grids)
+    cloud: Cloud = opened.keep(("cloud", wanted.noise), lambda: Cloud(problem, wanted.noise))
+    run_omega = problem.config.fusion.omega
+    fused: Fusion = opened.keep("fusion", lambda: fusion(problem, run_omega))
     found = fused.at(wanted.omega)
     named = {
         "prior": found.P, "match": found.R, "sampled": found.sampled, "fused": found.fused,
@@ -192,14 +192,14 @@ def _covariance(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[S
     largest = max(float(np.linalg.eigvalsh(C[:2, :2])[-1]) for C in named.values())
     scale = SIGMAS_SHARE / max(largest, 1e-12) ** 0.5
     while True:
-        marks = [ellipse(kind, 0, specimen.matched, C, scale) for kind, C in named.items()]
+        marks = [ellipse(kind, 0, problem.matched, C, scale) for kind, C in named.items()]
         if len(cloud) > 1:
-            mean = specimen.matched[:2] + scale * (cloud.ends.mean(axis=0) - specimen.matched)[:2]
+            mean = problem.matched[:2] + scale * (cloud.ends.mean(axis=0) - problem.matched)[:2]
             marks.append(ellipse("cloud", 0, mean, cloud.covariance, scale))
         note = f"<p>Ellipses of {number(scale)} σ around ξ*; the cloud is enlarged alike.</p>"
-        text = words.covariance_html(found, cloud, specimen.matched, run_omega) + note
+        text = words.covariance_html(found, cloud, problem.matched, run_omega) + note
         key = "dots of the cloud", wanted.noise, len(cloud), scale  # the same are not sent again
-        dots: Dots = opened.keep(key, partial(_cloud_dots, specimen, cloud, scale))
+        dots: Dots = opened.keep(key, partial(_cloud_dots, problem, cloud, scale))
         yield Shown(text, marks, dots, level=0, levels=levels)
         if cloud.whole:
             return
@@ -208,16 +208,16 @@ def _covariance(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[S
             cloud.try_next()
 
 
-def _cloud_dots(specimen: Specimen, cloud: Cloud, scale: float) -> Dots:
+def _cloud_dots(problem: MatchProblem, cloud: Cloud, scale: float) -> Dots:
     """The ends, as far from the matched pose as the ellipses are large."""
-    offsets = cloud.ends[:, :2] - specimen.matched[:2]
-    points = specimen.matched[:2] + scale * offsets
+    offsets = cloud.ends[:, :2] - problem.matched[:2]
+    points = problem.matched[:2] + scale * offsets
     colours = np.tile(np.array(SENT.accent, np.uint8), (len(points), 1))
     return Dots(0, points, colours, np.empty((0, 2, 2)), size=0.02)
 
 
 def _attitude(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]:
-    yield Shown(words.attitude_html(passage(wanted.pitch)), levels=len(opened.specimen.grids))
+    yield Shown(words.attitude_html(passage(wanted.pitch)), levels=len(opened.problem.grids))
 
 
 LABS: dict[str, Callable[[OpenScan, Wanted, Float64s], Iterator[Shown]]] = {

@@ -9,10 +9,10 @@ from viser import Icon
 
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _request, _workspace
-from hectorscope.panels._xray_bench import Bench, Subject
 from hectorscope.panels._xray_scene import ClientScene
 from hectorscope.panels._xray_shown import Shown
 from hectorscope.panels._xray_wanted import wanted_of
+from hectorscope.panels._xray_worker import Subject, Worker
 from hectorscope.session.snapshot import Snapshot
 
 if TYPE_CHECKING:  # the core comes with it, and the page is served before
@@ -36,7 +36,7 @@ class XrayPanel:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._bench = Bench(self._show)
+        self._worker = Worker(self._show)
         self._lock = threading.Lock()  # nothing is drawn for a browser that has just left
         self._scenes: dict[int, ClientScene] = {}
         self._looked_at: tuple[Any, ...] = ()
@@ -53,20 +53,20 @@ class XrayPanel:
         if asked.get("open") is False:
             self._leave(client)
         elif asked.get("home") is True:
-            self._bench.start_at(client, None)
+            self._worker.start_at(client, None)
         elif "scan_by" in asked or "scan_at" in asked:
             self._visit(client, asked)
         else:
-            self._bench.want(client, wanted_of(asked))
+            self._worker.want(client, wanted_of(asked))
 
     def _visit(self, client: int, asked: dict[str, Any]) -> None:
         others = self._others
         if others is None:
             return
         if "scan_by" in asked:
-            self._bench.visit(client, others, None, _request.whole(asked["scan_by"], -FAR, FAR))
+            self._worker.visit(client, others, None, _request.whole(asked["scan_by"], -FAR, FAR))
         else:
-            self._bench.visit(client, others, _request.number(asked["scan_at"], 0.0, LONGEST_S))
+            self._worker.visit(client, others, _request.number(asked["scan_at"], 0.0, LONGEST_S))
 
     def draw(self, snapshot: Snapshot) -> None:
         """Follow the run from rest to rest, and the browsers as they leave."""
@@ -78,27 +78,27 @@ class XrayPanel:
         ):
             self._looked_at = state
             anew, self._source = snapshot.source != self._source, snapshot.source
-            self._bench.look_at(subject_of(snapshot) if rests else None, anew=anew)
+            self._worker.look_at(subject_of(snapshot) if rests else None, anew=anew)
         clients = self._scene.server.get_clients()
-        for client in self._bench.viewers:
+        for client in self._worker.viewers:
             if client not in clients:
                 self._leave(client)
 
     def _leave(self, client: int) -> None:
         with self._lock:
-            self._bench.leave(client)
+            self._worker.leave(client)
             scene = self._scenes.pop(client, None)
             if scene is not None and client in self._scene.server.get_clients():
                 scene.clear()
 
     def _show(self, client: int, shown: Shown) -> None:
-        """On the thread of the bench."""
+        """On the thread of the worker."""
         with self._lock:
             handle = self._scene.server.get_clients().get(client)
-            if handle is None or client not in self._bench.viewers:
+            if handle is None or client not in self._worker.viewers:
                 return
             if client not in self._scenes:
-                self._scenes[client] = ClientScene(handle, partial(self._bench.start_at, client))
+                self._scenes[client] = ClientScene(handle, partial(self._worker.start_at, client))
             self._scenes[client].draw(shown)
             self._scene.run(script_of(shown, _last_s(self._others)), handle)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hectorscope.run.xray.specimen import Specimen
+from hectorscope.run.xray.match_problem import MatchProblem
 from slam_core.measurements import Float32s, Float64s
 from slam_core.reference.covariance_intersection import intersect, kalman_update
 from slam_core.reference.scan_matching import evaluate, hessian_covariance, sampled_covariance
@@ -36,13 +36,13 @@ class Fusion:
         return replace(self, omega=omega, fused=fused(self.P, self.R, omega))
 
 
-def fusion(specimen: Specimen, omega: float) -> Fusion:
+def fusion(problem: MatchProblem, omega: float) -> Fusion:
     """Of the prediction and the match of the shown scan."""
-    points, sigma = specimen.points.astype(np.float64), specimen.config.matcher.sigma
-    H = evaluate(specimen.grids[0], points, specimen.matched).H
+    points, sigma = problem.points.astype(np.float64), problem.config.matcher.sigma
+    H = evaluate(problem.grids[0], points, problem.matched).H
     R = hessian_covariance(H, sigma)
-    sampled = sampled_covariance(specimen.grids[0], points, specimen.matched, sigma)
-    P = specimen.prior.covariance
+    sampled = sampled_covariance(problem.grids[0], points, problem.matched, sigma)
+    P = problem.prior.covariance
     best = best_omega(P, R)
     kalman = kalman_update(P, np.eye(3), R, np.zeros(3))[1]
     return Fusion(omega, best, P, R, sampled, fused(P, R, omega), kalman, fused(P, R, best))
@@ -66,8 +66,8 @@ class Cloud:
     noise: standard deviation of a range, metres. offsets: of each match from the mean of all, in `covariance`.
     """
 
-    def __init__(self, specimen: Specimen, noise: float) -> None:
-        self._specimen, self.noise = specimen, noise
+    def __init__(self, problem: MatchProblem, noise: float) -> None:
+        self._problem, self.noise = problem, noise
         self._random = np.random.default_rng(SEED)
         self._ends: list[Float64s] = []
 
@@ -81,7 +81,7 @@ class Cloud:
 
     def try_next(self) -> None:
         """One more match."""
-        self._ends.append(self._specimen.end(self._specimen.matched, self._noisy()).pose)
+        self._ends.append(self._problem.end(self._problem.matched, self._noisy()).pose)
 
     @property
     def ends(self) -> Float64s:
@@ -94,12 +94,12 @@ class Cloud:
         ends = self.ends
         if len(ends) < 2:
             return np.zeros((3, 3))
-        ends[:, 2] = np.remainder(ends[:, 2] - self._specimen.matched[2] + np.pi, 2.0 * np.pi)
+        ends[:, 2] = np.remainder(ends[:, 2] - self._problem.matched[2] + np.pi, 2.0 * np.pi)
         return np.asarray(np.cov(ends.T), np.float64)
 
     def _noisy(self) -> Float32s:
-        beams = self._specimen.points - self._specimen.laser
+        beams = self._problem.points - self._problem.laser
         ranges = np.linalg.norm(beams, axis=1, keepdims=True)
         noise = self._random.normal(0.0, self.noise, (len(beams), 1))
-        moved: Float32s = (self._specimen.points + noise * beams / np.maximum(ranges, 1e-6)).astype(np.float32)
+        moved: Float32s = (self._problem.points + noise * beams / np.maximum(ranges, 1e-6)).astype(np.float32)
         return moved

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hectorscope.run.xray import Plane
-from hectorscope.run.xray.specimen import Specimen, apart
+from hectorscope.run.xray.match_problem import MatchProblem, apart
 from slam_core.matching.landscape import costs
 from slam_core.measurements import Float64s
 
@@ -55,10 +55,10 @@ class Landscape:
     lowest: Float64s
 
 
-def landscape(specimen: Specimen, level: int, around: Around) -> Landscape:
+def landscape(problem: MatchProblem, level: int, around: Around) -> Landscape:
     """Of one level, with all beams."""
-    poses = around.poses(specimen.matched).reshape(-1, 3)
-    found = costs(specimen.pyramid.levels[level], specimen.points, poses)
+    poses = around.poses(problem.matched).reshape(-1, 3)
+    found = costs(problem.pyramid.levels[level], problem.points, poses)
     return Landscape(level, around, found.reshape(SIDE, SIDE), poses[np.argmin(found)])
 
 
@@ -68,9 +68,9 @@ class Basin:
     outcome: (SIDE, SIDE) UNTRIED, FAILED or FOUND.
     """
 
-    def __init__(self, specimen: Specimen, around: Around) -> None:
+    def __init__(self, problem: MatchProblem, around: Around) -> None:
         self.outcome: NDArray[np.uint8] = np.zeros((SIDE, SIDE), np.uint8)
-        self._specimen, self._poses = specimen, around.poses(specimen.matched)
+        self._problem, self._poses = problem, around.poses(problem.matched)
         self._order: Iterator[tuple[int, int]] = _coarse_to_fine()
         self.tried = 0
 
@@ -82,8 +82,8 @@ class Basin:
     def try_next(self) -> None:
         """Match from one more start."""
         row, column = next(self._order)
-        end = self._specimen.end(self._poses[row, column]).pose
-        self.outcome[row, column] = FOUND if is_same(self._specimen, end) else FAILED
+        end = self._problem.end(self._poses[row, column]).pose
+        self.outcome[row, column] = FOUND if is_same(self._problem, end) else FAILED
         self.tried += 1
 
     def coarse(self) -> NDArray[np.uint8]:
@@ -95,10 +95,10 @@ class Basin:
         return np.where(filled == UNTRIED, self.outcome[np.ix_(at, at)], filled).astype(np.uint8)
 
 
-def is_same(specimen: Specimen, end: Float64s) -> bool:
+def is_same(problem: MatchProblem, end: Float64s) -> bool:
     """Whether a match ended at the matched pose."""
-    metres, radians = apart(end, specimen.matched)
-    return metres <= SAME_CELLS * specimen.pyramid.levels[0].resolution and radians <= SAME_YAW
+    metres, radians = apart(end, problem.matched)
+    return metres <= SAME_CELLS * problem.pyramid.levels[0].resolution and radians <= SAME_YAW
 
 
 def _coarse_to_fine() -> Iterator[tuple[int, int]]:

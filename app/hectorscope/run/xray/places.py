@@ -8,7 +8,7 @@ from typing import Literal
 from hectorscope.run.checkpoints import Checkpoint, Place
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
-from hectorscope.run.xray.specimen import Specimen, specimen_of
+from hectorscope.run.xray.match_problem import MatchProblem, problem_of
 from hectorscope.simulation import ScenarioName, SceneOptions, Simulation
 from slam_core.config import SlamConfig
 from slam_core.measurements import LaserScan
@@ -24,7 +24,7 @@ SCAN_RATE, BEAMS, SEED = 10.0, 361, 1
 
 
 @cache
-def place(kind: Kind) -> Specimen:
+def place(kind: Kind) -> MatchProblem:
     """The last scan of a short drive there, by the default settings; always the same. It takes about a second."""
     scenario, begin, duration = DRIVES[kind]
     options = SceneOptions(begin=begin, duration=duration, scan_rate=SCAN_RATE, beams=BEAMS, seed=SEED)
@@ -37,6 +37,6 @@ def place(kind: Kind) -> Specimen:
     before = Checkpoint(pipeline, Place(0, None), None).pipeline(settings)
     pipeline.step(measured[last])
     assert pipeline.result is not None
-    found = specimen_of(before, pipeline.result, settings.start)
+    found = problem_of(before, pipeline.result, settings.start)
     assert found is not None
     return found

@@ -15,7 +15,7 @@ from hectorscope.panels._xray_wanted import MOST_STEPS, OMEGA, SPAN, YAW, Wanted
 from hectorscope.panels._xray_work import OpenScan
 from hectorscope.run.xray.attitude import passage
 from hectorscope.run.xray.landscape import SIDE
-from tests.xray import specimen
+from tests.xray import problem
 
 ASKED: dict[str, Any] = {
     "lab": "steps", "step": 0, "level": 0, "plane": "xy", "span": 1.0, "yaw": 0.0, "show": "heat", "at": None,
@@ -25,7 +25,7 @@ ASKED: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def opened() -> OpenScan:
-    return OpenScan(specimen())
+    return OpenScan(problem())
 
 
 def test_requests_are_brought_into_their_ranges():
@@ -54,11 +54,11 @@ def test_what_no_script_of_ours_sends_is_refused(wrong: dict[str, Any]):
 
 def test_steps_show_beams_where_the_iteration_places_them(opened: OpenScan):
     """Each endpoint at S_i(xi) with its gradient as a line; the numbers of the equations are those of the core."""
-    steps = specimen().iterations(specimen().start)
+    steps = problem().iterations(problem().start)
     (shown,) = opened.shown(Wanted(step=3), None)
     assert shown.steps == len(steps)
     assert shown.dots is not None and shown.dots.level == steps[3].level
-    lines, resolution = shown.dots.lines, specimen().grids[steps[3].level].resolution
+    lines, resolution = shown.dots.lines, problem().grids[steps[3].level].resolution
     np.testing.assert_allclose((lines[:, 1] - lines[:, 0]) / (2 * resolution**2), steps[3].gradients, atol=1e-9)
     assert f"{steps[3].cost:.3f}" in shown.words
     assert f"{steps[4].cost:.3f} after the step" not in shown.words or steps[4].level == steps[3].level
@@ -66,7 +66,7 @@ def test_steps_show_beams_where_the_iteration_places_them(opened: OpenScan):
 
 def test_arrows_at_the_robot_are_eigenvectors_of_h(opened: OpenScan):
     """Both axes through the pose, across each other, as long as the square roots of the eigenvalues."""
-    now = specimen().iterations(specimen().start)[-1]
+    now = problem().iterations(problem().start)[-1]
     (shown,) = opened.shown(Wanted(step=10**4), None)
     axes = [np.array(mark["at"])[:, 1:] for mark in shown.marks if mark["kind"] == "axis"]
     arms = [ends[1] - ends[0] for ends in axes]
@@ -80,12 +80,12 @@ def test_arrows_at_the_robot_are_eigenvectors_of_h(opened: OpenScan):
 
 def test_another_start_is_followed_to_its_end(opened: OpenScan):
     """The words say whether that is the matched pose; the robot is marked where the matcher ends."""
-    near = specimen().matched + np.array([0.1, -0.05, 0.02])
-    for start, kind in ((near, "same"), (specimen().matched + np.array([4.0, 3.0, 1.0]), "elsewhere")):
+    near = problem().matched + np.array([0.1, -0.05, 0.02])
+    for start, kind in ((near, "same"), (problem().matched + np.array([4.0, 3.0, 1.0]), "elsewhere")):
         shown = next(iter(opened.shown(Wanted(lab="landscape"), start)))
         (end,) = [mark for mark in shown.marks if mark["kind"] in {"same", "elsewhere"}]
         assert end["kind"] == kind
-        tip = specimen().end(start).pose
+        tip = problem().end(start).pose
         expected = tip[:2] + 0.3 * np.array([math.cos(tip[2]), math.sin(tip[2])])
         np.testing.assert_allclose(end["at"][0][1:], expected, atol=1e-4)
 
@@ -106,7 +106,7 @@ def test_the_heat_map_is_brightest_at_the_lowest_cost(opened: OpenScan):
     bright = shown.heat.picture[..., :3].astype(int).sum(axis=-1)
     low = np.unravel_index(np.argmin(shown.heat.heights), (SIDE, SIDE))
     assert bright[low] == bright.max()
-    np.testing.assert_allclose(shown.heat.centre, specimen().matched[:2])
+    np.testing.assert_allclose(shown.heat.centre, problem().matched[:2])
     lines, _ = surface(shown.heat)
     assert lines[..., 2].min() == pytest.approx(0.05, abs=1e-6)
     middle = lines[..., :2].reshape(-1, 2)
@@ -127,7 +127,7 @@ def test_the_lens_asks_for_a_click_and_marks_four_cells(opened: OpenScan):
     """Each cell with its probability."""
     (empty,) = opened.shown(Wanted(lab="lens"), None)
     assert "Click" in empty.words
-    x, y = specimen().matched[:2] + np.array([0.4, 0.0])
+    x, y = problem().matched[:2] + np.array([0.4, 0.0])
     (shown,) = opened.shown(Wanted(lab="lens", at=(0, float(x), float(y))), None)
     assert sum(mark["kind"] == "cell" for mark in shown.marks) == 4
 

@@ -28,9 +28,9 @@ def compared() -> dict[Kind, Compared]:
 def test_figures_are_those_of_the_core(compared: dict[Kind, Compared]):
     """R is eq. (15) of the core for the H of the reference; the axes have the eigenvalues of the cloud."""
     for kind, each in compared.items():
-        specimen = place(kind)
-        H = evaluate(specimen.grids[0], specimen.points.astype(float), specimen.matched).H
-        R = hessian_covariance(H, specimen.config.matcher.sigma)
+        problem = place(kind)
+        H = evaluate(problem.grids[0], problem.points.astype(float), problem.matched).H
+        R = hessian_covariance(H, problem.config.matcher.sigma)
         np.testing.assert_allclose(each.covariances["match"], R, rtol=1e-4, atol=1e-10)
         short, long = np.linalg.eigvalsh(np.cov(each.cloud.ends.T)[:2, :2])
         assert along_axes(each.covariances)["cloud"][:2] == pytest.approx((math.sqrt(long), math.sqrt(short)))
@@ -73,4 +73,4 @@ def test_a_cloud_of_one_match_is_not_shown():
     each = compare("room", NOISE)
     each.cloud.try_next()
     assert set(each.covariances) == {"match", "sampled"}
-    assert picture(each.specimen, each.covariances).count("<ellipse") == 2
+    assert picture(each.problem, each.covariances).count("<ellipse") == 2

@@ -5,7 +5,7 @@ import pytest
 
 from hectorscope.run.xray.landscape import FAILED, FOUND, SIDE, UNTRIED, Around, Basin, is_same, landscape
 from slam_core.reference.scan_matching import evaluate
-from tests.xray import specimen
+from tests.xray import problem
 
 PLANES = [Around("xy", 0.3), Around("xyaw", 0.3)]
 
@@ -13,7 +13,7 @@ PLANES = [Around("xy", 0.3), Around("xyaw", 0.3)]
 @pytest.mark.parametrize("around", PLANES)
 def test_the_lowest_cost_of_the_finest_level_is_at_the_matched_pose(around: Around):
     """Within a step of the grid of poses."""
-    found, matched = landscape(specimen(), 0, around), specimen().matched
+    found, matched = landscape(problem(), 0, around), problem().matched
     along, up = around.step
     apart = np.abs(found.lowest - matched)
     assert apart[0] <= 1.01 * along
@@ -24,9 +24,9 @@ def test_the_lowest_cost_of_the_finest_level_is_at_the_matched_pose(around: Arou
 def test_costs_are_those_of_the_reference(level: int):
     """Eq. (7) in float64, at some poses of the plane, on each level; a float32 sum differs by its rounding."""
     around = Around("xy", 1.0, 0.2)
-    found, poses = landscape(specimen(), level, around), around.poses(specimen().matched)
+    found, poses = landscape(problem(), level, around), around.poses(problem().matched)
     for row, column in ((0, 0), (30, 30), (12, 55)):
-        there = evaluate(specimen().grids[level], specimen().points.astype(float), poses[row, column])
+        there = evaluate(problem().grids[level], problem().points.astype(float), poses[row, column])
         assert found.costs[row, column] == pytest.approx(there.cost, rel=1e-3)
 
 
@@ -42,7 +42,7 @@ def test_rows_go_along_y_or_yaw_and_columns_along_x():
 def test_a_basin_says_where_each_start_ends():
     """Every start once, the matched pose among those that end there; each outcome is that of the matcher."""
     around = Around("xy", 1.5)
-    basin, found = Basin(specimen(), around), specimen()
+    basin, found = Basin(problem(), around), problem()
     for _ in range(40):
         basin.try_next()
     assert basin.tried == 40 == (basin.outcome != UNTRIED).sum()

@@ -23,7 +23,7 @@ EDGE = 2  # unknown cells around what is known: the same as the endless map for 
 
 
 @dataclass(frozen=True, eq=False)
-class Specimen:
+class MatchProblem:
     """pyramid: the map before the scan. points: (n, 2) endpoints in the stabilised frame, laser: (2,), metres.
 
     start: (3,) where the match began. match: of the run. prior: the prediction before it. config: in force.
@@ -63,13 +63,15 @@ class Specimen:
         return tuple(reference_match(self.grids, self.points.astype(np.float64), start, steps))
 
 
-def specimen_of(before: Pipeline, result: StepResult, config: SlamConfig) -> Specimen | None:
+def problem_of(before: Pipeline, result: StepResult, config: SlamConfig) -> MatchProblem | None:
     """The scan of a result. before: the run before that scan. None for a scan that was matched to nothing."""
     if result.match is None or result.prior is None or result.sweep is None or before.slam.map.empty:
         return None
     start = before.slam.start_estimate(result.prior, config)
     before.slam.map.cover(result.points, start)
-    return Specimen(before.slam.map, result.points, result.sweep.laser, start, result.match, result.prior, config)
+    return MatchProblem(
+        before.slam.map, result.points, result.sweep.laser, start, result.match, result.prior, config
+    )
 
 
 def reference_grid(level: GridLevel) -> OccupancyGrid:

@@ -8,22 +8,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hectorscope.panels._xray_bench import MOST, Bench, Subject
 from hectorscope.panels._xray_shown import Shown
 from hectorscope.panels._xray_wanted import Wanted
 from hectorscope.panels._xray_words import ON_THE_WAY
+from hectorscope.panels._xray_worker import MOST, Subject, Worker
 from hectorscope.run.settings import Settings
-from tests.xray import PAPER, other_scans, scanned, specimen
+from tests.xray import PAPER, other_scans, problem, scanned
 
 PATIENCE_S = 30.0
 
 
 class Listener:
-    """A bench with what each browser was shown."""
+    """A worker with what each browser was shown."""
 
     def __init__(self) -> None:
         self.shown: dict[int, queue.Queue[Shown]] = {}
-        self.bench = Bench(lambda client, shown: self.of(client).put(shown))
+        self.worker = Worker(lambda client, shown: self.of(client).put(shown))
 
     def of(self, client: int) -> "queue.Queue[Shown]":
         """What one browser was shown."""
@@ -49,59 +49,59 @@ def subject() -> Subject:
 def test_browsers_take_turns(subject: Subject):
     """A long work of one does not keep another waiting: that one is served before the basin is whole."""
     listener = Listener()
-    listener.bench.look_at(subject)
-    listener.bench.want(1, Wanted(lab="landscape", show="basin", span=2.0))
+    listener.worker.look_at(subject)
+    listener.worker.want(1, Wanted(lab="landscape", show="basin", span=2.0))
     assert "0 of 3721" in listener.next(1).words
-    listener.bench.want(2, Wanted())
+    listener.worker.want(2, Wanted())
     first = listener.next(2)
     assert "(13)" in first.words
     while "3721 of 3721" not in (last := listener.next(1)).words:
         pass
     assert last.heat is not None
     for client in (1, 2):
-        listener.bench.leave(client)
+        listener.worker.leave(client)
 
 
 def test_a_dragged_start_is_followed_and_taken_back(subject: Subject):
     """What is shown begins at the new start; another scan begins at that of the run again."""
-    listener, start = Listener(), specimen().start + np.array([0.2, 0.1, 0.0])
-    listener.bench.look_at(subject)
-    listener.bench.want(1, Wanted(lab="landscape"))
-    np.testing.assert_array_equal(handle(listener.next(1)), specimen().start)
-    listener.bench.start_at(1, start)
+    listener, start = Listener(), problem().start + np.array([0.2, 0.1, 0.0])
+    listener.worker.look_at(subject)
+    listener.worker.want(1, Wanted(lab="landscape"))
+    np.testing.assert_array_equal(handle(listener.next(1)), problem().start)
+    listener.worker.start_at(1, start)
     np.testing.assert_array_equal(handle(listener.next(1)), start)
-    listener.bench.look_at(replace(subject))
-    np.testing.assert_array_equal(handle(listener.next(1)), specimen().start)
-    listener.bench.leave(1)
+    listener.worker.look_at(replace(subject))
+    np.testing.assert_array_equal(handle(listener.next(1)), problem().start)
+    listener.worker.leave(1)
 
 
 def test_a_kept_scan_stays_while_others_follow_the_run(subject: Subject):
     """With its start, until it is let go; another recording takes it away."""
-    listener, start = Listener(), specimen().start + np.array([0.2, 0.1, 0.0])
+    listener, start = Listener(), problem().start + np.array([0.2, 0.1, 0.0])
     first, second, third = (replace(subject, scan_s=seconds) for seconds in (1.0, 2.0, 3.0))
-    listener.bench.look_at(first)
+    listener.worker.look_at(first)
     keeps = Wanted(lab="landscape", keep=True)
-    listener.bench.want(1, keeps)
-    listener.bench.want(2, Wanted(lab="landscape"))
+    listener.worker.want(1, keeps)
+    listener.worker.want(2, Wanted(lab="landscape"))
     assert (listener.next(1).scan_s, listener.next(2).scan_s) == (1.0, 1.0)
-    listener.bench.start_at(1, start)
+    listener.worker.start_at(1, start)
     np.testing.assert_array_equal(handle(listener.next(1)), start)
-    listener.bench.look_at(second)
+    listener.worker.look_at(second)
     assert listener.next(2).scan_s == 2.0
-    listener.bench.want(1, replace(keeps, level=1))
+    listener.worker.want(1, replace(keeps, level=1))
     kept = listener.next(1)
     assert (kept.scan_s, kept.level) == (1.0, 1)
     np.testing.assert_array_equal(handle(kept), start)
-    listener.bench.want(1, replace(keeps, keep=False))
+    listener.worker.want(1, replace(keeps, keep=False))
     let_go = listener.next(1)
     assert let_go.scan_s == 2.0
-    np.testing.assert_array_equal(handle(let_go), specimen().start)
-    listener.bench.want(1, keeps)
+    np.testing.assert_array_equal(handle(let_go), problem().start)
+    listener.worker.want(1, keeps)
     assert listener.next(1).scan_s == 2.0
-    listener.bench.look_at(third, anew=True)
+    listener.worker.look_at(third, anew=True)
     assert listener.next(1).scan_s == 3.0
     for client in (1, 2):
-        listener.bench.leave(client)
+        listener.worker.leave(client)
 
 
 def handle(shown: Shown) -> Any:
@@ -112,55 +112,55 @@ def handle(shown: Shown) -> Any:
 def test_the_thread_ends_with_the_last_browser(subject: Subject):
     """And begins again with the next one; without a scan at rest the words say what to do."""
     listener, before = Listener(), threading.enumerate()  # that of another test may not have ended yet
-    listener.bench.want(1, Wanted())
+    listener.worker.want(1, Wanted())
     assert "Pause" in listener.next(1).words
     (thread,) = [each for each in threading.enumerate() if each.name == "xray" and each not in before]
-    listener.bench.leave(1)
+    listener.worker.leave(1)
     thread.join(PATIENCE_S)
     assert not thread.is_alive()
-    listener.bench.look_at(subject)
-    listener.bench.want(2, Wanted())
+    listener.worker.look_at(subject)
+    listener.worker.want(2, Wanted())
     assert "(7)" in listener.next(2).words
-    listener.bench.leave(2)
+    listener.worker.leave(2)
 
 
 def test_browsers_are_limited():
     """So many at a time; those beyond are shown nothing."""
     listener = Listener()
     for client in range(MOST + 5):
-        listener.bench.want(client, Wanted())
-    assert len(listener.bench.viewers) == MOST
+        listener.worker.want(client, Wanted())
+    assert len(listener.worker.viewers) == MOST
     for client in range(MOST):
-        listener.bench.leave(client)
+        listener.worker.leave(client)
 
 
 def test_a_browser_goes_to_another_scan_by_itself(subject: Subject):
     """The one nearest to a time, and those beside it; it stays while the run goes on, until it is let go."""
     listener, others = Listener(), other_scans()
-    listener.bench.look_at(replace(subject, scan_s=5.9))
-    listener.bench.want(1, Wanted())
+    listener.worker.look_at(replace(subject, scan_s=5.9))
+    listener.worker.want(1, Wanted())
     assert listener.next(1).scan_s == 5.9
-    listener.bench.visit(1, others, 3.02)
+    listener.worker.visit(1, others, 3.02)
     there = listener.arrived(1)
     assert there.scan_s == pytest.approx(3.0, abs=0.06)
     assert "(7)" in there.words
-    listener.bench.visit(1, others, None, by=-1)
+    listener.worker.visit(1, others, None, by=-1)
     before = listener.arrived(1)
     assert before.scan_s == others.times[others.times.searchsorted(there.scan_s) - 1]
-    listener.bench.look_at(replace(subject, scan_s=6.0))
-    listener.bench.want(1, Wanted(keep=True, step=1))
+    listener.worker.look_at(replace(subject, scan_s=6.0))
+    listener.worker.want(1, Wanted(keep=True, step=1))
     assert listener.arrived(1).scan_s == before.scan_s
-    listener.bench.want(1, Wanted())
+    listener.worker.want(1, Wanted())
     assert listener.next(1).scan_s == 6.0
-    listener.bench.leave(1)
+    listener.worker.leave(1)
 
 
 def test_a_scan_that_cannot_be_reached_is_named(subject: Subject):
     """The reason stands in the card, and others are not disturbed."""
     listener, others = Listener(), replace(other_scans(), times=np.array([60.0]))
-    listener.bench.look_at(subject)
-    listener.bench.want(1, Wanted())
+    listener.worker.look_at(subject)
+    listener.worker.want(1, Wanted())
     listener.next(1)
-    listener.bench.visit(1, others, 60.0)
+    listener.worker.visit(1, others, 60.0)
     assert "the recording ends before that scan" in listener.arrived(1).words
-    listener.bench.leave(1)
+    listener.worker.leave(1)

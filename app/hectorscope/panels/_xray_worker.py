@@ -41,10 +41,10 @@ class Subject:
     def open_scan(self) -> "OpenScan | None":
         """Where it is worked on; None for a scan that was matched to nothing."""
         from hectorscope.panels._xray_work import OpenScan  # noqa: PLC0415
-        from hectorscope.run.xray.specimen import specimen_of  # noqa: PLC0415
+        from hectorscope.run.xray.match_problem import problem_of  # noqa: PLC0415
 
-        specimen = specimen_of(self.rework.before(self.settings), self.result, self.config)
-        return OpenScan(specimen) if specimen else None
+        problem = problem_of(self.rework.before(self.settings), self.result, self.config)
+        return OpenScan(problem) if problem else None
 
 
 @dataclass(eq=False)
@@ -82,7 +82,7 @@ class _Viewer:
         return self.wanted.keep and self.subject is not None
 
 
-class Bench:
+class Worker:
     """Takes turns between browsers, a slice of work each. show: gets each result, on this thread.
 
     The thread begins with the first browser and ends with the last.

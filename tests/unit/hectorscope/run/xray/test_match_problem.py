@@ -7,12 +7,12 @@ import numpy as np
 from hectorscope.run.settings import Settings
 from slam_core.reference.scan_matching import transformed
 from slam_core.slam import HectorSlam
-from tests.xray import PAPER, scanned, specimen
+from tests.xray import PAPER, problem, scanned
 
 
 def test_the_iterations_are_those_of_the_core():
     """Under the paper's settings every iterate of the reference is that of the fast core, to a tenth of a mm."""
-    found = specimen()
+    found = problem()
     steps = found.iterations(found.start)
     trace = found.end(found.start, trace=True).trace
     assert [each.level for each in steps[:-1]] == trace[:, 0].tolist()
@@ -23,7 +23,7 @@ def test_the_iterations_are_those_of_the_core():
 def test_they_end_at_the_pose_of_the_run():
     """The start is that of the run and the map is the one before the scan: the run's match comes out again."""
     _, result = scanned()
-    found = specimen()
+    found = problem()
     assert result.match is not None
     np.testing.assert_allclose(found.iterations(found.start)[-1].pose, result.match.pose, atol=1e-4)
     np.testing.assert_allclose(found.matched, result.match.pose, atol=1e-6)
@@ -31,7 +31,7 @@ def test_they_end_at_the_pose_of_the_run():
 
 def test_each_step_leads_to_the_next_pose():
     """Pose and step of an iteration add up to the pose of the next; the cost falls from level to level's end."""
-    found = specimen()
+    found = problem()
     steps = found.iterations(found.start)
     for before, after in itertools.pairwise(steps):
         np.testing.assert_allclose(before.pose + before.step, after.pose, atol=1e-12)
@@ -40,7 +40,7 @@ def test_each_step_leads_to_the_next_pose():
 
 def test_arrows_are_finite_differences_of_the_map():
     """The gradient of each beam, where its difference crosses no edge between two patches of the map."""
-    found = specimen()
+    found = problem()
     now = found.iterations(found.start)[-1]
     grid, ends = found.grids[now.level], transformed(found.points.astype(float), now.pose)
     step = 1e-5 * grid.resolution
@@ -59,11 +59,11 @@ def test_the_map_of_the_run_is_not_touched():
     """Looking inside works on a map of its own: the run goes on to the same bytes."""
     rework, _ = scanned()
     first = rework.before(Settings(PAPER)).slam.map.levels[0].cells.copy()
-    specimen().end(np.array([100.0, 50.0, 1.0]))
+    problem().end(np.array([100.0, 50.0, 1.0]))
     assert np.array_equal(rework.before(Settings(PAPER)).slam.map.levels[0].cells, first)
 
 
 def test_the_start_estimate_of_the_core_is_its_prediction():
     """By default a match begins at the filter's prediction."""
-    found = specimen()
+    found = problem()
     np.testing.assert_array_equal(HectorSlam(PAPER).start_estimate(found.prior, PAPER), found.prior.mean)
