@@ -47,7 +47,7 @@ def document(rows: Rows) -> str:
         _summary(found),
         DIFFERS,
         _paper(rows, every),
-        _removed(),
+        _since(),
         _ghosts(rows, every),
         _speed(rows, every),
         "## Each addition\n",
@@ -100,7 +100,7 @@ The number of cases in which an addition helps, harms, makes no clear difference
 {table(head, lines)}"""
 
 
-def _removed() -> str:
+def _since() -> str:
     return """## Since these runs
 
 Three more additions were on in all of these runs. Over 20 seeds none of them helped or harmed in any case, so they

@@ -51,8 +51,8 @@ def test_nothing_waits_longer_than_the_longest_delay(policy):
     """After half a second any scan will do, and the next wait begins anew."""
     assert not policy.selects(turned(0.6), SECOND, BADLY, CONFIG)
     assert not policy.selects(turned(1.2), SECOND + SECOND // 2 - 1, BADLY, CONFIG)
-    assert policy.selects(turned(1.2), SECOND + SECOND // 2, BADLY, CONFIG)
-    assert not policy.selects(turned(-2.0), 2 * SECOND, 2.0 * BADLY, CONFIG)
+    assert policy.selects(turned(1.9), SECOND + SECOND // 2, BADLY, CONFIG)
+    assert not policy.selects(turned(2.5), 2 * SECOND, 2.0 * BADLY, CONFIG)
 
 
 def test_a_clock_that_is_set_back_ends_the_wait(policy):
@@ -64,7 +64,7 @@ def test_a_clock_that_is_set_back_ends_the_wait(policy):
 def test_what_is_new_does_not_count_as_a_bad_fit(policy):
     """Ends on unknown map have a residual of one half each: such a scan is written."""
     new = np.concatenate([WELL, np.full(300, 0.5, np.float32)])
-    assert policy.selects(np.array([0.5, 0.0, 0.0]), SECOND, new, CONFIG)
+    assert policy.selects(turned(0.6), SECOND, new, CONFIG)
 
 
 def test_a_scan_on_nothing_but_unknown_map_is_written_at_once(policy):
