@@ -116,11 +116,14 @@ def test_stabilisation_is_switched_off_for_a_swaying_robot(page: Page, drive: Dr
     until(drive.engine, lambda now: now.drive and now.drive.faults["sway"] == 15.0, PATIENCE_S)
     page.get_by_role("tab", name="Settings").click()
     row = page.locator(".mantine-Flex-root", has=page.locator("label:text-is('Stabilise')"))
-    row.get_by_role("checkbox").click()
+    stabilise = row.get_by_role("checkbox")
+    stabilise.click()
     until(drive.engine, lambda now: not now.config.scan.stabilise, PATIENCE_S)
-    row.get_by_role("checkbox").click()
+    expect(stabilise).not_to_be_checked()
+    stabilise.click()
+    until(drive.engine, lambda now: now.config.scan.stabilise, PATIENCE_S)
     sway.fill("0")
-    until(drive.engine, lambda now: now.config.scan.stabilise and now.drive.faults["sway"] == 0.0, PATIENCE_S)
+    until(drive.engine, lambda now: now.drive and now.drive.faults["sway"] == 0.0, PATIENCE_S)
 
 
 def test_doors_and_boxes_are_moved_by_buttons(page: Page, drive: Drive):

@@ -1,7 +1,7 @@
 """One control for each kind of value: a slider, a logarithmic slider with a box beside it, a choice, a switch."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from typing import Any, Protocol
 
 from viser import GuiApi, GuiEvent
@@ -36,10 +36,14 @@ def control_for(gui: GuiApi, leaf: Leaf, touched: Touch) -> Control:
     return kind(gui, name, scale_of(leaf), leaf.value, help_text, touched)
 
 
-def by_hand(touched: Touch) -> Touch:
-    """`touched` for events of browsers only: values set by the server fire callbacks too."""
+def by_hand(touched: Touch) -> Callable[[GuiEvent[Any]], Coroutine[Any, Any, None]]:
+    """`touched` for events of browsers only: values set by the server fire callbacks too.
 
-    def filtered(event: GuiEvent[Any]) -> None:
+    A coroutine, as viser runs it where it sets the value. A function waits for a thread: a panel that draws
+    meanwhile shows the value of the run again, and what the hand has set is lost.
+    """
+
+    async def filtered(event: GuiEvent[Any]) -> None:
         if event.client is not None:
             touched(event)
 

@@ -16,6 +16,7 @@ from viser import GuiButtonHandle, GuiEvent
 from hectorscope.page import viser_private
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
+from hectorscope.panels._controls import by_hand
 from hectorscope.panels._curves import COLUMNS
 from hectorscope.run.marks import TITLES, Mark, marks
 from hectorscope.session.commands import Seek
@@ -54,14 +55,13 @@ class TimelinePanel:
             ask = gui.add_button("Send the timeline", visible=False)
             scene.for_viewers.add(viser_private.uuid_of(ask))
             gui.add_html(container(viser_private.uuid_of(self._wanted), viser_private.uuid_of(ask)))
-        self._wanted.on_update(self._go)
+        self._wanted.on_update(by_hand(self._go))
         ask.on_click(self._begin)
 
     def _go(self, event: GuiEvent[Any]) -> None:
-        """To the newest wanted time: callbacks may come out of order."""
         span, start_ns = span_ns(self._playback), self._playback.start_ns
-        if event.client is not None and span is not None:
-            self._scene.send(Seek(min(max(start_ns + round(self._wanted.value * 1e9), span[0]), span[1])))
+        if span is not None:
+            self._scene.send(Seek(min(max(start_ns + round(event.target.value * 1e9), span[0]), span[1])))
 
     def _begin(self, event: GuiEvent[GuiButtonHandle]) -> None:
         """A page is ready: what was sent before may be lost."""

@@ -12,6 +12,7 @@ from viser import GuiEvent, Icon, IconName
 
 from hectorscope.page.scene import Scene
 from hectorscope.panels import _workspace
+from hectorscope.panels._controls import by_hand
 from hectorscope.panels._format import clock, tip
 from hectorscope.panels._handles import put, put_value, show
 from hectorscope.session.commands import (
@@ -62,7 +63,7 @@ class TransportPanel:
         self._save.on_click(lambda _: scene.send(Save()))
         self._now.on_click(lambda _: scene.send(GoLive()))
         self._undo.on_click(lambda _: scene.send(Undo()))
-        self._speed.on_update(self._choose_speed)
+        self._speed.on_update(by_hand(self._choose_speed))
         self._add_hotkeys()
 
     def draw(self, snapshot: Snapshot) -> None:
@@ -96,7 +97,7 @@ class TransportPanel:
             put_value(self._speed, name)
 
     def _choose_speed(self, event: GuiEvent[Any]) -> None:
-        if event.client is not None and event.target.value in SPEEDS:
+        if event.target.value in SPEEDS:
             self._scene.send(SetSpeed(SPEEDS[event.target.value]))
 
     def _add_hotkeys(self) -> None:

@@ -4,7 +4,6 @@ import re
 from typing import Any
 
 import pytest
-from viser import GuiEvent
 
 from hectorscope.page.scene import Scene
 from hectorscope.panels._format import label
@@ -14,16 +13,10 @@ from hectorscope.panels.transport import TransportPanel
 from hectorscope.session.commands import Command, Configure, ConfigureAll
 from hectorscope.session.snapshot import PlaybackStatus, Snapshot
 from slam_core.config import PRESETS, SlamConfig, differences, leaves, with_values
+from tests.hands import by_hand
 
 S = 1_000_000_000
 LEAVES = {leaf.name: leaf for leaf in leaves(SlamConfig())}
-
-
-def by_hand(handle: Any, value: Any) -> None:
-    """A browser sets a control, as viser reports it."""
-    handle._impl.value = value
-    for callback in handle._impl.update_cb:
-        callback(GuiEvent(client=object(), client_id=0, target=handle))  # type: ignore[arg-type]
 
 
 @pytest.fixture
@@ -51,6 +44,17 @@ def test_a_moved_slider_is_sent_once_and_kept_until_the_run_follows(scene: Scene
     omega.draw(0.5, 100.6)
     omega.draw(0.7, 100.7)
     assert omega._control.read() == 0.7
+
+
+def test_a_second_click_counts_while_the_panel_draws_the_first(scene: Scene, clock: list[float]) -> None:
+    """A browser is heard at once: what is drawn just then does not put the switch back."""
+    stabilise, sent = setting(scene, "scan.stabilise")
+    by_hand(stabilise._control._box, False)
+    stabilise.draw(True, 100.0)
+    by_hand(stabilise._control._box, True)
+    stabilise.draw(False, 100.1)
+    assert sent == [Configure("scan.stabilise", False), Configure("scan.stabilise", True)]
+    assert stabilise._control.read() is True
 
 
 def test_a_value_that_the_run_refuses_falls_back(scene: Scene, clock: list[float]) -> None:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from viser import GuiEvent
 
 from hectorscope.page.scene import Scene
 from hectorscope.panels import timeline
@@ -15,6 +14,7 @@ from hectorscope.run.marks import TITLES, Mark
 from hectorscope.run.series import SERIES_DTYPE, TRACKING
 from hectorscope.session.commands import Command, Seek
 from hectorscope.session.snapshot import Ahead, PlaybackStatus, Snapshot
+from tests.hands import by_hand
 
 S = 10**9
 RECORDING = PlaybackStatus("paused", False, 12 * S, 10 * S, 60 * S)
@@ -33,34 +33,18 @@ def panel_of(scene: Scene, playback: PlaybackStatus) -> tuple[TimelinePanel, lis
     return panel, sent
 
 
-def by_hand(panel: TimelinePanel, *values: float) -> None:
-    """A browser sends times; viser calls back for each of them, later and in any order."""
-    for value in values:
-        panel._wanted._impl.value = value
-    for _ in values:
-        for callback in panel._wanted._impl.update_cb:
-            callback(GuiEvent(client=object(), client_id=0, target=panel._wanted))  # type: ignore[arg-type]
-
-
 def test_a_time_that_a_browser_sends_is_one_of_the_recording(scene: Scene) -> None:
     """Since its start; what lies behind the end is the end."""
     panel, sent = panel_of(scene, RECORDING)
-    by_hand(panel, 30.0)
-    by_hand(panel, 1e7)
+    by_hand(panel._wanted, 30.0)
+    by_hand(panel._wanted, 1e7)
     assert sent == [Seek(40 * S), Seek(60 * S)]
-
-
-def test_late_callbacks_send_the_newest_time(scene: Scene) -> None:
-    """However they are ordered, the last command is where the hand is."""
-    panel, sent = panel_of(scene, RECORDING)
-    by_hand(panel, 20.0, 30.0)
-    assert sent[-1] == Seek(40 * S)
 
 
 def test_a_stream_of_which_nothing_is_kept_has_no_timeline(scene: Scene) -> None:
     """There is nowhere to go to."""
     panel, sent = panel_of(scene, PlaybackStatus("playing", True, 12 * S, 10 * S, None))
-    by_hand(panel, 1.0)
+    by_hand(panel._wanted, 1.0)
     assert sent == []
     assert not panel._folder.visible
 
@@ -69,8 +53,8 @@ def test_a_stream_has_a_timeline_over_what_is_kept(scene: Scene) -> None:
     """A time that a browser sends is one of those."""
     panel, sent = panel_of(scene, PlaybackStatus("playing", True, 30 * S, 10 * S, kept_ns=(20 * S, 30 * S)))
     assert panel._folder.visible
-    by_hand(panel, 1.0)
-    by_hand(panel, 99.0)
+    by_hand(panel._wanted, 1.0)
+    by_hand(panel._wanted, 99.0)
     assert sent == [Seek(20 * S), Seek(30 * S)]
 
 
