@@ -26,6 +26,10 @@ class PlanarGaussian(NamedTuple):
     mean: Float64s
     covariance: Float64s
 
+    def distance_to(self, pose: Float64s) -> float:
+        """Metres between the mean position and that of a pose (3,)."""
+        return math.hypot(pose[0] - self.mean[0], pose[1] - self.mean[1])
+
 
 class Fit(NamedTuple):
     """How the endpoints of a scan meet a level.

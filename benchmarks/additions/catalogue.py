@@ -21,6 +21,10 @@ PARTS = (
         "Part of `tracking.check`: with slow scans alone, searches at a smaller distance to the prediction.",
         {"tracking.unaided_mahalanobis_limit": 1000.0},
     ),
+    Addition(
+        "Part of `tracking.check`: with scans alone, tries a match that is far off without beams in free space.",
+        {"tracking.ignore_dynamic": False},
+    ),
     Addition("Uses a rejected source again when its measurements agree.", {"navigation.gate_reset_time": 60.0}),
     Addition(
         "Without an IMU, starts the match at the pose that a constant-velocity model predicts.",
@@ -69,6 +73,7 @@ SCOPES: Mapping[str, Scope] = {
     "tracking.min_inlier_ratio": _REJECTING,
     "tracking.min_overlap": _REJECTING,
     "tracking.unaided_mahalanobis_limit": _needs("unaided"),
+    "tracking.ignore_dynamic": _needs("unaided"),
     "tracking.relocalise": _LOST,
     "tracking.continue_from_prediction": _LOST,
     "aiding.standstill": _needs("imu"),

@@ -8,6 +8,7 @@ from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
+from slam_core.localization.dynamic_beams import match_without
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
@@ -85,10 +86,14 @@ class Localiser:
         """Sections IV-B and IV-C. The first scan of a map is not matched: its pose is the origin."""
         if self._pyramid.empty:
             return LocalisedScan(stabilised, self._pose, None, ACCEPTED)
-        stabilised, match = self._align(scan, stabilised, self.start_estimate(prior, config), prior, config)
+        predicted = stabilised
+        stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
         if not config.tracking.check:
             self._pose = match.pose
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
+        if config.tracking.ignore_dynamic and self._motion.unaided and self._tracker.is_unusual(match, prior):
+            static = match_without(self._pyramid, predicted.points, match, prior, config.matcher)
+            stabilised, match = (predicted, static) if static else (stabilised, match)
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
             prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)

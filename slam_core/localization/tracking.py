@@ -12,9 +12,9 @@ USUAL_INLIER_RATIO = 0.9  # before any match was accepted
 MEMORY = 0.05  # weight of the newest match in the running mean
 # A scan of which less than MOSTLY lies on known cells is rejected more than NEAR sigmas from the prediction.
 MOSTLY, NEAR = 0.6, 5.0
-# A position leaps that is further from the prediction than so many metres, standard deviations, and times the
-# usual distance.
-LEAP, LEAP_SIGMAS, LEAP_TIMES = 0.4, 4.0, 5.0
+TIMES = 5.0  # the usual distance between match and prediction: further off is unusual
+UNUSUAL = 0.08  # metres; nearer is not
+LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance beyond both is no motion
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR = 0.9  # of the usual inlier ratio
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
@@ -76,18 +76,20 @@ class Tracker:
 
         Where a laser that sways makes all predictions bad, a large distance tells nothing.
         """
-        off = match.pose[:2] - prior.mean[:2]
-        distance = math.hypot(*off)
-        if distance <= max(LEAP, LEAP_TIMES * self._usual_distance):
+        if not self.is_unusual(match, prior, LEAP):
             return False
+        off = match.pose[:2] - prior.mean[:2]
         P = prior.covariance[:2, :2] + match.covariance[:2, :2]
         return float(off @ np.linalg.solve(P, off)) > LEAP_SIGMAS**2
+
+    def is_unusual(self, match: MatchResult, prior: PlanarGaussian, least: float = UNUSUAL) -> bool:
+        """Whether the position is much further from the prediction than those before, and than `least` metres."""
+        return prior.distance_to(match.pose) > max(least, TIMES * self._usual_distance)
 
     def learn(self, match: MatchResult, prior: PlanarGaussian) -> None:
         """Take a match whose pose is sure into the running means."""
         self._usual += MEMORY * (match.fit.hit - self._usual)
-        distance = math.hypot(*(match.pose - prior.mean)[:2])
-        self._usual_distance += MEMORY * (distance - self._usual_distance)
+        self._usual_distance += MEMORY * (prior.distance_to(match.pose) - self._usual_distance)
 
     def accept(self, rejection: Rejection | None) -> Verdict:
         """Continue from a match. rejection: why it had to be searched for, if it had."""

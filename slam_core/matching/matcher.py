@@ -103,6 +103,14 @@ def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Fl
     return hessian, np.array([b0, b1, b2]), float(cost)
 
 
+def residuals(level: GridLevel, points: Float32s, pose: Float64s) -> Float32s:
+    """(n,) 1 - M(S_i(xi)) of endpoints (n, 2) in the stabilised frame, metres, at `pose` (3,) in the map."""
+    grid, beams = Level(level.cells, level.corner, 1.0 / level.resolution), beams_of(points)
+    found = np.empty_like(beams.xs)
+    gauss_newton.normal_equations(grid, beams, pose, found, gauss_newton.workspace())
+    return found
+
+
 def hessian_covariance(hessian: Float64s, sigma: float, unobservable: Float64s = NOWHERE) -> Float64s:
     """R = sigma^2 H^-1, eq. (15), by LARGEST_SIGMA along `unobservable` (2,) and where H is (nearly) singular."""
     covariance: Float64s = kernels.hessian_covariance(hessian, sigma, unobservable)

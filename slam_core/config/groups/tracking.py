@@ -33,6 +33,13 @@ class TrackingConfig:
             1000.0,
         ),
     ] = 2.5
+    ignore_dynamic: Annotated[
+        bool,
+        Param(
+            "Without an IMU and wheels: match a scan far from the prediction without the beams that end in free"
+            " space there, if the others fit better so."
+        ),
+    ] = True
     search_distance: Annotated[float, Param("Largest translation that the search covers.", "m", 0.1, 5.0)] = 2.0
     search_angle: Annotated[float, Param("Largest rotation that the search covers.", "rad", 0.05, 3.14)] = 3.14
     lost_after: Annotated[

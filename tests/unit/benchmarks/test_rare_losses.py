@@ -16,14 +16,16 @@ def test_a_row_counts_the_variants_and_how_uneven_they_are_split() -> None:
         "map.keyframe_max_delay": {"offices": [LOST] * 3 + [MISPLACED] * 3 + [GOOD] * 2},
     }
     lines = document(found).splitlines()
-    assert lines[-2].split(" | ") == ["| defaults", "0.020 m", "0 of 8", "- |"]
-    assert lines[-1].split(" | ") == ["| without `map.keyframe_max_delay`", "0.300 m", "6 of 8", "0.031 |"]
+    assert lines[-2].split(" | ") == ["| defaults", "0.020 m", "-", "0 of 8", "- |"]
+    assert lines[-1].split(" | ") == [
+        "| without `map.keyframe_max_delay`", "0.300 m", "15.00 (7.83 to 200.00)", "6 of 8", "0.031 |",
+    ]  # fmt: skip
 
 
 def test_a_variant_that_is_bad_either_way_tells_nothing() -> None:
     """Only those that differ are split."""
     ensembles = {"offices": [LOST, LOST, GOOD]}
-    lines = document({FULL: ensembles, "motion.observed_only": {"offices": [LOST, GOOD, LOST]}}).splitlines()
+    lines = document({FULL: ensembles, "tracking.min_overlap": {"offices": [LOST, GOOD, LOST]}}).splitlines()
     assert lines[-1].endswith("| 2 of 3 | 1 |")
 
 

@@ -1,0 +1,98 @@
+"""Somebody who comes towards a robot in a corridor, and its match."""
+
+import numpy as np
+import pytest
+
+from slam_core import geometry
+from slam_core.config import SlamConfig
+from slam_core.localization.dynamic_beams import match_without
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.matcher import coarse_to_fine, residuals
+from slam_core.results import MatchResult, PlanarGaussian
+
+CONFIG = SlamConfig()
+ANGLES = np.linspace(-np.pi / 2, np.pi / 2, 361)
+# Walls with a door on either side, rooms behind them, and the ends: x0, y0, x1, y1, metres.
+WALLS = np.array(
+    [(x0, side, x1, side) for side in (-1.025, 1.025) for x0, x1 in ((-3.0, 9.025), (10.025, 20.025))]
+    + [(8.025, side, 11.025, side) for side in (-4.025, 4.025)]
+    + [(x, -4.025, x, 4.025) for x in (-3.0, 20.025)]
+)
+GONE = (-2.0, 0.0)  # behind the robot
+AHEAD = 1.2  # metres between robot and person
+PRIOR_SIGMAS = np.array([0.09, 0.09, 0.2])
+
+
+def points(pose: np.ndarray, person: tuple[float, float]) -> np.ndarray:
+    """(n, 2) endpoints from a pose (3,) with somebody at a place in the map."""
+    c, s = np.cos(ANGLES + pose[2]), np.sin(ANGLES + pose[2])
+    x0, y0, x1, y1 = (column[:, None] for column in WALLS.T)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        det = c * (y1 - y0) - s * (x1 - x0)
+        along = ((x0 - pose[0]) * (y1 - y0) - (y0 - pose[1]) * (x1 - x0)) / det
+        across = ((x0 - pose[0]) * s - (y0 - pose[1]) * c) / det
+    walls = np.where((along > 0.0) & (across >= 0.0) & (across <= 1.0), along, np.inf).min(axis=0)
+    offset = np.array(person) - pose[:2]
+    nearest = offset[0] * c + offset[1] * s
+    inside = 0.25**2 - (offset @ offset - nearest**2)
+    body = np.where((inside > 0.0) & (nearest > 0.0), nearest - np.sqrt(np.maximum(inside, 0.0)), np.inf)
+    ranges = np.minimum(walls, body)
+    return (ranges[:, None] * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])).astype(np.float32)
+
+
+def mapped(person: tuple[float, float]) -> Pyramid:
+    """The corridor with somebody in it, drawn by a robot that stood at the origin."""
+    pyramid, origin = Pyramid(CONFIG.map), np.zeros(3)
+    for _ in range(5):
+        pyramid.update(points(origin, person), np.empty((0, 2), np.float32), origin[:2], origin, CONFIG.map)
+    return pyramid
+
+
+def matches(
+    pyramid: Pyramid, true: np.ndarray, person: tuple[float, float], predicted: np.ndarray
+) -> tuple[MatchResult, MatchResult | None, np.ndarray]:
+    """Of a scan: the match of all beams, the one without those on an object that moves, and its endpoints."""
+    scan = points(true, person)
+    prior = PlanarGaussian(predicted, np.diag(PRIOR_SIGMAS**2))
+    match = coarse_to_fine(pyramid, scan, prior.mean, CONFIG.matcher, prior=prior)
+    return match, match_without(pyramid, scan, match, prior, CONFIG.matcher), scan
+
+
+@pytest.mark.parametrize("step", [0.15, 0.2, 0.3])
+def test_a_person_who_comes_nearer_does_not_drag_the_match_along(step: float) -> None:
+    """The match of all beams meets the person; without those on the person it is where the robot is."""
+    true = np.zeros(3)
+    match, static, scan = matches(mapped((AHEAD, 0.3)), true, (AHEAD - step, 0.3), true)
+    assert match.pose[0] > 0.5 * step
+    assert static is not None
+    np.testing.assert_allclose(static.pose, true, atol=0.02)
+    assert len(static.residuals) == len(scan)
+
+
+def test_a_robot_that_moves_on_suddenly_is_where_its_match_is() -> None:
+    """What stands ahead of it lies in free space at the prediction, too, but the rest fits better at the match."""
+    true, predicted = np.zeros(3), np.array([-0.2, 0.0, 0.0])
+    match, static, _ = matches(mapped((AHEAD, 0.3)), true, (AHEAD, 0.3), predicted)
+    assert abs(match.pose[0]) < 0.05
+    assert static is None
+
+
+def test_a_scan_without_beams_in_free_space_has_one_match() -> None:
+    """There is nothing to leave out."""
+    true = np.array([0.2, 0.0, 0.0])
+    assert matches(mapped(GONE), true, GONE, true)[1] is None
+
+
+def test_where_most_beams_end_in_free_space_the_prediction_is_wrong() -> None:
+    """No beams are left out: a robot that turned has one match."""
+    true, predicted = np.array([0.0, 0.0, 0.3]), np.array([0.2, 0.0, 0.0])
+    assert matches(mapped(GONE), true, GONE, predicted)[1] is None
+
+
+def test_residuals_are_those_of_the_match() -> None:
+    """At its pose, of every endpoint."""
+    pyramid, scan = mapped(GONE), points(np.zeros(3), GONE)
+    match = coarse_to_fine(pyramid, scan, np.array([0.03, 0.01, 0.01]), CONFIG.matcher)
+    again = residuals(pyramid.levels[0], scan, match.pose)
+    np.testing.assert_allclose(again, match.residuals, atol=1e-3)
+    assert geometry.wrap(match.pose[2]) == pytest.approx(0.0, abs=0.01)
