@@ -6,15 +6,18 @@ them apart is the rest of the scan: it fits better at the true pose.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slam_core.config import MatcherConfig
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
-from slam_core.measurements import Float32s
+from slam_core.measurements import Float32s, Int64s
 from slam_core.results import MatchResult, PlanarGaussian
 
 LEVEL, FREE = 1, 0.6  # a residual there above this: free space, no wall within a cell
-MOST = 0.3  # of the beams may end in free space at the prediction; where more do, the prediction is wrong
+GAP, EXTENT = 0.3, 1.5  # metres between endpoints on one object, and from one end of it to the other, at most
+OBJECTS = 2  # that move at once
+MOST = 0.3  # of the beams may hit them
 NEARER = 0.5  # of the distance between match and prediction
 BETTER = 0.95  # of the cost of eq. (7) of the other beams
 # Of them on known cells, and of the share before: an unknown cell costs less than free space.
@@ -24,20 +27,39 @@ MOSTLY, KNOWN = 0.6, 0.9
 def match_without(
     pyramid: Pyramid, points: Float32s, match: MatchResult, prior: PlanarGaussian, config: MatcherConfig
 ) -> MatchResult | None:
-    """The match without the beams that end in free space at the prediction; None if the others fit no better so.
+    """The match without the objects in free space, by the prediction; None if the other beams fit no better so.
 
     points: (n, 2) endpoints in the stabilised frame as the prediction places them, metres. match: of all beams.
     """
+    if len(match.residuals) != len(points):
+        return None
     pyramid.cover(points, prior.mean)
-    dynamic = residuals(pyramid.levels[min(LEVEL, len(pyramid.levels) - 1)], points, prior.mean) > FREE
-    share = float(np.mean(dynamic))
-    if not 0.0 < share <= MOST or len(match.residuals) != len(points):
-        return None
-    static = coarse_to_fine(pyramid, points[~dynamic], prior.mean, config, prior=prior)
-    if prior.distance_to(static.pose) > NEARER * prior.distance_to(match.pose):
-        return None
-    if static.fit.known < max(MOSTLY, KNOWN * match.fit.known):
-        return None
-    if np.square(static.residuals).sum() > BETTER * np.square(match.residuals[~dynamic]).sum():
-        return None
-    return static._replace(residuals=residuals(pyramid.levels[0], points, static.pose))
+    level = pyramid.levels[min(LEVEL, len(pyramid.levels) - 1)]
+    found = objects(points, residuals(level, points, prior.mean) > FREE)
+    for k in range(1, min(len(found), OBJECTS) + 1):
+        static = np.ones(len(points), np.bool_)
+        static[np.concatenate(found[:k])] = False
+        if np.mean(static) < 1.0 - MOST:
+            break
+        other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
+        if _explains(other, match, match.residuals[static], prior):
+            return other._replace(residuals=residuals(pyramid.levels[0], points, other.pose))
+    return None
+
+
+def objects(points: Float32s, free: NDArray[np.bool_]) -> list[Int64s]:
+    """The beams of each object in free space, the largest first. points: (n, 2) in order, free: (n,) of them."""
+    beams = np.flatnonzero(free)
+    steps = np.hypot(*np.diff(points[beams], axis=0).T)
+    groups = np.split(beams, np.flatnonzero(steps > GAP) + 1) if len(beams) else []
+    compact = [group for group in groups if np.hypot(*np.ptp(points[group], axis=0)) < EXTENT]
+    return sorted(compact, key=len, reverse=True)
+
+
+def _explains(other: MatchResult, match: MatchResult, before: Float32s, prior: PlanarGaussian) -> bool:
+    """Whether a match without some beams is the better one. before: residuals of its beams at the match of all."""
+    return (
+        prior.distance_to(other.pose) <= NEARER * prior.distance_to(match.pose)
+        and other.fit.known >= max(MOSTLY, KNOWN * match.fit.known)
+        and float(np.square(other.residuals).sum()) <= BETTER * float(np.square(before).sum())
+    )

@@ -1,11 +1,13 @@
 """A swaying laser and nothing else: a scan that disagrees with the map waits for one that agrees."""
 
 from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 import pytest
 
 from benchmarks.accuracy import outcome, process
+from benchmarks.ensembles import cases, varied
 from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
 from hectorscope.simulation import SceneOptions, Simulation
@@ -71,3 +73,17 @@ def test_nothing_waits_where_the_motion_is_measured(source):
     short = replace(SWAYING, duration=10.0, imu=source == "inertial data")
     items = list(with_wheels(drive(short), 1)) if source == "wheels" else drive(short)
     np.testing.assert_array_equal(driven(items, 0.5).trajectory, driven(items, 0.0).trajectory)
+
+
+IGNORE = "tracking.ignore_dynamic"
+
+
+def test_somebody_in_a_corridor_does_not_pull_the_robot_along():
+    """45 s of a drive through the offices in which a person comes towards the robot: a metre off, or two centimetres."""
+    case = next(case for case in cases() if case.name.startswith("offices"))
+    items = varied(case.load(97), 97)
+    first = next(items)
+    part = [first, *takewhile(lambda item: item.stamp_ns < first.stamp_ns + 45 * 10**9, items)]
+    off, on = (outcome(process(part, with_value(SlamConfig(), IGNORE, ignore))).raw for ignore in (False, True))
+    assert off > 0.5
+    assert on < 0.05

@@ -5,7 +5,7 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.dynamic_beams import match_without
+from slam_core.localization.dynamic_beams import match_without, objects
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
 from slam_core.results import MatchResult, PlanarGaussian
@@ -87,6 +87,17 @@ def test_where_most_beams_end_in_free_space_the_prediction_is_wrong() -> None:
     """No beams are left out: a robot that turned has one match."""
     true, predicted = np.array([0.0, 0.0, 0.3]), np.array([0.2, 0.0, 0.0])
     assert matches(mapped(GONE), true, GONE, predicted)[1] is None
+
+
+def test_an_object_is_compact_and_in_free_space() -> None:
+    """Beams that follow each other within 0.3 m; a wall is none; the largest comes first, whatever lies between."""
+    near, far = np.linspace(0.0, 0.2, 3), np.linspace(2.0, 2.4, 9)
+    wall = np.linspace(5.0, 7.0, 21)
+    ends = np.column_stack([np.ones(36), np.concatenate([near, far, [3.0, 3.1, 4.0], wall])]).astype(np.float32)
+    free = np.ones(36, np.bool_)
+    free[12:14] = False
+    assert [group.tolist() for group in objects(ends, free)] == [list(range(3, 12)), [0, 1, 2], [14]]
+    assert objects(ends, np.zeros(36, np.bool_)) == []
 
 
 def test_residuals_are_those_of_the_match() -> None:
