@@ -79,7 +79,7 @@ IGNORE = "tracking.ignore_dynamic"
 
 
 def test_somebody_in_a_corridor_does_not_pull_the_robot_along():
-    """45 s of a drive through the offices in which a person comes towards the robot: a metre off, or two centimetres."""
+    """In 45 s of a drive through the offices a person comes towards it: a metre off, or two centimetres."""
     case = next(case for case in cases() if case.name.startswith("offices"))
     items = varied(case.load(97), 97)
     first = next(items)

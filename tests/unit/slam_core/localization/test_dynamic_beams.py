@@ -90,7 +90,7 @@ def test_where_most_beams_end_in_free_space_the_prediction_is_wrong() -> None:
 
 
 def test_an_object_is_compact_and_in_free_space() -> None:
-    """Beams that follow each other within 0.3 m; a wall is none; the largest comes first, whatever lies between."""
+    """Beams that follow each other within 0.3 m; a wall is none; the largest comes first, whatever is between."""
     near, far = np.linspace(0.0, 0.2, 3), np.linspace(2.0, 2.4, 9)
     wall = np.linspace(5.0, 7.0, 21)
     ends = np.column_stack([np.ones(36), np.concatenate([near, far, [3.0, 3.1, 4.0], wall])]).astype(np.float32)
