@@ -111,8 +111,8 @@ magnetic field (`aiding.compass_tolerance`). Slip and the gate of the aiding sen
 `map.keyframe_max_delay` delayed every keyframe that fits badly; now it delays those in a turn.
 
 A laser alone is lost so rarely that 20 seeds show nothing of what keeps it. Hence `map.keyframe_max_delay`,
-`tracking.unaided_mahalanobis_limit`, `tracking.min_overlap` and `motion.observed_only` are measured by more and
-longer drives in [rare-losses.md](rare-losses.md).
+`tracking.unaided_mahalanobis_limit`, `tracking.min_overlap`, `motion.observed_only` and `tracking.ignore_dynamic`,
+which is new since then, are measured by more and longer drives in [rare-losses.md](rare-losses.md).
 """
 
 
