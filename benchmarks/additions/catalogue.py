@@ -22,7 +22,7 @@ PARTS = (
         {"tracking.unaided_mahalanobis_limit": 1000.0},
     ),
     Addition(
-        "Part of `tracking.check`: with scans alone, tries a match that is far off without beams in free space.",
+        "Part of `tracking.check`: with scans alone, matches a scan that is far off without what stands in free space.",
         {"tracking.ignore_dynamic": False},
     ),
     Addition("Uses a rejected source again when its measurements agree.", {"navigation.gate_reset_time": 60.0}),
