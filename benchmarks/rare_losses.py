@@ -24,11 +24,10 @@ from tests.conftest import ROOT
 VARIANTS = 30
 CASES = ("offices, 20 min, laser alone", "mit_csail, laser alone")
 SWITCHED_OFF = (
-    "map.keyframe_max_delay",
     "tracking.unaided_mahalanobis_limit",
-    "tracking.min_overlap",
     "tracking.ignore_dynamic",
-    "motion.observed_only",
+    "map.keyframe_max_delay",
+    "tracking.min_overlap",
 )
 
 Ensemble = list[Outcome]

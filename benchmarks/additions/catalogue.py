@@ -22,7 +22,7 @@ PARTS = (
         {"tracking.unaided_mahalanobis_limit": 1000.0},
     ),
     Addition(
-        "Part of `tracking.check`: with scans alone, matches a scan that is far off without what stands in free space.",
+        "Part of `tracking.check`: with scans alone, matches a scan far off without what stands in free space.",
         {"tracking.ignore_dynamic": False},
     ),
     Addition("Uses a rejected source again when its measurements agree.", {"navigation.gate_reset_time": 60.0}),
@@ -84,7 +84,6 @@ SCOPES: Mapping[str, Scope] = {
     "navigation.height_gate": _needs("wild heights"),
     "navigation.gate_reset_time": _needs("gates"),
     "motion.odometry_slip": _needs("wheels"),
-    "motion.observed_only": _needs("no imu"),
     "fusion.widen_vertical": _needs("imu", figure="height"),
 }
 EVERYWHERE = Scope()

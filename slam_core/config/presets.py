@@ -115,10 +115,6 @@ ADDITIONS = (
         {"motion.odometry_slip": 0.0},
     ),
     Addition(
-        "Without an IMU, widens only the covariance of the pose and what is correlated with it at a match.",
-        {"motion.observed_only": False},
-    ),
-    Addition(
         "Does not widen the covariance of height, vertical velocity and bias at a match.",
         {"fusion.widen_vertical": True},
     ),

@@ -80,7 +80,7 @@ def correct_planar(
     x: Float64s,
     P: Float64s,
     match: tuple[Float64s, Float64s],
-    fusion: FusionRule | tuple[int, float, Float64s, bool, bool],
+    fusion: FusionRule | tuple[int, float, Float64s, bool],
     bound: float,
     output: tuple[Float64s, Float64s, Float64s, Float64s],
 ) -> float:
@@ -89,7 +89,7 @@ def correct_planar(
     fusion: the fields of `FusionRule`. output: x (19,) and P (15, 15) after it, innovation (3,) and S (3, 3).
     """
     (xi, R), (better, reduced, innovation, S) = match, output
-    rule, omega, unobservable, observed_only, widen_vertical = fusion
+    rule, omega, unobservable, widen_vertical = fusion
     innovation[0], innovation[1] = xi[0] - x[4], xi[1] - x[5]
     turn = xi[2] - 2.0 * math.atan2(x[3], x[0])
     innovation[2] = turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
@@ -103,7 +103,7 @@ def correct_planar(
     for i in range(2):
         held[0, 3 + i] = held[1, 6 + i] = unobservable[i]
     spared = NONE if widen_vertical else VERTICAL
-    error, spread = fuse_part(P, C, R, innovation, rule, omega, unobservable, held, observed_only, spared)
+    error, spread = fuse_part(P, C, R, innovation, rule, omega, unobservable, held, spared)
     return nis if _put_right(x, error, spread, better, reduced) else math.nan
 
 
@@ -150,7 +150,6 @@ def fuse_part(
     omega: float,
     unobservable: Float64s,
     held: Float64s,
-    observed_only: bool,
     spared: Int64s,
 ) -> tuple[Float64s, Float64s]:
     """Eqs. (18)-(20), or the Kalman update, on a part of P: see `covariance_intersection.intersect`.
@@ -171,7 +170,7 @@ def fuse_part(
     error, reduced = innovation, P
     for k in range(-1, len(kept)):
         difference = innovation if k < 0 else multiply(C, kept[k].copy().reshape(-1, 1)).reshape(-1)
-        shift, spread = _fuse_observed(rest, C, R, difference, rule, omega, observed_only, spared)
+        shift, spread = _intersect(rest, C, R, difference, rule, omega, spared)
         if k < 0:
             error, reduced = shift, spread
         else:
@@ -183,33 +182,19 @@ def fuse_part(
 
 
 @njit(error_model="numpy", inline="always")
-def _fuse_observed(
-    P: Float64s,
-    C: Float64s,
-    R: Float64s,
-    innovation: Float64s,
-    rule: int,
-    omega: float,
-    observed_only: bool,
-    spared: Int64s,
+def _intersect(
+    P: Float64s, C: Float64s, R: Float64s, innovation: Float64s, rule: int, omega: float, spared: Int64s
 ) -> tuple[Float64s, Float64s]:
-    observed = P
-    if observed_only:
-        W = hanging(P, C)
-        observed = multiply(W.T.copy(), W)
-    CP = multiply(C, observed)
+    CP = multiply(C, P)
     projected = multiply(C, CP.T)
     if rule in (MIN_TRACE, MIN_DETERMINANT):
-        seen, gained = (projected, projected) if observed_only else (P, CP)
-        omega, rule = lightest(seen, gained, projected, R, rule == MIN_TRACE), FIXED
+        omega, rule = lightest(P, CP, projected, R, rule == MIN_TRACE), FIXED
     weight, share = (1.0, 1.0) if rule == KALMAN else ((1.0 - omega) / omega, 1.0 - omega)
-    error, reduced = gain(observed, CP, add(projected, R, weight), innovation)
+    error, reduced = gain(P, CP, add(projected, R, weight), innovation)
     for i in range(len(reduced)):
         for j in range(len(reduced)):
             reduced[i, j] /= share
-            if observed_only:
-                reduced[i, j] = P[i, j] - observed[i, j] + reduced[i, j]
-    if rule == FIXED and not observed_only:
+    if rule == FIXED:
         _spare(reduced, spared, math.sqrt(1.0 - omega))
     return error, reduced
 

@@ -119,5 +119,4 @@ class FusionRule(NamedTuple):
     method: int
     omega: float
     unobservable: Float64s
-    observed_only: bool
     widen_vertical: bool

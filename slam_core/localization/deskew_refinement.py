@@ -34,7 +34,7 @@ def refine(
     twist = motion.twist
     for _ in range(config.motion.deskew_refinements):
         seen = motion.copy()
-        seen.fuse(match.gaussian, config.fusion, observed_only=config.motion.observed_only)
+        seen.fuse(match.gaussian, config.fusion)
         if (np.abs(seen.twist - twist) * half_sweep < SAME_SHIFT).all():
             break
         twist = seen.twist

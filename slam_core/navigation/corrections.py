@@ -111,7 +111,7 @@ class PlanarPose(Correction):
     def update(self, x: Float64s, P: Float64s) -> Update:
         """Eqs. (18)-(20)."""
         limit = bound(self.gate, 3)
-        rule = RULES[self.method], self.omega, self.unobservable, False, self.widen_vertical
+        rule = RULES[self.method], self.omega, self.unobservable, self.widen_vertical
         after = np.empty(len(x)), np.empty(P.shape), np.empty(3), np.empty((3, 3))
         nis = fusion.correct_planar(x, P, (self.xi, self.R), rule, limit, after)
         return Update(*after, nis, limit)

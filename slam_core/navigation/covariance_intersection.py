@@ -31,7 +31,6 @@ def intersect(
     *,
     unobservable: Float64s = NOWHERE,
     held: Float64s = NOTHING,
-    observed_only: bool = False,
 ) -> tuple[Float64s, Float64s]:
     """Eqs. (18)-(20): the correction K (xi - C x) to add to x, and P+.
 
@@ -40,13 +39,10 @@ def intersect(
     do not ask for omega: they choose it anew, so that P+ has the least trace (relative to P, as the units differ)
     or determinant, or they trust that the errors are independent, which is the Kalman update.
 
-    observed_only: apply this to the part of P that hangs on C x, P C^T (C P C^T)^-1 C P, and leave the rest alone.
-    K is the same. The match knows of the state through C x alone, so that nothing else in it can be correlated
-    with the error of the match, and has to be widened for that.
     unobservable: (2,) unit vector in the plane that the match does not observe, or zero; held: (k, n) combinations
     of the state that it leaves alone then, with all that depends on them. C x is (x, y, psi) in that case.
     """
     fused: tuple[Float64s, Float64s] = fusion.fuse_part(
-        P, C, R, innovation, RULES[method], omega, unobservable, held, observed_only, fusion.NONE
+        P, C, R, innovation, RULES[method], omega, unobservable, held, fusion.NONE
     )
     return fused

@@ -209,11 +209,7 @@ class EgoMotion:
         """Covariance intersection with a match, eqs. (18)-(20)."""
         config = self._config.fusion
         if not self.inertial:
-            observed_only = self._config.motion.observed_only
-            fused, navigation = (
-                self._planar.fuse(match.gaussian, config, match.unobservable, observed_only),
-                None,
-            )
+            fused, navigation = self._planar.fuse(match.gaussian, config, match.unobservable), None
             self._plane.matched(time_ns)
         else:
             rule = config.omega, config.method, config.gate

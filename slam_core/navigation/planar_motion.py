@@ -105,16 +105,11 @@ class PlanarMotion:
         self._set_covariance(covariance)
 
     def fuse(
-        self,
-        match: PlanarGaussian,
-        config: FusionConfig,
-        unobservable: Float64s = NOWHERE,
-        observed_only: bool = False,
+        self, match: PlanarGaussian, config: FusionConfig, unobservable: Float64s = NOWHERE
     ) -> PlanarGaussian:
         """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose.
 
         unobservable: (2,) direction of the plane that the match does not observe, or zero.
-        observed_only: see `intersect`.
         """
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
@@ -124,7 +119,7 @@ class PlanarMotion:
         held[1, 3:5] = c * unobservable[0] + s * unobservable[1], c * unobservable[1] - s * unobservable[0]
         step, covariance = intersect(
             self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
-            unobservable=unobservable, held=held, observed_only=observed_only,
+            unobservable=unobservable, held=held,
         )  # fmt: skip
         self.shift(step, covariance)
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())

@@ -85,7 +85,7 @@ def test_the_page_opens_on_few_settings_and_finds_any(run: Run, open_page: Open)
     two.get_by_text("Fusion · V-B").click()  # folds it
     for words, found in {
         "gravity magn": {"navigation.gravity"},
-        "OMEGA": {"fusion.omega", "fusion.widen_vertical", "fusion.method", "motion.observed_only"},
+        "OMEGA": {"fusion.omega", "fusion.widen_vertical", "fusion.method"},
         "gate of the match": {"fusion.gate"},
         'no "such] setting': set(),
     }.items():

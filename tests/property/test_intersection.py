@@ -4,7 +4,6 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slam_core.config import FusionMethod
 from slam_core.kernels.fusion import kalman
 from slam_core.kernels.linear import is_covariance, sandwich
 from slam_core.navigation.covariance_intersection import intersect
@@ -66,38 +65,8 @@ def test_fused_covariance_covers_the_error_however_the_sources_correlate(
     assert is_below(true, intersect(P, C, R, np.zeros(3), omega)[1])
 
 
-@given(seeds, omegas, st.floats(-1.0, 1.0), st.sampled_from(["fixed", "trace", "determinant"]))
-def test_widening_only_what_is_observed_covers_errors_that_correlate_through_it(
-    seed: int, omega: float, share: float, method: FusionMethod
-) -> None:
-    """The match knows of the state through C x: then P+ covers as above, and no direction is less sure than in P.
-
-    With the fixed omega the correction is that of eq. (20).
-    """
-    rng = np.random.default_rng(seed)
-    P, R, C = covariance(rng, 6), covariance(rng, 3), rng.normal(size=(3, 6))
-    S = C @ P @ C.T
-    mixing, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    cross = share * P @ C.T @ np.linalg.inv(np.linalg.cholesky(S)).T @ mixing @ np.linalg.cholesky(R).T
-
-    def correction(unit: np.ndarray) -> np.ndarray:
-        return intersect(P, C, R, unit, omega, method, observed_only=True)[0]
-
-    gain = np.column_stack([correction(unit) for unit in np.eye(3)])
-    kept = np.eye(6) - gain @ C
-    mixed = kept @ cross @ gain.T
-    true = kept @ P @ kept.T + gain @ R @ gain.T + mixed + mixed.T
-    fused = intersect(P, C, R, np.zeros(3), omega, method, observed_only=True)[1]
-    assert is_below(true, fused)
-    if method == "fixed":
-        assert np.allclose(correction(np.ones(3)), intersect(P, C, R, np.ones(3), omega)[0], rtol=1e-6)
-        assert is_below(fused, intersect(P, C, R, np.zeros(3), omega)[1])
-
-
-@given(seeds, omegas, st.booleans(), st.floats(-np.pi, np.pi))
-def test_an_unobservable_direction_is_left_alone(
-    seed: int, omega: float, observed_only: bool, angle: float
-) -> None:
+@given(seeds, omegas, st.floats(-np.pi, np.pi))
+def test_an_unobservable_direction_is_left_alone(seed: int, omega: float, angle: float) -> None:
     """Neither the mean nor the variance of what is held changes, whatever becomes of the rest."""
     rng = np.random.default_rng(seed)
     P, R, C = covariance(rng, 8), covariance(rng, 3), np.eye(3, 8)
@@ -105,15 +74,13 @@ def test_an_unobservable_direction_is_left_alone(
     held = np.zeros((2, 8))
     held[0, :2] = held[1, 3:5] = direction
     innovation = rng.normal(size=3)
-    step, fused = intersect(
-        P, C, R, innovation, omega, unobservable=direction, held=held, observed_only=observed_only
-    )
+    step, fused = intersect(P, C, R, innovation, omega, unobservable=direction, held=held)
     size = np.sqrt(np.diag(held @ P @ held.T))
     assert np.allclose(held @ step / size, 0.0, atol=1e-6)
     assert np.allclose(np.diag(held @ fused @ held.T) / size**2, 1.0, atol=1e-6)
     assert np.linalg.eigvalsh(fused)[0] > -1e-9 * np.linalg.norm(fused)
     further = innovation + 7.0 * np.array([*direction, 0.0])
-    again, _ = intersect(P, C, R, further, omega, unobservable=direction, held=held, observed_only=observed_only)
+    again, _ = intersect(P, C, R, further, omega, unobservable=direction, held=held)
     assert np.allclose(again, step, rtol=1e-6, atol=1e-9)
 
 

@@ -35,6 +35,7 @@ REMOVED = {
     "matcher.max_yaw_step",
     "matcher.weak_observability_threshold",
     "matcher.weak_share",
+    "motion.observed_only",
     "motion.odometry_gate",
     "tracking.mahalanobis_limit",
     "tracking.max_sigmas",

@@ -222,10 +222,3 @@ class MotionConfig:
         float,
         Param("Standard deviation of a wheel velocity as a share of it, added in quadrature: slip.", "", 0.0, 2.0),
     ] = 0.2
-    observed_only: Annotated[
-        bool,
-        Param(
-            "A match widens by 1 / (1 - omega) only the covariance of the pose and what is correlated with it"
-            " (off: all states, eq. (18))."
-        ),
-    ] = True
