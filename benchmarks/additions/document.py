@@ -114,7 +114,7 @@ Slip and the gate of the aiding sensors do what the two before it did.
 `map.keyframe_max_delay` delayed every keyframe that fits badly; now it delays those in a turn.
 
 A laser alone is lost so rarely that 20 seeds show nothing of what keeps it. Hence `map.keyframe_max_delay`,
-`tracking.unaided_mahalanobis_limit`, `tracking.min_overlap` and `tracking.ignore_dynamic`, which is new since then,
+`tracking.unaided_mahalanobis_limit`, `tracking.min_overlap` and `tracking.ignore_dynamic`, new since then,
 are measured by more and longer drives in [rare-losses.md](rare-losses.md).
 """
 
