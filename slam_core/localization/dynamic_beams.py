@@ -14,10 +14,11 @@ from slam_core.matching.matcher import coarse_to_fine, residuals
 from slam_core.measurements import Float32s, Int64s
 from slam_core.results import MatchResult, PlanarGaussian
 
-LEVEL, FREE = 1, 0.6  # a residual there above this: free space, no wall within a cell
+# A residual above FREE there: free space, no wall within a cell. `Pyramid.unexpected` asks for 0.15 m to what is
+# occupied, and whoever has walked 0.2 m is nearer than that to the cells of the scan before.
+LEVEL, FREE = 1, 0.6
 GAP, EXTENT = 0.3, 1.5  # metres between endpoints on one object, and from one end of it to the other, at most
 OBJECTS = 2  # that move at once
-MOST = 0.3  # of the beams may hit them
 NEARER = 0.5  # of the distance between match and prediction
 BETTER = 0.95  # of the cost of eq. (7) of the other beams
 # Of them on known cells, and of the share before: an unknown cell costs less than free space.
@@ -25,13 +26,20 @@ MOSTLY, KNOWN = 0.6, 0.9
 
 
 def match_without(
-    pyramid: Pyramid, points: Float32s, match: MatchResult, prior: PlanarGaussian, config: MatcherConfig
+    pyramid: Pyramid,
+    points: Float32s,
+    match: MatchResult,
+    prior: PlanarGaussian,
+    config: MatcherConfig,
+    *,
+    trace: bool = False,
 ) -> MatchResult | None:
     """The match without the objects in free space, by the prediction; None if the other beams fit no better so.
 
     points: (n, 2) endpoints in the stabilised frame as the prediction places them, metres. match: of all beams.
+    trace: as in `coarse_to_fine`.
     """
-    if len(match.residuals) != len(points):
+    if len(match.residuals) != len(points):  # placed by another motion, a sweep may keep other beams
         return None
     pyramid.cover(points, prior.mean)
     level = pyramid.levels[min(LEVEL, len(pyramid.levels) - 1)]
@@ -39,10 +47,8 @@ def match_without(
     for k in range(1, min(len(found), OBJECTS) + 1):
         static = np.ones(len(points), np.bool_)
         static[np.concatenate(found[:k])] = False
-        if np.mean(static) < 1.0 - MOST:
-            break
-        other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
-        if _explains(other, match, match.residuals[static], prior):
+        other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior, trace=trace)
+        if is_better(other, match, match.residuals[static], prior):
             return other._replace(residuals=residuals(pyramid.levels[0], points, other.pose))
     return None
 
@@ -56,7 +62,7 @@ def objects(points: Float32s, free: NDArray[np.bool_]) -> list[Int64s]:
     return sorted(compact, key=len, reverse=True)
 
 
-def _explains(other: MatchResult, match: MatchResult, before: Float32s, prior: PlanarGaussian) -> bool:
+def is_better(other: MatchResult, match: MatchResult, before: Float32s, prior: PlanarGaussian) -> bool:
     """Whether a match without some beams is the better one. before: residuals of its beams at the match of all."""
     return (
         prior.distance_to(other.pose) <= NEARER * prior.distance_to(match.pose)

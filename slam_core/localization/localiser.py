@@ -92,7 +92,7 @@ class Localiser:
             self._pose = match.pose
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
         if config.tracking.ignore_dynamic and self._motion.unaided and self._tracker.is_unusual(match, prior):
-            static = match_without(self._pyramid, predicted.points, match, prior, config.matcher)
+            static = match_without(self._pyramid, predicted.points, match, prior, config.matcher, trace=self.trace)
             stabilised, match = (predicted, static) if static else (stabilised, match)
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:

@@ -4,9 +4,8 @@ import numpy as np
 
 from slam_core.kernels.gauss_newton import workspace
 from slam_core.kernels.landscape import costs_at
-from slam_core.kernels.structures import Level
 from slam_core.mapping.grid import GridLevel
-from slam_core.matching.matcher import beams_of
+from slam_core.matching.matcher import beams_of, level_of
 from slam_core.measurements import Float32s, Float64s
 
 
@@ -16,6 +15,5 @@ def costs(level: GridLevel, points: Float32s, poses: Float64s) -> Float64s:
     What lies outside of the window of the level counts as unknown.
     """
     found, residuals = np.empty(len(poses)), np.empty(len(points), np.float32)
-    grid = Level(level.cells, level.corner, 1.0 / level.resolution)
-    costs_at(grid, beams_of(points), poses, residuals, workspace(), found)
+    costs_at(level_of(level), beams_of(points), poses, residuals, workspace(), found)
     return found

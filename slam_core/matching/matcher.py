@@ -87,6 +87,11 @@ def _in_order(steps: Float64s, taken: Sequence[int]) -> Float64s:
     return np.concatenate([np.insert(steps[i, : taken[i]], 0, float(i), axis=1) for i in levels])
 
 
+def level_of(level: GridLevel) -> Level:
+    """A level as the kernels take it."""
+    return Level(level.cells, level.corner, 1.0 / level.resolution)
+
+
 def beams_of(points: Float32s) -> Beams:
     """Endpoints (n, 2) as the kernels take them."""
     xs, ys = np.ascontiguousarray(np.asarray(points, np.float32).T)
@@ -95,9 +100,9 @@ def beams_of(points: Float32s) -> Beams:
 
 def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Float64s, Float64s, float]:
     """H (3, 3) of eq. (13), right side (3,) of eq. (12) and cost of eq. (7) at `pose`; metres, radians."""
-    grid, residuals = Level(level.cells, level.corner, 1.0 / level.resolution), np.empty_like(beams.xs)
+    residuals = np.empty_like(beams.xs)
     h00, h01, h02, h11, h12, h22, b0, b1, b2, cost = gauss_newton.normal_equations(
-        grid, beams, pose, residuals, gauss_newton.workspace()
+        level_of(level), beams, pose, residuals, gauss_newton.workspace()
     )
     hessian = np.array([[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]])
     return hessian, np.array([b0, b1, b2]), float(cost)
@@ -105,9 +110,9 @@ def normal_equations(level: GridLevel, beams: Beams, pose: Float64s) -> tuple[Fl
 
 def residuals(level: GridLevel, points: Float32s, pose: Float64s) -> Float32s:
     """(n,) 1 - M(S_i(xi)) of endpoints (n, 2) in the stabilised frame, metres, at `pose` (3,) in the map."""
-    grid, beams = Level(level.cells, level.corner, 1.0 / level.resolution), beams_of(points)
+    beams = beams_of(points)
     found = np.empty_like(beams.xs)
-    gauss_newton.normal_equations(grid, beams, pose, found, gauss_newton.workspace())
+    gauss_newton.normal_equations(level_of(level), beams, pose, found, gauss_newton.workspace())
     return found
 
 

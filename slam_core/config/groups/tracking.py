@@ -36,8 +36,8 @@ class TrackingConfig:
     ignore_dynamic: Annotated[
         bool,
         Param(
-            "Without an IMU and wheels: match a scan far from the prediction without the beams that end in free"
-            " space there, if the others fit better so."
+            "Without an IMU and wheels: match a scan far from the prediction without the objects in free space"
+            " there, if the other beams fit better so."
         ),
     ] = True
     search_distance: Annotated[float, Param("Largest translation that the search covers.", "m", 0.1, 5.0)] = 2.0

@@ -5,10 +5,10 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.dynamic_beams import match_without, objects
+from slam_core.localization.dynamic_beams import is_better, match_without, objects
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
-from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.results import Fit, MatchResult, PlanarGaussian
 
 CONFIG = SlamConfig()
 ANGLES = np.linspace(-np.pi / 2, np.pi / 2, 361)
@@ -23,20 +23,21 @@ AHEAD = 1.2  # metres between robot and person
 PRIOR_SIGMAS = np.array([0.09, 0.09, 0.2])
 
 
-def points(pose: np.ndarray, person: tuple[float, float]) -> np.ndarray:
-    """(n, 2) endpoints from a pose (3,) with somebody at a place in the map."""
+def points(pose: np.ndarray, *people: tuple[float, float]) -> np.ndarray:
+    """(n, 2) endpoints from a pose (3,) with somebody at each of some places in the map."""
     c, s = np.cos(ANGLES + pose[2]), np.sin(ANGLES + pose[2])
     x0, y0, x1, y1 = (column[:, None] for column in WALLS.T)
     with np.errstate(divide="ignore", invalid="ignore"):
         det = c * (y1 - y0) - s * (x1 - x0)
         along = ((x0 - pose[0]) * (y1 - y0) - (y0 - pose[1]) * (x1 - x0)) / det
         across = ((x0 - pose[0]) * s - (y0 - pose[1]) * c) / det
-    walls = np.where((along > 0.0) & (across >= 0.0) & (across <= 1.0), along, np.inf).min(axis=0)
-    offset = np.array(person) - pose[:2]
-    nearest = offset[0] * c + offset[1] * s
-    inside = 0.25**2 - (offset @ offset - nearest**2)
-    body = np.where((inside > 0.0) & (nearest > 0.0), nearest - np.sqrt(np.maximum(inside, 0.0)), np.inf)
-    ranges = np.minimum(walls, body)
+    ranges = np.where((along > 0.0) & (across >= 0.0) & (across <= 1.0), along, np.inf).min(axis=0)
+    for person in people:
+        offset = np.array(person) - pose[:2]
+        nearest = offset[0] * c + offset[1] * s
+        inside = 0.25**2 - (offset @ offset - nearest**2)
+        body = np.where((inside > 0.0) & (nearest > 0.0), nearest - np.sqrt(np.maximum(inside, 0.0)), np.inf)
+        ranges = np.minimum(ranges, body)
     return (ranges[:, None] * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])).astype(np.float32)
 
 
@@ -49,10 +50,10 @@ def mapped(person: tuple[float, float]) -> Pyramid:
 
 
 def matches(
-    pyramid: Pyramid, true: np.ndarray, person: tuple[float, float], predicted: np.ndarray
+    pyramid: Pyramid, true: np.ndarray, predicted: np.ndarray, *people: tuple[float, float]
 ) -> tuple[MatchResult, MatchResult | None, np.ndarray]:
     """Of a scan: the match of all beams, the one without those on an object that moves, and its endpoints."""
-    scan = points(true, person)
+    scan = points(true, *people)
     prior = PlanarGaussian(predicted, np.diag(PRIOR_SIGMAS**2))
     match = coarse_to_fine(pyramid, scan, prior.mean, CONFIG.matcher, prior=prior)
     return match, match_without(pyramid, scan, match, prior, CONFIG.matcher), scan
@@ -62,17 +63,45 @@ def matches(
 def test_a_person_who_comes_nearer_does_not_drag_the_match_along(step: float) -> None:
     """The match of all beams meets the person; without those on the person it is where the robot is."""
     true = np.zeros(3)
-    match, static, scan = matches(mapped((AHEAD, 0.3)), true, (AHEAD - step, 0.3), true)
+    match, static, scan = matches(mapped((AHEAD, 0.3)), true, true, (AHEAD - step, 0.3))
     assert match.pose[0] > 0.5 * step
     assert static is not None
     np.testing.assert_allclose(static.pose, true, atol=0.02)
     assert len(static.residuals) == len(scan)
 
 
+def test_the_one_who_drags_the_match_along_may_be_hidden_behind_another() -> None:
+    """Somebody who has just come is hit by most beams; the smaller object is left out as well."""
+    true, far = np.zeros(3), 2.0
+    match, static, _ = matches(mapped((far, -0.3)), true, true, (1.0, 0.6), (far - 0.2, -0.3))
+    assert match.pose[0] > 0.1
+    assert static is not None
+    np.testing.assert_allclose(static.pose, true, atol=0.02)
+
+
+def judged(x: float, residual: float, known: float) -> MatchResult:
+    """A match of ten beams, x metres from a prediction at the origin."""
+    matched, eye = np.array([x, 0.0, 0.0]), np.eye(3)
+    return MatchResult(
+        matched, eye, eye, np.full(10, residual, np.float32), (), True, np.empty((0, 4)), fit=Fit(known, 1.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("x", "residual", "known", "better"),
+    [(0.0, 0.2, 1.0, True), (0.15, 0.2, 1.0, False), (0.0, 0.298, 1.0, False), (0.0, 0.2, 0.85, False)],
+    ids=["as it should be", "not nearer", "fits no better", "off the known map"],
+)
+def test_what_is_asked_of_the_better_match(x: float, residual: float, known: float, better: bool) -> None:
+    """To be much nearer to the prediction, to fit better by a twentieth, and to lie on known cells as before."""
+    match, prior = judged(0.2, 0.3, 1.0), PlanarGaussian(np.zeros(3), np.eye(3))
+    assert is_better(judged(x, residual, known), match, match.residuals, prior) is better
+
+
 def test_a_robot_that_moves_on_suddenly_is_where_its_match_is() -> None:
     """What stands ahead of it lies in free space at the prediction, too, but the rest fits better at the match."""
     true, predicted = np.zeros(3), np.array([-0.2, 0.0, 0.0])
-    match, static, _ = matches(mapped((AHEAD, 0.3)), true, (AHEAD, 0.3), predicted)
+    match, static, _ = matches(mapped((AHEAD, 0.3)), true, predicted, (AHEAD, 0.3))
     assert abs(match.pose[0]) < 0.05
     assert static is None
 
@@ -80,13 +109,13 @@ def test_a_robot_that_moves_on_suddenly_is_where_its_match_is() -> None:
 def test_a_scan_without_beams_in_free_space_has_one_match() -> None:
     """There is nothing to leave out."""
     true = np.array([0.2, 0.0, 0.0])
-    assert matches(mapped(GONE), true, GONE, true)[1] is None
+    assert matches(mapped(GONE), true, true, GONE)[1] is None
 
 
 def test_where_most_beams_end_in_free_space_the_prediction_is_wrong() -> None:
     """No beams are left out: a robot that turned has one match."""
     true, predicted = np.array([0.0, 0.0, 0.3]), np.array([0.2, 0.0, 0.0])
-    assert matches(mapped(GONE), true, GONE, predicted)[1] is None
+    assert matches(mapped(GONE), true, predicted, GONE)[1] is None
 
 
 def test_an_object_is_compact_and_in_free_space() -> None:
