@@ -2,7 +2,7 @@
 
 from benchmarks.additions.catalogue import FULL, MEASURED
 from benchmarks.ensembles import Outcome
-from benchmarks.rare_losses import SWITCHED_OFF, document
+from benchmarks.rare_losses import SWITCHED_OFF, document, is_certain
 
 GOOD = Outcome(0.02, 0.01, lost=False, misplaced=False, silent=False)
 LOST = Outcome(4.0, 0.5, lost=True, misplaced=False, silent=False)
@@ -27,6 +27,22 @@ def test_a_variant_that_is_bad_either_way_tells_nothing() -> None:
     ensembles = {"offices": [LOST, LOST, GOOD]}
     lines = document({FULL: ensembles, "tracking.min_overlap": {"offices": [LOST, GOOD, LOST]}}).splitlines()
     assert lines[-1].endswith("| 2 of 3 | 1 |")
+
+
+def test_defaults_may_have_more_variants() -> None:
+    """An addition is compared in the variants that it has."""
+    found = {FULL: {"offices": [GOOD] * 12}, "tracking.min_overlap": {"offices": [LOST] * 6 + [GOOD] * 2}}
+    full, without = document(found).splitlines()[-2:]
+    assert full.endswith("| 0 of 12 | - |")
+    assert without.endswith("| 6 of 8 | 0.031 |")
+
+
+def test_a_difference_is_certain_by_the_errors_or_by_the_bad_ones() -> None:
+    """Six bad ones against none are certain, five are not; so is an error that is larger in every variant."""
+    larger = Outcome(0.03, 0.01, lost=False, misplaced=False, silent=False)
+    on = {"offices": [GOOD] * 20, "mit": [GOOD] * 20}
+    for off, certain in (([LOST] * 6, True), ([LOST] * 5, False), ([larger] * 20, True), ([], False)):
+        assert is_certain({"offices": [*off, *[GOOD] * (20 - len(off))], "mit": [GOOD] * 20}, on) == certain
 
 
 def test_each_addition_that_is_switched_off_is_one() -> None:
