@@ -34,14 +34,13 @@ class SlamState:
         clock: Callable[[], int] = lambda: 0,
     ) -> None:
         self.config = config or SlamConfig()
-        self.map = prior_map.pyramid(self.config.map) if prior_map else Pyramid(self.config.map)
         self._skipped: Counter[str] = Counter()
         self._sequencer = Sequencer()
         self._motion = EgoMotion(self.config)
         writes, start = (prior_map.write, prior_map.start) if prior_map else (True, np.zeros(3))
-        self._localiser = Localiser(self.map, self._motion, start, is_prior=prior_map is not None, writes=writes)
-        self._mapper = Mapper(self.map, writes=writes)
-        self._start = None if prior_map else StartInMotion(self._motion)
+        pyramid = prior_map.pyramid(self.config.map) if prior_map else Pyramid(self.config.map)
+        localiser = Localiser(pyramid, self._motion, start, is_prior=prior_map is not None, writes=writes)
+        self._start = None if prior_map else StartInMotion(self._motion, self._use)
         self._scans, self._scan_ns = 0, 0
         self._record = PoseRecord()
         self._stopwatch = Stopwatch(clock)
@@ -49,7 +48,13 @@ class SlamState:
         timed = self._stopwatch.timed
         self._take, self._stabilise = timed("filter", self._motion.take), timed("stabilise", stabilise)
         self._predict, self._fuse = timed("filter", self._motion.prior), timed("filter", self._motion.correct)
-        self._locate, self._update = timed("match", self._localiser.locate), timed("update", self._mapper.update)
+        self._use(pyramid, localiser, Mapper(pyramid, writes=writes))
+
+    def _use(self, pyramid: Pyramid, localiser: Localiser, mapper: Mapper) -> None:
+        """The map, and what locates scans in it and writes them."""
+        self.map, self._localiser, self._mapper = pyramid, localiser, mapper
+        timed = self._stopwatch.timed
+        self._locate, self._update = timed("match", localiser.locate), timed("update", mapper.update)
 
     def configure(self, config: SlamConfig) -> None:
         """Change settings from the next measurement on; ConfigError if the map would have to be rebuilt."""

@@ -160,7 +160,10 @@ class EgoMotion:
 
     def begin_at_origin(self, time_ns: int, *, has_velocity: bool) -> None:
         """The origin of the map is where the base is at a time, with its velocity if that is known."""
-        self._filter.correct(time_ns, Origin(FIRST_MATCH.gaussian, has_velocity=has_velocity))
+        sigma = self._config.navigation.accel_bias_sigma
+        self._filter.correct(
+            time_ns, Origin(FIRST_MATCH.gaussian, has_velocity=has_velocity, accel_bias_sigma=sigma)
+        )
         self._aids = Aids()
 
     def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:

@@ -5,12 +5,18 @@ from typing import ClassVar
 
 import numpy as np
 
+from slam_core.config import NavigationConfig
+from slam_core.kernels import fusion
 from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import is_measurement
+from slam_core.kernels.navigation import ERRORS
 from slam_core.measurements import PLAUSIBLE, Float64s
 from slam_core.navigation.corrections import Correction, Update
 from slam_core.navigation.initial_alignment import HEIGHT_SIGMA, SPEED_SIGMA, with_pose
 from slam_core.results import PlanarGaussian
+
+ACCEL_BIAS = np.eye(3, ERRORS, 12)  # how the biases of the accelerometers follow the errors
+LOOSENED = 3.0  # factor on standard deviations
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,18 +46,32 @@ class PoseReset(Correction):
 class Origin(PoseReset):
     """The base is at a planar pose and at height 0, as that is where the map begins.
 
-    has_velocity: it is as it was estimated; else it is unknown.
+    has_velocity: it is as it was estimated; else it is unknown. accel_bias_sigma: m/s^2, of a base that nothing is
+    known of.
     """
 
     has_velocity: bool = True
+    accel_bias_sigma: float = NavigationConfig().accel_bias_sigma
 
     def update(self, x: Float64s, P: Float64s) -> Update:
-        """The estimate turned and moved there."""
-        x, P = with_pose(x, P, self.pose)
+        """The estimate turned and moved there, and less certain."""
+        x, P = with_pose(*_loosened(x, P, self.accel_bias_sigma), self.pose)
         forget(x, P, 5, HEIGHT_SIGMA)
         for i in () if self.has_velocity else (6, 7, 8):
             forget(x, P, i, SPEED_SIGMA)
         return Update(x, P, np.zeros(3), self.pose.covariance, 0.0, np.inf)
+
+
+def _loosened(x: Float64s, P: Float64s, accel_bias_sigma: float) -> tuple[Float64s, Float64s]:
+    """An estimate whose matches were made in a map that is askew: they agree better than they are right.
+
+    It is less certain by LOOSENED. The biases of the accelerometers, which had to explain the rest, are about 0
+    again, and what is correlated with them changes: the tilt.
+    """
+    better, reduced, S = np.empty(len(x)), np.empty(P.shape), np.empty((3, 3))
+    R = accel_bias_sigma**2 * np.eye(3)
+    fusion.correct(x, LOOSENED**2 * P, -x[13:16], ACCEL_BIAS, R, np.inf, better, reduced, S)
+    return better, reduced
 
 
 def forget(x: Float64s, P: Float64s, i: int, sigma: float) -> None:

@@ -112,7 +112,7 @@ def search_text(failure: SearchFailure | None) -> str:
 def moved_text(seconds: float) -> str:
     """Why a recording has no result at its beginning."""
     return (
-        f"the robot moved at the beginning: the map begins after {seconds:.1f} s, once scans had confirmed"
+        f"the robot moved at the beginning: the trajectory begins after {seconds:.1f} s, once scans had confirmed"
         " attitude and velocity (navigation.start_in_motion)"
     )
 

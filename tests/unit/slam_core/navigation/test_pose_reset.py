@@ -87,7 +87,7 @@ def test_a_place_that_is_none_is_refused():
 
 @pytest.mark.parametrize("has_velocity", [True, False])
 def test_the_origin_of_a_map_is_where_the_base_is(has_velocity: bool) -> None:
-    """Its pose and height are 0; the velocity turns with it, or is unknown; the tilt stays."""
+    """Its pose and height are 0; the velocity turns with it, or is unknown; the tilt stays but for the bias."""
     nav = driven(4.0)
     before = nav.at(HERE)
     nav.correct(HERE, Origin(PlanarGaussian(np.zeros(3), 1e-6 * np.eye(3)), has_velocity=has_velocity))
@@ -95,9 +95,24 @@ def test_the_origin_of_a_map_is_where_the_base_is(has_velocity: bool) -> None:
     assert np.allclose(geometry.planar(after.T_map_base), 0.0, atol=1e-12)
     assert after.T_map_base.translation[2] == 0.0
     tilts = [geometry.split_heading(state.T_map_base.rotation)[1] for state in (before, after)]
-    assert np.allclose(*tilts, atol=1e-12)
+    assert np.allclose(*tilts, atol=1e-3)
     speeds = [np.linalg.norm(state.velocity) for state in (before, after)]
-    assert speeds[1] == pytest.approx(speeds[0] if has_velocity else 0.0)
+    assert speeds[1] == pytest.approx(speeds[0] if has_velocity else 0.0, abs=2e-2)
     assert np.linalg.eigvalsh(after.covariance).min() > 0.0
     sigma = np.sqrt(after.covariance[6, 6])
-    assert sigma < 0.2 if has_velocity else sigma == 1.0
+    assert sigma < 0.5 if has_velocity else sigma == 1.0
+
+
+def test_at_the_origin_the_tilt_explains_what_a_bias_did() -> None:
+    """A bias that nothing has shown goes, the tilt turns by bias / g, and neither is sure any more."""
+    sigma, slope = 0.1, 1.0 / 9.81  # rad of tilt, by which a bias along x is confused with a turn about y
+    x, P = np.zeros(19), 1e-4 * np.eye(15)
+    x[0], x[13] = 1.0, 1.0
+    P[12, 12], P[1, 1] = 0.5, 0.5 * slope**2 + 1e-8
+    P[12, 1] = P[1, 12] = 0.5 * slope
+    update = Origin(PlanarGaussian(np.zeros(3), 1e-6 * np.eye(3)), accel_bias_sigma=sigma).update(x, P)
+    assert abs(update.x[13]) < 0.01
+    tilt = 2.0 * np.arcsin(update.x[2])
+    assert tilt == pytest.approx(-slope, rel=0.02)
+    assert np.sqrt(update.P[12, 12]) == pytest.approx(sigma, rel=0.01)
+    assert update.P[0, 0] == pytest.approx(9e-4)
