@@ -85,20 +85,21 @@ class TopicTimes:
 
     @cached_property
     def delays(self) -> tuple[Float64s, Float64s]:
-        """(k,) seconds since the first message, and (k,) the fastest delivery around then.
+        """(k,) seconds since the earliest message, and (k,) the fastest delivery around then.
 
         A delivery lasts from the end of a measurement to when it was recorded: what varies is the way, what stays
         is the difference of the clocks and the shortest way.
         """
         log_ns, stamps, lasts = self.stamped.T
-        since = (log_ns - log_ns[0]) * 1e-9
+        since = (log_ns - log_ns.min()) * 1e-9  # in a damaged file they are in any order
+        whole = float(since.max())
         delay = (log_ns - stamps - lasts) * 1e-9
         parts = max(1, min(BUCKETS, len(since) // FEWEST))
-        which = np.minimum((since / max(float(since[-1]), 1e-9) * parts).astype(np.int64), parts - 1)
+        which = np.minimum((since / max(whole, 1e-9) * parts).astype(np.int64), parts - 1)
         fastest = np.full(parts, np.inf)
         np.minimum.at(fastest, which, delay)
         there = np.isfinite(fastest)
-        middles = (np.arange(parts) + 0.5) * (float(since[-1]) / parts)
+        middles = (np.arange(parts) + 0.5) * (whole / parts)
         return middles[there], fastest[there]
 
     @property
@@ -123,7 +124,7 @@ class TopicTimes:
         change = float(np.median(after) - np.median(before))
         if abs(change) < 0.5 * float(changes[at - 1]) or float(changes[at - 1]) < 5.0 * float(np.median(changes)):
             return None
-        return int(self.stamped[0, 0] + 1e9 * 0.5 * float(middles[at - 1] + middles[at])), change
+        return int(self.stamped[:, 0].min() + 1e9 * 0.5 * float(middles[at - 1] + middles[at])), change
 
     @cached_property
     def drift(self) -> float:
