@@ -47,6 +47,7 @@ RANGE_NOISE, JITTER_NS = 0.003, 2_000_000  # m; ns
 MOST_DROPPED = 20  # scans that a variant leaves out at the start
 EVERY = 10  # scans, of which a variant leaves one out
 STRETCH = 5.0  # m of path over which a relation is compared
+SLIDE_S, SLIDE_M = 2.0, 0.1  # a motion over so many seconds that is wrong by more is a slide
 PROCESSES = 2
 SURE = ("tracking", "recovered")
 
@@ -79,7 +80,8 @@ class Outcome:
     """error, relation: metres, root mean square and mean. The rest: whether it happened to a variant.
 
     lost: further off than LOST_M at the end or lost there. misplaced: a scan was written so far off. silent: so
-    far off at a scan that was not called degraded or lost.
+    far off at a scan that was not called degraded or lost. slides: scans from which on the motion over SLIDE_S is
+    wrong by more than SLIDE_M.
     """
 
     error: float
@@ -87,6 +89,7 @@ class Outcome:
     lost: bool
     misplaced: bool
     silent: bool
+    slides: int = 0
 
 
 def recorded(recording: Recording) -> Case:
@@ -198,6 +201,7 @@ def _outcome(run: Run, truth: Float64s) -> Outcome:
     raw = move(first_on_first(truth, ours), truth)
     away = np.minimum(*(np.hypot(*(ours - each)[:, :2].T) for each in (there, raw)))
     relations = relative_errors(ours, truth, path_length(truth[:, :2]), STRETCH)
+    motions = relative_errors(ours, truth, run.poses[:, 0], SLIDE_S)
     off = away > LOST_M
     return Outcome(
         rms(np.hypot(*(ours - there)[:, :2].T)),
@@ -205,6 +209,7 @@ def _outcome(run: Run, truth: Float64s) -> Outcome:
         lost=bool(run.lost_at_the_end or off[-LOST_SCANS:].all()),
         misplaced=bool((off & run.written).any()),
         silent=bool((off & run.sure).any()),
+        slides=int((np.hypot(*motions[:, :2].T) > SLIDE_M).sum()),
     )
 
 

@@ -7,9 +7,9 @@ Writes docs/rare-losses.md after each batch.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from statistics import median
+from statistics import mean, median
 from typing import Any
 
 import numpy as np
@@ -43,28 +43,32 @@ def is_bad(outcome: Outcome) -> bool:
     return outcome.lost or outcome.misplaced
 
 
-def rows(found: Mapping[str, Mapping[str, Ensemble]]) -> Iterator[list[str]]:
-    """Of the table, by configuration."""
+def rows(found: Mapping[str, Mapping[str, Ensemble]], case: str) -> Iterator[list[str]]:
+    """Of the table of a case, by configuration."""
+    defaults = found[FULL][case]
     for configuration, ensembles in found.items():
-        yield [configuration if configuration == FULL else f"without `{configuration}`", *_cells(ensembles, found)]
-
-
-def _cells(ensembles: Mapping[str, Ensemble], found: Mapping[str, Mapping[str, Ensemble]]) -> Iterator[str]:
-    for name, ensemble in ensembles.items():
-        error, bad = f"{median(each.error for each in ensemble):.3f} m", f"{sum(map(is_bad, ensemble))} of"
-        if ensembles is found[FULL]:
-            yield from (error, "-", f"{bad} {len(ensemble)}", "-")
-            continue
-        compared = _compared(ensemble, found[FULL][name])
+        ensemble = ensembles[case]
+        compared = _compared(ensemble, defaults)
         low, high = compared.interval
-        ratio, split = f"{compared.ratio:.2f} ({low:.2f} to {high:.2f})", _split(ensemble, found[FULL][name])
-        yield from (error, ratio, f"{bad} {len(ensemble)}", f"{split:.2g}")
+        cells = [
+            f"{median(each.error for each in ensemble):.3f} m",
+            f"{compared.ratio:.2f} ({low:.2f} to {high:.2f})",
+            f"{sum(map(is_bad, ensemble))} of {len(ensemble)}",
+            f"{_split(ensemble, defaults, is_bad):.2g}",
+            f"{mean(each.slides for each in ensemble):.0f}",
+            f"{_split(ensemble, defaults, _slides):.2g}",
+        ]
+        if configuration == FULL:
+            yield [configuration, *(cell if k % 2 == 0 else "-" for k, cell in enumerate(cells))]
+        else:
+            yield [f"without `{configuration}`", *cells]
 
 
 def is_certain(ensembles: Mapping[str, Ensemble], defaults: Mapping[str, Ensemble]) -> bool:
-    """Whether the difference that an addition makes shows in a case: in the errors, or in how many are bad."""
+    """Whether the difference that an addition makes shows in a case: in errors, slides, or how many are bad."""
     pairs = [(ensemble, defaults[name]) for name, ensemble in ensembles.items()]
-    return any(_split(*pair) < CERTAIN or _compared(*pair).effect in {"helps", "harms"} for pair in pairs)
+    split = any(_split(*pair, value) < CERTAIN for pair in pairs for value in (is_bad, _slides))
+    return split or any(_compared(*pair).effect in {"helps", "harms"} for pair in pairs)
 
 
 def _compared(off: Ensemble, on: Ensemble) -> Comparison:
@@ -73,30 +77,35 @@ def _compared(off: Ensemble, on: Ensemble) -> Comparison:
     return Comparison(errors, errors_on, math.inf, 0)
 
 
-def _split(off: Ensemble, on: Ensemble) -> float:
-    """The sign test on the bad ones."""
-    pairs = [(is_bad(a), is_bad(b)) for a, b in zip(off, on, strict=False)]
-    return sign_test(pairs.count((True, False)), pairs.count((False, True)))
+def _split(off: Ensemble, on: Ensemble, value: Callable[[Outcome], int]) -> float:
+    """The sign test on the variants in which something differs."""
+    pairs = [(value(a), value(b)) for a, b in zip(off, on, strict=False)]
+    return sign_test(sum(a > b for a, b in pairs), sum(a < b for a, b in pairs))
+
+
+def _slides(outcome: Outcome) -> int:
+    return outcome.slides
 
 
 def document(found: Mapping[str, Mapping[str, Ensemble]]) -> str:
     """docs/rare-losses.md."""
-    head = ["configuration"]
-    for name in found[FULL]:
-        head += [f"{name}: error, median", "ratio", "lost or written wrong", "sign test"]
-    return f"{INTRODUCTION}\n{table(head, rows(found))}"
+    tables = (f"\n## {name[0].upper()}{name[1:]}\n\n{table(HEAD, rows(found, name))}" for name in found[FULL])
+    return "".join((INTRODUCTION, *tables))
 
 
+HEAD = ("configuration", "error, median", "ratio", "lost or written wrong", "sign test", "slides", "sign test")
 INTRODUCTION = """# Rare losses
 
 Written by `python -m benchmarks.rare_losses`; do not edit.
 
 A laser alone is lost so rarely that twenty seeds do not show what keeps it. Here each addition that is meant to
 is switched off alone, in more variants of the two longest cases of [ensembles.md](ensembles.md), which says what
-*lost* and *written wrong* mean: 30 variants, and 30 more as long as the difference is not certain (5 %), at most
-90. *Ratio*: median over the variants of the error without the addition over the
-error with it, with the 95 % interval of it (bootstrap). *Sign test*: how probable so uneven a split of the bad
-variants is, if the addition makes no difference.
+*lost* and *written wrong* mean: 30 variants, and 30 more as long as no difference is certain (5 %), at most 90.
+
+*Ratio*: median over the variants of the error without the addition over the error with it, with the 95 % interval
+of it (bootstrap). *Slides*: scans of a run from which on the motion over two seconds is wrong by more than 0.1 m,
+mean. *Sign test*: how probable so uneven a split of the bad variants is, or of those with more slides and those
+with fewer, if the addition makes no difference.
 """
 
 
