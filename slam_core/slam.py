@@ -40,7 +40,7 @@ class HectorSlam(SlamState):
         stabilised = self._stabilise(scan, motion.poses, config.scan)  # section IV
         if not len(stabilised.points):
             return self._skip(NO_BEAM)
-        if self._start and self._start.takes(scan, stabilised, config):
+        if self._start and self._start.takes(scan, stabilised, config, self._use):
             return self._skip(NO_ATTITUDE)
         if not self._localiser.initialise(stabilised, time_ns, config):
             return self._skip(NOT_LOCALISED)

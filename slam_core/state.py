@@ -40,7 +40,7 @@ class SlamState:
         writes, start = (prior_map.write, prior_map.start) if prior_map else (True, np.zeros(3))
         pyramid = prior_map.pyramid(self.config.map) if prior_map else Pyramid(self.config.map)
         localiser = Localiser(pyramid, self._motion, start, is_prior=prior_map is not None, writes=writes)
-        self._start = None if prior_map else StartInMotion(self._motion, self._use)
+        self._start = None if prior_map else StartInMotion(self._motion)
         self._scans, self._scan_ns = 0, 0
         self._record = PoseRecord()
         self._stopwatch = Stopwatch(clock)

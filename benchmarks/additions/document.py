@@ -106,8 +106,8 @@ def _since() -> str:
     return """## Since these runs
 
 Cases without an IMU and those that begin in motion were run last. In the others three more additions were on.
-Over 20 seeds none of them helped or harmed in any case, so they were removed with their settings: fewer beams for the
-coarser levels (`matcher.coarse_beams`; a match took 1.03 times as long without it), the gate of the wheels
+Over 20 seeds none of them helped or harmed in any case, so they were removed with their settings: fewer beams for
+the coarser levels (`matcher.coarse_beams`; a match took 1.03 times as long without it), the gate of the wheels
 (`motion.odometry_gate`), and the test of the size of the magnetic field (`aiding.compass_tolerance`). Slip and the
 gate of the aiding sensors do what the last two did.
 

@@ -31,18 +31,20 @@ class StartInMotion:
     """One for each run. Of a base in motion: short stages, and a longer one that every scan has to fit.
 
     One that tilts needs more of them: its acceleration and its tilt are told apart later.
-    adopt: called with the map of the last stage, and what locates scans in it and writes them. is_over: whether
-    there was a start in motion, and the map has begun.
+    is_over: whether there was a start in motion, and the map has begun.
     """
 
-    def __init__(self, motion: EgoMotion, adopt: Adopt) -> None:
+    def __init__(self, motion: EgoMotion) -> None:
         self.is_over = False
-        self._motion, self._adopt = motion, adopt
+        self._motion = motion
         self._begin_ns = self._stages = 0
         self._stage: _Stage | None = None
 
-    def takes(self, scan: LaserScan, stabilised: StabilisedScan, config: SlamConfig) -> bool:
-        """Whether a scan is used for the motion alone, as there is no map to go on with yet."""
+    def takes(self, scan: LaserScan, stabilised: StabilisedScan, config: SlamConfig, adopt: Adopt) -> bool:
+        """Whether a scan is used for the motion alone, as there is no map to go on with yet.
+
+        adopt: called with the map of the last stage, and what locates scans in it and writes them.
+        """
         motion, stage, time_ns = self._motion, self._stage, scan.mid_ns
         if not motion.begins_in_motion:
             return False
@@ -51,7 +53,7 @@ class StartInMotion:
         if stage is None or stage.is_over(time_ns, LAST_NS if last else STAGE_NS):
             fits = stage is not None and stage.fits
             if stage and last and fits:
-                self._adopt(stage.pyramid, stage.localiser, stage.mapper)
+                adopt(stage.pyramid, stage.localiser, stage.mapper)
                 return self._end()
             motion.begin_at_origin(time_ns, has_velocity=fits)
             if time_ns - self._begin_ns > LONGEST_NS:

@@ -1,6 +1,8 @@
 """The whole pipeline on made rooms: first scan, thresholds, choices, counters and determinism."""
 
+import gc
 import math
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -43,6 +45,18 @@ def test_the_first_scan_makes_the_map():
     assert first.map_updated
     np.testing.assert_allclose(first.planar, 0.0)
     assert all((level.log_odds > 0).any() for level in slam.map.levels)
+
+
+def test_a_pipeline_that_nobody_uses_any_more_is_gone_at_once():
+    """Nothing in it refers back to it: a map of a gigabyte does not wait for the garbage collector."""
+    gc.disable()
+    try:
+        slam, _ = run(scans=2)
+        gone = weakref.ref(slam)
+        del slam
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize("start", ["filter", "velocity", "last_pose"])
