@@ -89,7 +89,7 @@ def _slides(outcome: Outcome) -> int:
 
 def document(found: Mapping[str, Mapping[str, Ensemble]]) -> str:
     """docs/rare-losses.md."""
-    tables = (f"\n## {name[0].upper()}{name[1:]}\n\n{table(HEAD, rows(found, name))}" for name in found[FULL])
+    tables = (f"\n## Case: {name}\n\n{table(HEAD, rows(found, name))}" for name in found[FULL])
     return "".join((INTRODUCTION, *tables))
 
 
