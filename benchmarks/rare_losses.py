@@ -105,7 +105,7 @@ is switched off alone, in more variants of the two longest cases of [ensembles.m
 *Ratio*: median over the variants of the error without the addition over the error with it, with the 95 % interval
 of it (bootstrap). *Slides*: scans of a run from which on the motion over two seconds is wrong by more than 0.1 m,
 mean. *Sign test*: how probable so uneven a split of the bad variants is, or of those with more slides and those
-with fewer, if the addition makes no difference.
+with fewer, if the addition makes no difference. Ratio and tests compare the same variants.
 """
 
 
