@@ -89,7 +89,7 @@ class Outcome:
     lost: bool
     misplaced: bool
     silent: bool
-    slides: int = 0
+    slides: int
 
 
 def recorded(recording: Recording) -> Case:

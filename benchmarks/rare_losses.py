@@ -58,7 +58,7 @@ def rows(found: Mapping[str, Mapping[str, Ensemble]], case: str) -> Iterator[lis
             f"{mean(each.slides for each in ensemble):.0f}",
             f"{_split(ensemble, defaults, _slides):.2g}",
         ]
-        if configuration == FULL:
+        if configuration == FULL:  # has nothing to be compared with
             yield [configuration, *(cell if k % 2 == 0 else "-" for k, cell in enumerate(cells))]
         else:
             yield [f"without `{configuration}`", *cells]

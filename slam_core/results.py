@@ -263,10 +263,10 @@ class StepResult(NamedTuple):
     inertial data the match with the roll and pitch that are known.
     planar: the pose (3,) from which points are drawn. points: (n, 2) endpoints in the stabilised frame, metres.
     heights: (n,) their height over the laser. unexpected: (n,) which of them the map held for free until then.
-    prior, fused: the filter projected to the plane before and after the fusion (prior is None on the first scan);
+    prior, fused: the filter projected to the plane before and after the fusion (prior is None where match is);
     fused contains the drift of the map (`MapDrift`); the filter does not, its pose is one on that map.
     navigation: the filter after the fusion; None without an IMU.
-    match: None on the first scan, which only makes the map.
+    match: None on the first scan of a map, which only makes it.
     verdict: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
     "lost" when that lasts), and why.
     aiding: what became of every source's measurements so far. world: the pose of

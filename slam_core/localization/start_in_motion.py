@@ -70,14 +70,11 @@ class StartInMotion:
 
 
 class _Stage:
-    """An empty map, with its origin where the base is. fits: whether every scan fitted it so far.
-
-    tilts: whether the base has tilted since its begin, by more than a floor makes it.
-    """
+    """An empty map, with its origin where the base is. fits: whether every scan fitted it so far."""
 
     def __init__(self, motion: EgoMotion, begin_ns: int, config: SlamConfig) -> None:
         self.pyramid = Pyramid(config.map)
-        self.fits, self.tilts = True, False
+        self.fits = True
         self._motion, self._begin_ns, self._scans = motion, begin_ns, 0
         self._lowest, self._highest = np.ones(3), -np.ones(3)
         self.localiser = Localiser(self.pyramid, motion, np.zeros(3), is_prior=False, writes=True)
@@ -86,6 +83,11 @@ class _Stage:
     def is_over(self, time_ns: int, span_ns: int) -> bool:
         """Whether it is long enough."""
         return self._scans >= FEWEST and time_ns - self._begin_ns >= span_ns
+
+    @property
+    def tilts(self) -> bool:
+        """Whether the base has tilted since its begin, by more than a floor makes it."""
+        return bool((self._highest - self._lowest > LEVEL).any())
 
     def match(self, scan: LaserScan, stabilised: StabilisedScan, config: SlamConfig) -> None:
         """One more scan, sections IV-B, IV-C and V-B."""
@@ -98,5 +100,4 @@ class _Stage:
         self.fits = self.fits and verdict.state == "tracking"
         up = geometry.rotate(geometry.conjugate(motion.motion_at([time_ns])[0, 3:7]), VERTICAL)[0]
         self._lowest, self._highest = np.minimum(self._lowest, up), np.maximum(self._highest, up)
-        self.tilts = bool((self._highest - self._lowest > LEVEL).any())
         self._scans += 1

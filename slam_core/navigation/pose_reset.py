@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from slam_core.config import NavigationConfig
 from slam_core.kernels import fusion
 from slam_core.kernels.fusion import planar_observer
 from slam_core.kernels.linear import is_measurement
@@ -42,7 +41,7 @@ class PoseReset(Correction):
         return Update(*with_pose(x, P, self.pose), np.zeros(3), self.pose.covariance, 0.0, np.inf)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Origin(PoseReset):
     """The base is at a planar pose and at height 0, as that is where the map begins.
 
@@ -50,8 +49,8 @@ class Origin(PoseReset):
     known of.
     """
 
-    has_velocity: bool = True
-    accel_bias_sigma: float = NavigationConfig().accel_bias_sigma
+    has_velocity: bool
+    accel_bias_sigma: float
 
     def update(self, x: Float64s, P: Float64s) -> Update:
         """The estimate turned and moved there, and less certain."""
@@ -63,10 +62,10 @@ class Origin(PoseReset):
 
 
 def _loosened(x: Float64s, P: Float64s, accel_bias_sigma: float) -> tuple[Float64s, Float64s]:
-    """An estimate whose matches were made in a map that is askew: they agree better than they are right.
+    """An estimate that is surer than it is right: levelled in motion, or by matches in a map that is askew.
 
-    It is less certain by LOOSENED. The biases of the accelerometers, which had to explain the rest, are about 0
-    again, and what is correlated with them changes: the tilt.
+    It is less certain by LOOSENED, as such matches agree well with each other. The biases of the accelerometers,
+    which had to explain the rest, are about 0 again, and what is correlated with them changes: the tilt.
     """
     better, reduced, S = np.empty(len(x)), np.empty(P.shape), np.empty((3, 3))
     R = accel_bias_sigma**2 * np.eye(3)

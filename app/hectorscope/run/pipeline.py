@@ -119,7 +119,7 @@ class Pipeline:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is reported once: where in a prior map the run began, or that the map begins late."""
+        """What is reported once: where in a prior map the run began, or why the trajectory begins late."""
         status = self.slam.status
         if status.moved_at_start and self.scans:
             return (moved_text(float(self.trajectory[0, 0])),)

@@ -19,7 +19,7 @@ def judged(along: np.ndarray, *, sure: bool = True) -> Outcome:
 
 def test_a_run_on_the_truth_has_nothing_to_count() -> None:
     """No error, nothing lost, no slide."""
-    assert judged(np.zeros_like(TIMES)) == Outcome(0.0, 0.0, lost=False, misplaced=False, silent=False)
+    assert judged(np.zeros_like(TIMES)) == Outcome(0.0, 0.0, lost=False, misplaced=False, silent=False, slides=0)
 
 
 def test_a_slide_counts_the_scans_whose_motion_it_spoils() -> None:

@@ -6,9 +6,9 @@ from benchmarks.additions.catalogue import FULL, MEASURED
 from benchmarks.ensembles import Outcome
 from benchmarks.rare_losses import SWITCHED_OFF, document, is_certain
 
-GOOD = Outcome(0.02, 0.01, lost=False, misplaced=False, silent=False)
-LOST = Outcome(4.0, 0.5, lost=True, misplaced=False, silent=False)
-MISPLACED = Outcome(0.3, 0.1, lost=False, misplaced=True, silent=True)
+GOOD = Outcome(0.02, 0.01, lost=False, misplaced=False, silent=False, slides=0)
+LOST = Outcome(4.0, 0.5, lost=True, misplaced=False, silent=False, slides=0)
+MISPLACED = Outcome(0.3, 0.1, lost=False, misplaced=True, silent=True, slides=0)
 
 
 def test_a_row_counts_the_variants_and_how_uneven_they_are_split() -> None:
