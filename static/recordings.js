@@ -116,6 +116,8 @@
 
   // Of a rosbag2 folder the server takes the files with messages, in the order of their numbers.
   async function sendFolder(folder) {
+    open();
+    status.textContent = `Reading ${folder.name}`;
     const [reader, found] = [folder.createReader(), []];
     for (let more = true; more; ) {
       const some = await new Promise((done, failed) => reader.readEntries(done, failed));
@@ -126,7 +128,6 @@
     parts.sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
     const files = await Promise.all(parts.map((each) => new Promise((done, failed) => each.file(done, failed))));
     if (files.length) return send(folder.name, files, { files: files.map((file) => [file.name, file.size]) });
-    open();
     ended(`${folder.name} is no rosbag2 folder: it has no .mcap and no .db3 file.`);
   }
 
@@ -146,6 +147,7 @@
     if (!carries(event)) return;
     event.preventDefault();
     over(false);
+    if (socket) return open();
     const entry = event.dataTransfer.items[0]?.webkitGetAsEntry?.();
     if (entry?.isDirectory) sendFolder(entry).catch(() => ended(`${entry.name} cannot be read.`));
     else if (event.dataTransfer.files[0]) sendFile(event.dataTransfer.files[0]);

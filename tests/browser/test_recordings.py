@@ -1,6 +1,8 @@
 """Another recording is opened from the page: from the list of the server, or by dropping a file onto it."""
 
 import base64
+import itertools
+import time
 from pathlib import Path
 
 import pytest
@@ -30,11 +32,22 @@ def drop(page: Page, name: str, content: bytes) -> None:
 
 
 def drop_from_disk(page: Page, path: Path) -> None:
-    """As a hand drops a file or folder of the disk."""
+    """As a hand drops a file or folder of the disk: it moves on until the page shows that it takes what comes."""
     session = page.context.new_cdp_session(page)
-    for kind in ("dragEnter", "dragOver", "drop"):
-        data = {"items": [], "files": [str(path)], "dragOperationsMask": 1}
-        session.send("Input.dispatchDragEvent", {"type": kind, "x": 300, "y": 300, "data": data})
+    data = {"items": [], "files": [str(path)], "dragOperationsMask": 1}
+
+    def drag(kind: str, x: int) -> None:
+        session.send("Input.dispatchDragEvent", {"type": kind, "x": x, "y": 300, "data": data})
+
+    drag("dragEnter", 300)
+    taken, deadline = page.locator("html.hs-dropping"), time.monotonic() + PATIENCE_S
+    for x in itertools.cycle((300, 301)):
+        drag("dragOver", x)
+        if taken.count():
+            break
+        assert time.monotonic() < deadline, "the page does not show that it takes what is dragged over it"
+    drag("drop", x)
+    expect(taken).to_have_count(0)
 
 
 def test_a_folder_that_is_dropped_is_opened(opened: Opened, open_page: Open, tmp_path: Path) -> None:
