@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.bilinear import UNKNOWN_PARTS, WHOLE
 from slam_core.kernels.correlative import count_hits
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.tiled_map import TiledMap
@@ -12,9 +12,9 @@ from slam_core.measurements import LaserScan, Transform
 from slam_core.results import Fit
 
 
-def in_parts(probability: NDArray[np.float64]) -> NDArray[np.uint16]:
+def in_parts(probability: NDArray[np.float64]) -> NDArray[np.int16]:
     """Probabilities as a level keeps them."""
-    return np.minimum(np.rint(np.asarray(probability) * WHOLE), WHOLE - 1).astype(np.uint16)
+    return (np.minimum(np.rint(np.asarray(probability) * WHOLE), WHOLE - 1) - UNKNOWN_PARTS).astype(np.int16)
 
 
 def smooth_level(seed: int = 0, cells: int = 64, resolution: float = 0.05) -> GridLevel:
@@ -78,8 +78,8 @@ def _known_cells(pyramid: TiledMap, level: int) -> tuple[Box, list[bytes]]:
     """The known box in the lattice and what is in it; nothing may be outside."""
     box, grid = pyramid.bounds(level), pyramid.levels[level]
     row0, row1, column0, column1 = grid.known
-    for array, unknown in ((grid.log_odds, 0), (grid.cells, UNKNOWN), (grid.surfels, 0)):
+    for array in (grid.log_odds, grid.cells, grid.surfels):
         known = array[row0:row1, column0:column1]
-        assert np.count_nonzero(array != unknown) == np.count_nonzero(known != unknown)
+        assert np.count_nonzero(array) == np.count_nonzero(known)
     kinds: tuple[Kind, ...] = ("log_odds", "cells") if level else ("log_odds", "cells", "surfels")
     return box, [pyramid.gather(level, box, kind).tobytes() for kind in kinds]

@@ -1,7 +1,7 @@
 """Equations (4)-(6) for one point, inlined into the loops that need them.
 
-A cell's probability is kept in parts of 2^16: the two neighbours in a row are one word of 32 bits, so that two
-loads fetch four cells.
+A cell keeps its probability in parts of 2^16, less 2^15: what nobody saw is 0, as new memory is. The two neighbours
+in a row are one word of 32 bits, so that two loads fetch four cells.
 """
 
 import numpy as np
@@ -10,13 +10,16 @@ from numba import njit
 from slam_core.kernels.memory import pair
 
 WHOLE = 65536.0  # the parts of a probability of 1, which is rounded to one part less
-UNKNOWN = np.uint16(32768)
+UNKNOWN = np.int16(0)
+UNKNOWN_PARTS = 32768
+UNKNOWN_PAIR = np.uint32(0x80008000)
 LEFT_HALF, RIGHT_SHIFT = np.uint32(0xFFFF), np.uint32(16)
 
 
 @njit(inline="always")
 def bilinear(lower, upper, fu, fv):
     """M, dM/du, dM/dv in parts, fu and fv of the way between four samples one apart: two rows, as words."""
+    lower, upper = lower ^ UNKNOWN_PAIR, upper ^ UNKNOWN_PAIR  # to parts: adds 2^15 to either half
     p00, p10 = np.float32(np.int32(lower & LEFT_HALF)), np.float32(np.int32(lower >> RIGHT_SHIFT))
     p01, p11 = np.float32(np.int32(upper & LEFT_HALF)), np.float32(np.int32(upper >> RIGHT_SHIFT))
     low = p00 + fu * (p10 - p00)

@@ -36,22 +36,22 @@ def pair(cells: Any, i: Any) -> Any:
 
 @extending.overload(pair)
 def _pair(cells: Any, i: Any) -> Any:
-    word, half = (np.uint32, 16) if cells.dtype == types.uint16 else (np.uint64, 32)
+    half, bits, word = (np.uint16, 16, np.uint32) if cells.dtype == types.int16 else (np.uint32, 32, np.uint64)
 
     def read(cells: Any, i: Any) -> Any:
         _check(cells, i, 2)
-        return word(word(cells[i]) | word(word(cells[i + 1]) << word(half)))
+        return word(word(half(cells[i])) | word(word(half(cells[i + 1])) << word(bits)))
 
     return read
 
 
 @njit
-def above(cells, i, limit):
-    """As `intrinsics.above`."""
+def occupied(cells, i):
+    """As `intrinsics.occupied`."""
     _check(cells, i, 32)
     bits = np.uint32(0)
     for k in range(32):
-        if cells[i + k] > limit:
+        if cells[i + k] > 0:
             bits |= np.uint32(np.uint32(1) << np.uint32(k))
     return bits
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.bilinear import UNKNOWN, UNKNOWN_PARTS, WHOLE
 from slam_core.kernels.memory import alias_scope
 
 get, _ = alias_scope(0)
@@ -57,4 +57,4 @@ def score(cells, corner, inverse, points, poses, out):
             v = s * points[i, 0] + c * points[i, 1] + shift_v
             inside = left <= u < left + columns and low <= v < low + rows
             total += cells[int(np.floor(v)) - low, int(np.floor(u)) - left] if inside else UNKNOWN
-        out[k] = total / (WHOLE * len(points))
+        out[k] = (total + UNKNOWN_PARTS * len(points)) / (WHOLE * len(points))

@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels import INNER
-from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.bilinear import UNKNOWN, UNKNOWN_PARTS, WHOLE
 from slam_core.kernels.correlative import cells_at
 from slam_core.kernels.map_update import cells_of
-from slam_core.kernels.memory import above, alias_scope, lowest, prefetch
+from slam_core.kernels.memory import alias_scope, lowest, occupied, prefetch
 
 get, _ = alias_scope(0)
 _, put = alias_scope(1)
@@ -22,7 +22,7 @@ BIN = 2.0 * math.pi / BINS
 A1, A3, A5, A7, A9 = 0.9998660, -0.3302995, 0.1801410, -0.0851330, 0.0208351
 UNSURE = 2e-5 / BIN
 MANY = 512  # cells whose directions are worked out together
-BLOCK = 32  # cells that `above` looks at together: nearly all are free or unknown
+BLOCK = 32  # cells that `occupied` looks at together: nearly all are free or unknown
 AHEAD = 4  # rows that are fetched meanwhile
 NONE, ONE = np.uint32(0), np.uint32(1)
 NEAR = 0.75  # of the way to a cell: beams that end sooner met something else, at an edge that hides part of it
@@ -101,7 +101,7 @@ def clear_passed(grid, corner, resolution, known, laser, beams, clearing, tiles)
             if _is_passed(_bin(away[k, 0], away[k, 1], places[k]), distances[k], lengths, begin, behind):
                 value = min(log_odds[v, u], most) + free
                 log_odds[v, u] = value
-                cells[v, u] = np.uint16(WHOLE / (1.0 + math.exp(-value)) + 0.5)
+                cells[v, u] = np.int16(np.int32(WHOLE / (1.0 + math.exp(-value)) + 0.5) - UNKNOWN_PARTS)
                 revisions[v >> shift, u >> shift] = revision
                 if len(surfels) > 0:
                     surfels[v, u] = NONE
@@ -118,11 +118,11 @@ def _occupied(cells, row, end, first, last, us, vs):
         below = min(row + AHEAD, end - 1) * columns
         for begin in range(first, whole, BLOCK):
             prefetch(flat, below + begin)
-            occupied = above(flat, row * columns + begin, UNKNOWN)
-            while occupied != NONE:
-                us[n], vs[n] = begin + np.int64(lowest(occupied)), row
+            found = occupied(flat, row * columns + begin)
+            while found != NONE:
+                us[n], vs[n] = begin + np.int64(lowest(found)), row
                 n += 1
-                occupied &= occupied - ONE
+                found &= found - ONE
         for column in range(whole, last):
             if get(flat, row * columns + column) > UNKNOWN:
                 us[n], vs[n] = column, row

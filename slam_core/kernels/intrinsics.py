@@ -39,8 +39,8 @@ def alias_scope(own: int) -> tuple[Any, Any]:
 
 @intrinsic
 def pair(_: Any, cells: Any, i: Any) -> Any:
-    """cells[i] and, in the high half, cells[i + 1] of an array in scope 0: two of uint16 or of uint32 as one."""
-    both: Any = types.uint32 if cells.dtype == types.uint16 else types.uint64
+    """cells[i] and, in the high half, cells[i + 1] of an array in scope 0: two of int16 or of uint32 as one."""
+    both: Any = types.uint32 if cells.dtype == types.int16 else types.uint64
 
     def load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = context.get_value_type(both).as_pointer()
@@ -52,21 +52,17 @@ def pair(_: Any, cells: Any, i: Any) -> Any:
 
 
 @intrinsic
-def above(_: Any, cells: Any, i: Any, limit: Any) -> Any:
-    """Which of cells[i : i + 32] of an array of uint16 in scope 0 are above a limit: the bits of a uint32."""
+def occupied(_: Any, cells: Any, i: Any) -> Any:
+    """Which of cells[i : i + 32] of an array of int16 in scope 0 are above 0: the bits of a uint32."""
 
     def compare(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        word = context.get_value_type(types.uint16)
-        vector = ir.VectorType(word, 32)
+        vector = ir.VectorType(context.get_value_type(types.int16), 32)
         place = _address(context, builder, signature, arguments)
         loaded = builder.load(builder.bitcast(place, vector.as_pointer()))
         loaded.align = 2
-        limits = builder.insert_element(vector(ir.Undefined), arguments[2], ir.IntType(32)(0))
-        zeros = ir.VectorType(ir.IntType(32), 32)(None)
-        limits = builder.shuffle_vector(limits, vector(ir.Undefined), zeros)
-        return builder.bitcast(builder.icmp_unsigned(">", _apart(builder, loaded, 0), limits), ir.IntType(32))
+        return builder.bitcast(builder.icmp_signed(">", _apart(builder, loaded, 0), vector(None)), ir.IntType(32))
 
-    return types.uint32(cells, i, types.uint16), compare
+    return types.uint32(cells, i), compare
 
 
 @intrinsic

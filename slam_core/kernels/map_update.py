@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels import INNER
-from slam_core.kernels.bilinear import WHOLE
+from slam_core.kernels.bilinear import UNKNOWN_PARTS, WHOLE
 from slam_core.kernels.memory import alias_scope, prefetch
 from slam_core.kernels.ray_tracing import trace_rays
 from slam_core.kernels.structures import Steps, Tiles
@@ -232,7 +232,7 @@ def derive_cells(log_odds, out):
 def probability_in_parts(log_odds):
     """What a cell of these log-odds holds for the matcher."""
     odds_against = _power_of_2(min(max(-LOG2_E * log_odds, -LARGEST_POWER), LARGEST_POWER))
-    return np.uint16(np.int32(min(CERTAIN / (ONE + odds_against) + HALF, CERTAIN - ONE)))
+    return np.int16(np.int32(min(CERTAIN / (ONE + odds_against) + HALF, CERTAIN - ONE)) - np.int32(UNKNOWN_PARTS))
 
 
 @njit(inline="always")

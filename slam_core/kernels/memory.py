@@ -12,5 +12,5 @@ from slam_core.kernels import checked, intrinsics
 CHECKED = bool(getattr(config, "BOUNDSCHECK", None))  # numba sets it from the environment
 
 _access: Any = checked if CHECKED else intrinsics
-alias_scope, pair, above, prefetch = _access.alias_scope, _access.pair, _access.above, _access.prefetch
+alias_scope, pair, occupied, prefetch = _access.alias_scope, _access.pair, _access.occupied, _access.prefetch
 lowest = intrinsics.lowest  # reads no memory

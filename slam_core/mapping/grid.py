@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.kernels.bilinear import UNKNOWN, WHOLE
+from slam_core.kernels.bilinear import UNKNOWN_PARTS, WHOLE
 from slam_core.kernels.dynamic_objects import clear_passed, ends_in_free_space
 from slam_core.kernels.map_update import write_scan
 from slam_core.kernels.surfels import write_surfels
 from slam_core.mapping.tiles import TILE, Box, Key, Kind, around, common, derived, part, square
 from slam_core.measurements import Float32s, Float64s, Int64s
 
-Taken = tuple[Float32s, NDArray[np.uint16] | None, NDArray[np.uint32] | None]
+Taken = tuple[Float32s, NDArray[np.int16] | None, NDArray[np.uint32] | None]
 """Of a tile on a level: log-odds, cells if they do not follow from those, surfels if there are any."""
 
 
@@ -21,7 +21,7 @@ class GridLevel:
 
     origin: (2,) lower left corner of the window in map coordinates, in whole cells. Row 0 is the lowest y.
     corner: (2,) column and row in the lattice of the window's cell [0, 0].
-    log_odds: (rows, columns), 0 unknown. cells: the same as M of eq. (4), in parts of 2^16, 2^15 unknown.
+    log_odds: (rows, columns), 0 unknown. cells: the same as M of eq. (4), in parts of 2^16, less 2^15.
     bounds: row0, row1, column0, column1 (half open) in the lattice around every cell of the level that was ever
     touched, in this window or another one; None before the first.
     surfels: where in each cell a surface lies, as `kernels.surfels` packs it, 0 for none; no rows if not kept.
@@ -43,7 +43,7 @@ class GridLevel:
         self.resolution = resolution
         self.corner: Int64s = np.rint(origin / resolution).astype(np.int64)
         self.log_odds: Float32s = np.zeros(shape, np.float32)
-        self.cells: NDArray[np.uint16] = np.full(shape, UNKNOWN)
+        self.cells: NDArray[np.int16] = np.zeros(shape, np.int16)
         self.surfels: NDArray[np.uint32] = np.zeros(shape if surfels else (0, 0), np.uint32)
         self.tile = tile
         self.revisions = _no_revisions(shape, tile)
@@ -78,7 +78,7 @@ class GridLevel:
     @property
     def probability(self) -> Float32s:
         """M of eq. (4) as a number, (rows, columns); a copy."""
-        copy = self.cells * np.float32(1.0 / WHOLE)
+        copy = probability_of(self.cells)
         copy.flags.writeable = False
         return copy
 
@@ -103,13 +103,12 @@ class GridLevel:
         everywhere = 0, self.revisions.shape[0], 0, self.revisions.shape[1]
         self.revisions = _moved(self.revisions, tiles, _no_revisions(shape, self.tile), everywhere)
         same, known = shape == self.shape, self.known
-        for name, unknown in (("log_odds", 0), ("cells", UNKNOWN), ("surfels", 0)):
+        for name in ("log_odds", "cells", "surfels"):
             array = getattr(self, name)
             if len(array) and same:
-                _shift(array, (down, right), unknown, known[:2])
+                _shift(array, (down, right), known[:2])
             elif len(array):
-                blank = np.full(shape, unknown, array.dtype) if unknown else np.zeros(shape, array.dtype)
-                setattr(self, name, _moved(array, (down, right), blank, known))
+                setattr(self, name, _moved(array, (down, right), np.zeros(shape, array.dtype), known))
         if not same:
             self._marks = _no_marks(shape)
         self.corner = corner
@@ -157,7 +156,7 @@ class GridLevel:
         kept: NDArray[Any] = getattr(self, kind)
         if common(box, self.box) == box:
             return kept[part(box, self.box)].copy()
-        out = np.full((box[1] - box[0], box[3] - box[2]), UNKNOWN if kind == "cells" else 0, kept.dtype)
+        out = np.zeros((box[1] - box[0], box[3] - box[2]), kept.dtype)
         here = common(box, self.box)
         out[part(here, box)] = kept[part(here, self.box)]
         return out
@@ -225,7 +224,13 @@ class GridLevel:
         return other
 
 
-def _shift(array: NDArray[Any], by: tuple[int, int], unknown: Any, known: tuple[int, int]) -> None:
+def probability_of(cells: NDArray[np.int16]) -> Float32s:
+    """M of eq. (4) of a level's `cells`."""
+    probability: Float32s = (cells + np.float32(UNKNOWN_PARTS)) / np.float32(WHOLE)
+    return probability
+
+
+def _shift(array: NDArray[Any], by: tuple[int, int], known: tuple[int, int]) -> None:
     """Move the view of an array (rows, columns) on by rows and columns, in place. known: its rows, half open.
 
     In memory that is one shift of these rows; strips beside them are left over.
@@ -233,14 +238,14 @@ def _shift(array: NDArray[Any], by: tuple[int, int], unknown: Any, known: tuple[
     (rows, columns), (down, right), (first, last) = array.shape, by, known
     low, high = max(first - down, 0), min(last - down, rows)
     if low >= high or abs(right) >= columns:
-        array[first:last] = unknown
+        array[first:last] = 0
         return
     flat, behind = array.reshape(-1), down * columns + right
     begin, end = max(low * columns, -behind), min(high * columns, array.size - behind)
     flat[begin:end] = flat[begin + behind : end + behind]
-    array[first : min(last, low)] = unknown
-    array[max(first, high) : last] = unknown
-    array[low:high, columns - right if right > 0 else 0 : columns if right > 0 else -right] = unknown
+    array[first : min(last, low)] = 0
+    array[max(first, high) : last] = 0
+    array[low:high, columns - right if right > 0 else 0 : columns if right > 0 else -right] = 0
 
 
 def _moved(array: NDArray[Any], by: tuple[int, int], blank: NDArray[Any], box: Box) -> NDArray[Any]:

@@ -7,7 +7,7 @@ from slam_core.kernels.bilinear import WHOLE, bilinear_at
 from slam_core.measurements import Float32s
 
 
-def interpolate(cells: NDArray[np.uint16], us: Float32s, vs: Float32s) -> Float32s:
+def interpolate(cells: NDArray[np.int16], us: Float32s, vs: Float32s) -> Float32s:
     """M, dM/du and dM/dv at the map coordinates (u right, v up), eqs. (4)-(6).
 
     cells: (rows, columns) as in GridLevel, the sample of cell [v, u] lying at (u, v). us, vs: (n,) in cells,

@@ -33,7 +33,7 @@ class Tile:
     revision: int
     log_odds: tuple[Float32s, ...]
     surfels: NDArray[np.uint32] | None = None
-    cells: tuple[NDArray[np.uint16] | None, ...] = ()
+    cells: tuple[NDArray[np.int16] | None, ...] = ()
 
     def __deepcopy__(self, _: Any) -> "Tile":
         return self
@@ -92,7 +92,7 @@ class PackedTile:
 
         log_odds = tuple(array(level, np.float32) for level in range(self.levels))
         surfels = array(0, np.uint32) if self.surfels else None
-        cells = tuple(array(level, np.uint16) if there else None for level, there in enumerate(self.cells))
+        cells = tuple(array(level, np.int16) if there else None for level, there in enumerate(self.cells))
         return Tile(self.revision, log_odds, surfels, cells)
 
 
@@ -130,9 +130,9 @@ def cut(pieces: Iterable[SavedCells], levels: int, revision: int) -> dict[Key, T
     return {key: Tile(revision, tuple(values), surfels.get(key)) for key, values in log_odds.items()}
 
 
-def derived(log_odds: Float32s) -> NDArray[np.uint16]:
+def derived(log_odds: Float32s) -> NDArray[np.int16]:
     """The cells that go with log-odds (rows, columns)."""
-    cells = np.empty(log_odds.shape, np.uint16)
+    cells = np.empty(log_odds.shape, np.int16)
     derive_cells(np.ascontiguousarray(log_odds), cells)
     return cells
 

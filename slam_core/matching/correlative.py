@@ -15,7 +15,7 @@ from slam_core.kernels import correlative as kernels
 from slam_core.mapping.grid import GridLevel
 from slam_core.measurements import Float32s, Float64s
 
-Cell = TypeVar("Cell", np.uint8, np.uint16)
+Cell = TypeVar("Cell", np.uint8, np.int16)
 
 BEAMS = 120  # of the scan, evenly: enough to distinguish rooms
 STEP_CELLS = 2.0  # between poses of the first pass: what the widened walls cover
@@ -66,7 +66,7 @@ def _lattice(shifts: Float64s, turns: Float64s) -> Float64s:
     return np.stack([x.ravel(), y.ravel(), psi.ravel()], axis=1)
 
 
-def _scores(level: GridLevel, cells: NDArray[np.uint16], points: Float32s, poses: Float64s) -> Float64s:
+def _scores(level: GridLevel, cells: NDArray[np.int16], points: Float32s, poses: Float64s) -> Float64s:
     out = np.empty(len(poses))
     kernels.score(cells, level.corner, 1.0 / level.resolution, points, poses, out)
     return out

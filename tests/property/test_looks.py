@@ -20,7 +20,7 @@ def speckled(seed: int) -> tuple[GridLevel, np.ndarray, np.ndarray]:
     """A level of unknown, free and a few occupied cells, and a scan of which some ends lie off the map."""
     rng = np.random.default_rng(seed)
     level = GridLevel(0.1, (rng.integers(9, 30), rng.integers(9, 30)), -rng.integers(0, 20, 2) * 0.1)
-    level.cells[:] = rng.choice([UNKNOWN, 9000, 60000], level.shape, p=[0.3, 0.67, 0.03])
+    level.cells[:] = rng.choice([UNKNOWN, -23768, 27232], level.shape, p=[0.3, 0.67, 0.03])
     points = rng.uniform(-2.5, 2.5, (200, 2)).astype(np.float32)
     return level, points, rng.uniform(-0.5, 0.5, 3) * [1.0, 1.0, 6.0]
 

@@ -11,7 +11,7 @@ from hectorscope.run.checkpoints import Checkpoint
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.readings import BeamTarget, BeamView, CellTarget, CellView, LevelReading, Target, View
 from slam_core.geometry import transform_points
-from slam_core.kernels.bilinear import WHOLE
+from slam_core.mapping.grid import probability_of
 from slam_core.mapping.tiled_map import TiledMap
 from slam_core.results import StepResult, Sweep
 from slam_core.scan.beams import beam_of, endpoint_of
@@ -61,7 +61,7 @@ def reading(tiled: TiledMap, place: CellTarget) -> LevelReading:
     left, low = math.floor(u - 0.5), math.floor(v - 0.5)
     around = tiled.gather(place.level, (low, low + 2, left, left + 2), "cells")
     right, up = u - 0.5 - left, v - 0.5 - low  # eq. (4)
-    M = float(np.array([1.0 - up, up]) @ around @ np.array([1.0 - right, right])) / WHOLE
+    M = float(np.array([1.0 - up, up]) @ probability_of(around) @ np.array([1.0 - right, right]))
     known = 1.0 / (1.0 + math.exp(-log_odds)) if log_odds else None
     return LevelReading((column, row), resolution, known, 1.0 - M)
 

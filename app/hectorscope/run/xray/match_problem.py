@@ -9,7 +9,7 @@ from hectorscope.run.pipeline import Pipeline
 from slam_core import geometry
 from slam_core.config import MatcherConfig, SlamConfig
 from slam_core.kernels.bilinear import WHOLE
-from slam_core.mapping.grid import GridLevel
+from slam_core.mapping.grid import GridLevel, probability_of
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.mapping.tiles import common
 from slam_core.matching.matcher import coarse_to_fine
@@ -78,7 +78,7 @@ def reference_grid(level: GridLevel) -> OccupancyGrid:
     """What is known of a level, with the probabilities that the matcher reads (in parts of 2^16)."""
     row0, row1, column0, column1 = level.bounds or (0, 0, 0, 0)
     box = common((row0 - EDGE, row1 + EDGE, column0 - EDGE, column1 + EDGE), level.box)
-    probability = np.clip(level.gather(box, "cells") / WHOLE, 0.5 / WHOLE, 1.0 - 0.5 / WHOLE)
+    probability = np.clip(probability_of(level.gather(box, "cells")).astype(np.float64), 0.5 / WHOLE, 1.0 - 0.5 / WHOLE)
     return OccupancyGrid(level.resolution, np.array([box[2], box[0]]), np.log(probability / (1.0 - probability)))
 
 

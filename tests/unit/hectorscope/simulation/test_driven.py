@@ -15,7 +15,7 @@ from slam_core.measurements import Imu, LaserScan, TruthPose
 
 REST = 65  # steps: longer than the robot rests
 HALT = Steer(0.0, 0.0)
-OCCUPIED = 0.6 * WHOLE  # of a cell's probability
+OCCUPIED = 0.1 * WHOLE  # of a cell's probability, above one half
 
 
 def driven(robot, steps, steer=HALT):

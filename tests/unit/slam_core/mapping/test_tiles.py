@@ -15,7 +15,7 @@ def test_a_packed_tile_is_the_same_and_smaller(surfels: bool, own: tuple[bool, .
     """Every array to the byte, those that are not there included."""
     rng = np.random.default_rng(4)
     log_odds = tuple(rng.choice([0.0, -0.4, 0.9], (TILE >> i, TILE >> i)).astype(np.float32) for i in range(3))
-    cells = tuple(derived(log_odds[i]) + np.uint16(1) if there else None for i, there in enumerate(own))
+    cells = tuple(derived(log_odds[i]) + np.int16(1) if there else None for i, there in enumerate(own))
     tile = Tile(7, log_odds, rng.integers(0, 9, (TILE, TILE), np.uint32) if surfels else None, cells)
     packed = PackedTile.of(tile, zlib.compress)
     again = packed.tile(zlib.decompress)

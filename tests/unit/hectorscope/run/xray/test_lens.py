@@ -30,7 +30,7 @@ def test_the_cells_are_those_of_the_map():
     x, y = transform_points(found.matched, found.points)[0]
     seen, level = lens(found, 0, float(x), float(y)), found.pyramid.levels[0]
     column, row = seen.cell[0] - level.corner[0], seen.cell[1] - level.corner[1]
-    four = level.cells[row : row + 2, column : column + 2] / 65536
+    four = level.probability[row : row + 2, column : column + 2]
     np.testing.assert_allclose(seen.corners, four.ravel(), atol=1e-5)
     centre = (np.array(seen.cell) + 0.5) * seen.resolution
     assert (np.abs(np.array(seen.place) - centre - seen.resolution / 2) <= seen.resolution / 2 + 1e-9).all()
