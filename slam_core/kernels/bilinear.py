@@ -1,7 +1,7 @@
 """Equations (4)-(6) for one point, inlined into the loops that need them.
 
-A cell keeps its probability in parts of 2^16, less 2^15: what nobody saw is 0, as new memory is. The two neighbours
-in a row are one word of 32 bits, so that two loads fetch four cells.
+A cell keeps its probability in parts of 2^16, less 2^15: what nobody saw is 0, as new memory is. The two
+neighbours in a row are one word of 32 bits, so that two loads fetch four cells.
 """
 
 import numpy as np

@@ -228,6 +228,12 @@ def derive_cells(log_odds, out):
             out[row, column] = probability_in_parts(log_odds[row, column])
 
 
+@njit(fastmath={"contract"}, **INNER)
+def cell_of(log_odds):
+    """The same for one cell."""
+    return probability_in_parts(log_odds)
+
+
 @njit(inline="always")
 def probability_in_parts(log_odds):
     """What a cell of these log-odds holds for the matcher."""

@@ -65,8 +65,7 @@ class FrozenMap:
         resolution, shape, corner, tile, bounds, revisions = self._levels[i]
         level = GridLevel(resolution, shape, resolution * corner, surfels=i == 0, tile=tile)
         for key, kept in window.items():
-            cells = kept.cells[i] if kept.cells else None
-            level.put(key, (kept.log_odds[i], cells, None if i else kept.surfels), kept.revision)
+            level.put(key, kept.log_odds[i], None if i else kept.surfels, kept.revision)
         level.bounds, level.revisions = bounds, revisions.copy()
         return level
 
@@ -77,5 +76,5 @@ def _frame(level: GridLevel) -> tuple[float, tuple[int, int], Any, int]:
 
 def _taken(tiled: TiledMap, key: Key, revision: int) -> Tile:
     """A tile of the window, also one in which all is unknown again."""
-    log_odds, cells, surfels = zip(*(level.take(key) for level in tiled.levels), strict=True)
-    return Tile(revision, log_odds, surfels[0], () if all(kept is None for kept in cells) else cells)
+    log_odds, surfels = zip(*(level.take(key) for level in tiled.levels), strict=True)
+    return Tile(revision, log_odds, surfels[0])

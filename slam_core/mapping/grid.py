@@ -12,9 +12,6 @@ from slam_core.kernels.surfels import write_surfels
 from slam_core.mapping.tiles import TILE, Box, Key, Kind, around, common, derived, part, square
 from slam_core.measurements import Float32s, Float64s, Int64s
 
-Taken = tuple[Float32s, NDArray[np.int16] | None, NDArray[np.uint32] | None]
-"""Of a tile on a level: log-odds, cells if they do not follow from those, surfels if there are any."""
-
 
 class GridLevel:
     """A window on the endless lattice of cells in which the map's start is the corner of cell (0, 0).
@@ -166,20 +163,17 @@ class GridLevel:
         column, row = (self.corner // self.tile).tolist()
         return [(column + x, row + y) for y, x in np.argwhere(self.revisions > 0).tolist()]
 
-    def take(self, key: Key) -> Taken:
-        """Copies of a tile of the window."""
+    def take(self, key: Key) -> tuple[Float32s, NDArray[np.uint32] | None]:
+        """Of a tile of the window copies of log-odds, and of surfels if there are any."""
         box = self._box_of(key)
-        log_odds, cells = self.log_odds[box].copy(), self.cells[box]
         surfels = self.surfels[box] if len(self.surfels) else np.zeros((0, 0), np.uint32)
-        follow = np.array_equal(derived(log_odds), cells)
-        return log_odds, None if follow else cells.copy(), surfels.copy() if surfels.any() else None
+        return self.log_odds[box].copy(), surfels.copy() if surfels.any() else None
 
-    def put(self, key: Key, taken: Taken, revision: int) -> None:
+    def put(self, key: Key, log_odds: Float32s, surfels: NDArray[np.uint32] | None, revision: int) -> None:
         """Set a tile of the window."""
         box = self._box_of(key)
-        log_odds, cells, surfels = taken
         self.log_odds[box] = log_odds
-        self.cells[box] = derived(log_odds) if cells is None else cells
+        self.cells[box] = derived(log_odds)
         if len(self.surfels):
             self.surfels[box] = 0 if surfels is None else surfels
         self.revisions[box[0].start // self.tile, box[1].start // self.tile] = revision

@@ -169,7 +169,7 @@ class Pyramid(TiledMap):
         for y, x in np.argwhere((before == 0) & (self._revisions() > 0)).tolist():
             for level in self.levels:
                 blank = np.zeros((level.tile, level.tile), np.float32)
-                level.put((column + x, row + y), (blank, None, None), 0)
+                level.put((column + x, row + y), blank, None, 0)
             self.stopped_at = self._limit
 
     def probability(self, level: int = 0) -> Float32s:

@@ -22,6 +22,7 @@ from slam_core.mapping.tiles import (
     around,
     common,
     cut,
+    derived,
     holds,
     keys,
     part,
@@ -132,7 +133,8 @@ class TiledMap:
             )
         whole = GridLevel(grid.resolution, (rows, columns), grid.resolution * np.array([column0, row0], float))
         whole.bounds = grid.bounds
-        whole.log_odds[:], whole.cells[:] = (self.gather(level, whole.box, kind) for kind in ("log_odds", "cells"))
+        whole.log_odds = self.gather(level, whole.box)
+        whole.cells = derived(whole.log_odds)
         if level == 0:
             whole.surfels = self.gather(level, whole.box, "surfels")
         return whole
@@ -166,15 +168,14 @@ class TiledMap:
             return
         self._stored -= tile.nbytes
         for i, level in enumerate(self.levels):
-            cells = tile.cells[i] if tile.cells else None
-            level.put(key, (tile.log_odds[i], cells, None if i else tile.surfels), tile.revision)
+            level.put(key, tile.log_odds[i], None if i else tile.surfels, tile.revision)
 
     def _taken(self, key: Key, revision: int) -> Tile | None:
         """A tile of the window, to be kept; None if nothing was ever seen there."""
-        log_odds, cells, surfels = zip(*(level.take(key) for level in self.levels), strict=True)
+        log_odds, surfels = zip(*(level.take(key) for level in self.levels), strict=True)
         if not any(values.any() for values in log_odds):
             return None
-        return Tile(revision, log_odds, surfels[0], () if all(kept is None for kept in cells) else cells)
+        return Tile(revision, log_odds, surfels[0])
 
     def _revisions(self) -> Int64s:
         """Of each tile in the window, (rows, columns) of tiles, when it changed last; 0 for never."""

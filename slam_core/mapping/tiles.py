@@ -26,14 +26,12 @@ class Tile:
     """One square of the map. It is never written, so that copies of a map share it.
 
     revision: of the map, when the tile changed last. log_odds: for each level the cells (n, n), finest first.
-    surfels: of the finest level; None if there are none. cells: for each level what the matcher reads, None where
-    that follows from the log-odds, as it nearly always does.
+    surfels: of the finest level; None if there are none. What the matcher reads follows from the log-odds.
     """
 
     revision: int
     log_odds: tuple[Float32s, ...]
     surfels: NDArray[np.uint32] | None = None
-    cells: tuple[NDArray[np.int16] | None, ...] = ()
 
     def __deepcopy__(self, _: Any) -> "Tile":
         return self
@@ -41,30 +39,26 @@ class Tile:
     @property
     def nbytes(self) -> int:
         """Memory of the arrays."""
-        return sum(array.nbytes for array in (*self.log_odds, self.surfels, *self.cells) if array is not None)
+        return sum(array.nbytes for array in (*self.log_odds, self.surfels) if array is not None)
 
     def values(self, level: int, kind: Kind) -> NDArray[Any] | None:
         """An array (n, n) of a level, as a `GridLevel` has it; None without surfels."""
         if kind == "surfels":
             return self.surfels
-        if kind == "log_odds":
-            return self.log_odds[level]
-        kept = self.cells[level] if self.cells else None
-        return derived(self.log_odds[level]) if kept is None else kept
+        return self.log_odds[level] if kind == "log_odds" else derived(self.log_odds[level])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PackedTile:
     """A tile to be kept for long, in a fraction of the memory.
 
-    data: its arrays one after the other, packed. surfels, cells: which of them there are, as in a `Tile`.
+    data: its arrays one after the other, packed. surfels: whether there are some.
     """
 
     revision: int
     data: bytes
     levels: int
     surfels: bool
-    cells: tuple[bool, ...]
 
     @property
     def nbytes(self) -> int:
@@ -74,10 +68,9 @@ class PackedTile:
     @classmethod
     def of(cls, tile: Tile, pack: Callable[[bytes], bytes]) -> "PackedTile":
         """pack: any compression without loss."""
-        there = [array for array in (*tile.log_odds, tile.surfels, *tile.cells) if array is not None]
+        there = [array for array in (*tile.log_odds, tile.surfels) if array is not None]
         data = pack(b"".join(array.tobytes() for array in there))
-        cells = tuple(array is not None for array in tile.cells)
-        return cls(tile.revision, data, len(tile.log_odds), tile.surfels is not None, cells)
+        return cls(tile.revision, data, len(tile.log_odds), tile.surfels is not None)
 
     def tile(self, unpack: Callable[[bytes], bytes]) -> Tile:
         """The tile again. unpack: undoes what packed it."""
@@ -91,9 +84,7 @@ class PackedTile:
             return flat.reshape(side, side)
 
         log_odds = tuple(array(level, np.float32) for level in range(self.levels))
-        surfels = array(0, np.uint32) if self.surfels else None
-        cells = tuple(array(level, np.int16) if there else None for level, there in enumerate(self.cells))
-        return Tile(self.revision, log_odds, surfels, cells)
+        return Tile(self.revision, log_odds, array(0, np.uint32) if self.surfels else None)
 
 
 class SavedCells(NamedTuple):

@@ -78,7 +78,8 @@ def reference_grid(level: GridLevel) -> OccupancyGrid:
     """What is known of a level, with the probabilities that the matcher reads (in parts of 2^16)."""
     row0, row1, column0, column1 = level.bounds or (0, 0, 0, 0)
     box = common((row0 - EDGE, row1 + EDGE, column0 - EDGE, column1 + EDGE), level.box)
-    probability = np.clip(probability_of(level.gather(box, "cells")).astype(np.float64), 0.5 / WHOLE, 1.0 - 0.5 / WHOLE)
+    probability = probability_of(level.gather(box, "cells")).astype(np.float64)
+    probability = np.clip(probability, 0.5 / WHOLE, 1.0 - 0.5 / WHOLE)
     return OccupancyGrid(level.resolution, np.array([box[2], box[0]]), np.log(probability / (1.0 - probability)))
 
 

@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from slam_core.mapping.tiles import TILE, PackedTile, Tile, derived
+from slam_core.mapping.tiles import TILE, PackedTile, Tile
 
 
 @pytest.mark.parametrize("surfels", [False, True])
-@pytest.mark.parametrize("own", [(), (False, True, False), (True, True, True)])
-def test_a_packed_tile_is_the_same_and_smaller(surfels: bool, own: tuple[bool, ...]) -> None:
+def test_a_packed_tile_is_the_same_and_smaller(surfels: bool) -> None:
     """Every array to the byte, those that are not there included."""
     rng = np.random.default_rng(4)
     log_odds = tuple(rng.choice([0.0, -0.4, 0.9], (TILE >> i, TILE >> i)).astype(np.float32) for i in range(3))
-    cells = tuple(derived(log_odds[i]) + np.int16(1) if there else None for i, there in enumerate(own))
-    tile = Tile(7, log_odds, rng.integers(0, 9, (TILE, TILE), np.uint32) if surfels else None, cells)
+    tile = Tile(7, log_odds, rng.integers(0, 9, (TILE, TILE), np.uint32) if surfels else None)
     packed = PackedTile.of(tile, zlib.compress)
     again = packed.tile(zlib.decompress)
     assert again.revision == packed.revision == 7
@@ -30,4 +28,4 @@ def contents(tile: Tile) -> list[tuple[str, tuple[int, ...], bytes] | None]:
     def content(array: NDArray[np.generic] | None) -> tuple[str, tuple[int, ...], bytes] | None:
         return None if array is None else (array.dtype.str, array.shape, array.tobytes())
 
-    return [content(array) for array in (*tile.log_odds, tile.surfels, *tile.cells)]
+    return [content(array) for array in (*tile.log_odds, tile.surfels)]
