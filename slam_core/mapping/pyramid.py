@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from slam_core.config import ConfigError, MapConfig
 from slam_core.kernels.dynamic_objects import by_bearing
-from slam_core.kernels.map_update import BLOCK, cell_box
+from slam_core.kernels.map_update import cell_box
 from slam_core.kernels.planar import transform_points
 from slam_core.kernels.surfaces import between
 from slam_core.mapping.grid import GridLevel
@@ -48,7 +48,6 @@ class Pyramid(TiledMap):
     def __init__(self, config: MapConfig) -> None:
         check_room(config)
         super().__init__(config.resolution, config.levels, _first_window(config))
-        self._step = _step(config.levels)
         self.updates = 0
         self.stopped_at = 0.0
         self._limit = config.limit
@@ -145,14 +144,12 @@ class Pyramid(TiledMap):
         if around is None:
             return
         self._reach = max(self._reach, reach)
-        step = self._step
-        largest = math.isqrt(int(0.5 * self._limit / megabytes((step * TILE) ** 2, len(self.levels))))
-        needed = math.ceil((around[1] - around[0]) / TILE) + 2 * max(SLACK, step)
-        side = step * min(math.ceil(needed / step), largest)
+        largest = math.isqrt(int(0.5 * self._limit / megabytes(TILE**2, len(self.levels))))
+        side = min(math.ceil((around[1] - around[0]) / TILE) + 2 * SLACK, largest)
         now, window = self.window, []
         for i in (0, 2):
             length, middle = max(now[i + 1] - now[i], side), (around[i] + around[i + 1]) / (2 * TILE)
-            first = step * math.floor((middle - length / 2) / step + 0.5)
+            first = math.floor(middle - length / 2 + 0.5)
             window += [first, first + length]
         if (box := (window[0], window[1], window[2], window[3])) != now:
             self.move(box)
@@ -189,17 +186,12 @@ class Pyramid(TiledMap):
 
 def _first_window(config: MapConfig) -> Box:
     """The tiles around `map.size` cells with the start where it is asked for."""
-    step, ends = _step(config.levels), []
+    ends = []
     for start in (config.start_y, config.start_x):
         first, last = -start * config.size / TILE, (1.0 - start) * config.size / TILE
-        ends += [step * math.floor(first / step), step * math.ceil(last / step)]
+        ends += [math.floor(first), math.ceil(last)]
     row0, row1, column0, column1 = ends
     return row0, row1, column0, column1
-
-
-def _step(levels: int) -> int:
-    """Tiles by which windows move. The update derives cells by blocks, which must not depend on the window."""
-    return max(1, (BLOCK << (levels - 1)) // TILE)
 
 
 def _wider(box: Box, by: int) -> Box:

@@ -4,8 +4,10 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from slam_core.kernels.dynamic_objects import by_bearing
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import log_odds
+from slam_core.mapping.tiles import derived
 
 FREE, OCCUPIED = log_odds(0.4), log_odds(0.9)
 CELLS = 400
@@ -57,3 +59,19 @@ def test_a_map_of_any_width_is_that_part_of_a_wide_one(seed, rows, columns, beam
     # Beyond its edge the narrow map has no cell behind a beam's end.
     np.testing.assert_array_equal(narrow.log_odds, wide.log_odds[:rows, :columns])
     np.testing.assert_array_equal(narrow.cells, wide.cells[:rows, :columns])
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10_000), st.floats(0.1, 0.9), st.floats(0.01, 0.9))
+def test_what_the_matcher_reads_follows_from_the_log_odds(seed, occupied, free):
+    """Of cells that were written, and of cells that beams passed later: both round alike, to the last bit."""
+    rng = np.random.default_rng(seed)
+    level = GridLevel(1.0, (128, 128), np.zeros(2), tile=64)
+    start, angles = np.full(2, 64.3), np.sort(rng.uniform(-np.pi, np.pi, 200))
+    ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    for _ in range(3):
+        ends = start + rng.uniform(5, 30, (200, 1)) * ways
+        level.update(start, ends, np.empty((0, 2)), (-free, occupied), (-9.0, 9.0))
+    beams = by_bearing(start, start + 50.0 * ways)
+    assert level.clear(start, beams, 1.5, 4.0, -free)
+    np.testing.assert_array_equal(level.cells, derived(level.log_odds))

@@ -85,7 +85,7 @@ def test_the_window_moves_only_when_a_beam_needs_it():
     """What lies in the first window leaves it alone; then it is around the robot, with room to go on."""
     pyramid = Pyramid(SMALL)
     beam(pyramid, 1.0, 1.0, SMALL)
-    assert pyramid.levels[0].box == (-128, 128, -128, 128)
+    assert pyramid.levels[0].box == (-64, 64, -64, 64)
     beam(pyramid, 9.0, 0.0, SMALL)
     row0, row1, column0, column1 = first = pyramid.levels[0].box
     assert row1 - row0 == column1 - column0
@@ -130,8 +130,8 @@ def test_without_growing_beams_are_cut_at_the_edge():
     config = replace(SMALL, grow=False)
     pyramid = Pyramid(config)
     beam(pyramid, 20.0, 0.0, config)
-    assert pyramid.levels[0].shape == (256, 256)
-    assert np.count_nonzero(pyramid.levels[0].log_odds) > 120
+    assert pyramid.levels[0].shape == (128, 128)
+    assert np.count_nonzero(pyramid.levels[0].log_odds) > 60
     assert pyramid.stopped_at == 0
 
 
