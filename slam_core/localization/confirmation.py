@@ -23,8 +23,8 @@ STEADY = 0.15  # metres, radians: where several predictions in a row were so nea
 class Confirmation:
     """What was sure last, and the pose that waits to be confirmed.
 
-    pose: (3,) the last confirmed one. missed: bad matches since then. is_lost: whether a pose since then was found
-    too far from the prediction to be tracked.
+    pose: (3,) the last confirmed one. missed: scans since then. is_lost: whether a pose since then was found too
+    far from the prediction to be tracked.
     """
 
     def __init__(self) -> None:
@@ -76,13 +76,14 @@ class Confirmation:
         if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
             self._good += 1
         if not self._is_confirmed(pose):
+            self.missed += 1
             return verdict._replace(state="lost" if self.is_lost else "degraded", confirmed=False)
         self._found, self.is_lost, self.missed = None, False, 0
         self.pose, self._sure_ns = pose.copy(), time_ns
         return verdict._replace(state="recovered")
 
     def rejected(self) -> bool:
-        """Count a bad match. Whether it ends a pose that waited."""
+        """Count a scan with a bad match. Whether it ends a pose that waited."""
         self.missed += 1
         failed, self._found = self.pending, None
         return failed

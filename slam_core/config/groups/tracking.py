@@ -43,7 +43,7 @@ class TrackingConfig:
     search_distance: Annotated[float, Param("Largest translation that the search covers.", "m", 0.1, 5.0)] = 2.0
     search_angle: Annotated[float, Param("Largest rotation that the search covers.", "rad", 0.05, 3.14)] = 3.14
     lost_after: Annotated[
-        int, Param("The pose counts as lost after so many scans in a row without an accepted match.", "", 1, 1000)
+        int, Param("The pose counts as lost after so many scans in a row without a confirmed match.", "", 1, 1000)
     ] = 10
     relocalise: Annotated[bool, Param("Global localisation: search the whole map while the pose is lost.")] = True
     relocalise_interval: Annotated[float, Param("Time between two searches of the whole map.", "s", 0.0, 60.0)] = (

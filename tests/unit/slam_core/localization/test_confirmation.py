@@ -88,6 +88,18 @@ def test_a_pose_far_off_or_after_long_needs_several_scans_on_known_map(missed):
     assert drive.match(6.0).confirmed
 
 
+def test_poses_that_were_never_confirmed_make_a_robot_lost():
+    """Found and given up again for long: steady matches that are poor do not confirm any more."""
+    drive = Drive()
+    drive.match()
+    for _ in range(CONFIG.lost_after // 4 + 1):
+        drive.miss()
+        assert {drive.match(fit=POOR).state for _ in range(3)} == {"degraded"}
+    drive.miss()
+    assert {drive.match(fit=POOR).state for _ in range(3 * SEVERAL)} == {"lost"}
+    assert drive.confirmation.awaits_search
+
+
 def test_a_sure_prediction_confirms_after_many_bad_matches():
     """Inertial data carries a robot through scans of noise: where they predict, few good scans suffice."""
     drive = Drive()
@@ -136,7 +148,7 @@ def test_a_bad_match_ends_what_waits():
     drive.match(3.0)
     assert drive.miss()
     assert not drive.confirmation.pending
-    assert drive.confirmation.missed == 2
+    assert drive.confirmation.missed == 3
     np.testing.assert_array_equal(drive.confirmation.pose, [2.0, 0.0, 0.0])
 
 
