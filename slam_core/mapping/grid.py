@@ -1,9 +1,11 @@
 """Section IV: one occupancy grid of log-odds with the probability that the matcher reads."""
 
+import mmap
+from math import prod
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from slam_core.kernels.bilinear import UNKNOWN_PARTS, WHOLE
 from slam_core.kernels.dynamic_objects import clear_passed, ends_in_free_space
@@ -11,6 +13,8 @@ from slam_core.kernels.map_update import write_scan
 from slam_core.kernels.surfels import write_surfels
 from slam_core.mapping.tiles import TILE, Box, Key, Kind, around, common, derived, part, square
 from slam_core.measurements import Float32s, Float64s, Int64s
+
+LARGE = 1 << 22  # bytes for which numpy asks for huge pages
 
 
 class GridLevel:
@@ -39,9 +43,9 @@ class GridLevel:
     ) -> None:
         self.resolution = resolution
         self.corner: Int64s = np.rint(origin / resolution).astype(np.int64)
-        self.log_odds: Float32s = np.zeros(shape, np.float32)
-        self.cells: NDArray[np.int16] = np.zeros(shape, np.int16)
-        self.surfels: NDArray[np.uint32] = np.zeros(shape if surfels else (0, 0), np.uint32)
+        self.log_odds: Float32s = unknown(shape, np.float32)
+        self.cells: NDArray[np.int16] = unknown(shape, np.int16)
+        self.surfels: NDArray[np.uint32] = unknown(shape if surfels else (0, 0), np.uint32)
         self.tile = tile
         self.revisions = _no_revisions(shape, tile)
         self.bounds: Box | None = None
@@ -105,7 +109,7 @@ class GridLevel:
             if len(array) and same:
                 _shift(array, (down, right), known[:2])
             elif len(array):
-                setattr(self, name, _moved(array, (down, right), np.zeros(shape, array.dtype), known))
+                setattr(self, name, _moved(array, (down, right), unknown(shape, array.dtype), known))
         if not same:
             self._marks = _no_marks(shape)
         self.corner = corner
@@ -218,6 +222,17 @@ class GridLevel:
         return other
 
 
+def unknown(shape: tuple[int, int], dtype: DTypeLike) -> NDArray[Any]:
+    """Zeros; many of them in small pages of new memory, each of which takes time when it is touched first.
+
+    numpy asks for huge pages: a few long beams touch all of those, and the system may have to look for some.
+    """
+    size = prod(shape) * np.dtype(dtype).itemsize
+    if size < LARGE:
+        return np.zeros(shape, dtype)
+    return np.frombuffer(mmap.mmap(-1, size, access=mmap.ACCESS_COPY), dtype).reshape(shape)
+
+
 def probability_of(cells: NDArray[np.int16]) -> Float32s:
     """M of eq. (4) of a level's `cells`."""
     probability: Float32s = (cells + np.float32(UNKNOWN_PARTS)) / np.float32(WHOLE)
@@ -258,4 +273,4 @@ def _no_revisions(shape: tuple[int, int], tile: int) -> Int64s:
 def _no_marks(shape: tuple[int, int]) -> NDArray[np.uint8]:
     """Rows an odd number of cache lines apart: cells above each other do not compete for the same lines."""
     rows, columns = shape
-    return np.zeros((rows, 64 * (columns // 64 + 1 | 1)), np.uint8)
+    return unknown((rows, 64 * (columns // 64 + 1 | 1)), np.uint8)

@@ -1,5 +1,8 @@
 """The log-odds level: what one scan may change, and where."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,8 @@ from slam_core.mapping.tiles import holds, tiles_around
 
 FREE, OCCUPIED = log_odds(0.4), log_odds(0.9)
 NONE = np.empty((0, 2))
+STATM = Path("/proc/self/statm")
+MEGABYTE = 1_000_000
 
 
 def update(level, start, ends, cleared=NONE, caps=(-50.0, 50.0), revision=1):
@@ -227,3 +232,31 @@ def test_a_cell_that_is_free_stays_free_behind_an_end(level):
         update(level, (0.5, 0.5), [(9.5, 0.5)])
     level.update(np.array([0.5, 0.5]), np.array([[6.5, 0.5]]), NONE, (FREE, OCCUPIED), (-50.0, 50.0), -1.0)
     assert level.log_odds[5, 17] == pytest.approx(9 * FREE)
+
+
+def resident() -> int:
+    """Bytes of this process that are in memory."""
+    return int(STATM.read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
+
+
+@pytest.mark.skipif(not STATM.exists(), reason="the system does not tell how much memory was touched")
+def test_a_large_level_takes_memory_where_beams_go():
+    """Of 184 MB next to nothing at first; a beam along a column takes one small page a row."""
+    before = resident()
+    level = GridLevel(0.05, (4096, 4096), np.zeros(2), surfels=True)
+    assert level.nbytes > 180 * MEGABYTE
+    assert resident() - before < 10 * MEGABYTE
+    update(level, (100.0, 20.0), [(100.0, 120.0)])
+    assert np.count_nonzero(level.log_odds[400:2400, 2000]) == 2000
+    assert resident() - before < 40 * MEGABYTE
+
+
+def test_a_large_level_and_its_copy_are_written_apart():
+    """As small ones are."""
+    level = GridLevel(0.05, (2048, 2048), np.zeros(2))
+    other = level.copy()
+    update(level, (50.0, 50.0), [(60.0, 50.0)])
+    assert level.log_odds.any()
+    assert level.cells.any()
+    assert not other.log_odds.any()
+    assert not other.cells.any()
