@@ -10,9 +10,9 @@ from numba import njit
 from slam_core.kernels.memory import pair
 
 WHOLE = 65536.0  # the parts of a probability of 1, which is rounded to one part less
-UNKNOWN = np.int16(0)
+UNKNOWN = np.int16(0)  # as a cell keeps it
 UNKNOWN_PARTS = 32768
-UNKNOWN_PAIR = np.uint32(0x80008000)
+UNKNOWN_PAIR = np.uint32(0x80008000)  # those in both halves of a word
 LEFT_HALF, RIGHT_SHIFT = np.uint32(0xFFFF), np.uint32(16)
 
 

@@ -8,7 +8,7 @@ from numba import njit
 from slam_core.kernels import INNER
 from slam_core.kernels.bilinear import UNKNOWN
 from slam_core.kernels.correlative import cells_at
-from slam_core.kernels.map_update import cell_of, cells_of
+from slam_core.kernels.map_update import cells_of, derive_cell
 from slam_core.kernels.memory import alias_scope, lowest, occupied, prefetch
 
 get, _ = alias_scope(0)
@@ -101,7 +101,7 @@ def clear_passed(grid, corner, resolution, known, laser, beams, clearing, tiles)
             if _is_passed(_bin(away[k, 0], away[k, 1], places[k]), distances[k], lengths, begin, behind):
                 value = min(log_odds[v, u], most) + free
                 log_odds[v, u] = value
-                cells[v, u] = cell_of(value)
+                cells[v, u] = derive_cell(value)
                 revisions[v >> shift, u >> shift] = revision
                 if len(surfels) > 0:
                     surfels[v, u] = NONE

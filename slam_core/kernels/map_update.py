@@ -229,7 +229,7 @@ def derive_cells(log_odds, out):
 
 
 @njit(fastmath={"contract"}, **INNER)
-def cell_of(log_odds):
+def derive_cell(log_odds):
     """The same for one cell."""
     return probability_in_parts(log_odds)
 

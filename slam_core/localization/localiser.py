@@ -34,7 +34,7 @@ from slam_core.results import (
 )
 from slam_core.scan.stabilise import StabilisedScan
 
-# Metres, metres, radians: how far off a robot may be that stays where it was sure last, and more a bad match.
+# Metres, metres, radians: how far off a robot may be that stays where it was sure last, and more a scan since.
 HELD, HELD_GROWTH, HELD_MOST = np.array([0.3, 0.3, 0.5]), 0.1, 2.0
 
 

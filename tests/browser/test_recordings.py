@@ -2,11 +2,14 @@
 
 import base64
 import itertools
+import re
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, WebSocketRoute, expect
 
 from tests.bags import small_run
 from tests.browser.conftest import LISTED, UPLOADS, Open, Opened
@@ -109,6 +112,32 @@ def test_a_file_that_is_dropped_is_opened(opened: Opened, open_page: Open, bags:
     expect(page.locator(".hs-recordings")).to_be_hidden()
     assert shown.scans > 30
     assert "mine.bag" in [each.name for each in shown.library]
+
+
+def test_a_folder_that_is_dropped_during_an_upload_leaves_it_alone(
+    opened: Opened, open_page: Open, bags: Path, tmp_path: Path
+) -> None:
+    """The dialogue tells of the upload alone, which the server hears of late, and the file is opened."""
+    (tmp_path / "pictures").mkdir()
+    page = open_page(opened.server.url, LISTED)
+    late: list[Callable[[], None]] = []
+
+    def hold_back(sender: WebSocketRoute) -> None:
+        server = sender.connect_to_server()
+        sender.on_message(lambda sent: server.send(sent) if late else late.append(partial(server.send, sent)))
+
+    page.route_web_socket(re.compile("/upload$"), hold_back)
+    page.reload()
+    page.wait_for_function(LISTED)
+    drop(page, "late.bag", (bags / "kitchen.bag").read_bytes())
+    told = page.locator(".hs-recordings-status")
+    expect(told).to_have_text("Sending late.bag")
+    drop_from_disk(page, tmp_path / "pictures")
+    expect(told).to_have_text("Sending late.bag")
+    expect(page.locator(".hs-recordings progress")).to_be_visible()
+    late[0]()
+    expect(page.locator(".hs-recordings")).to_be_hidden()
+    until(opened.engine, lambda now: now.source == "late.bag" and now.scans, PATIENCE_S)
 
 
 @pytest.mark.parametrize(

@@ -242,6 +242,7 @@ def resident() -> int:
 @pytest.mark.skipif(not STATM.exists(), reason="the system does not tell how much memory was touched")
 def test_a_large_level_takes_memory_where_beams_go():
     """Of 184 MB next to nothing at first; a beam along a column takes one small page a row."""
+    update(GridLevel(1.0, (64, 64), np.zeros(2)), (1.0, 1.0), [(9.0, 9.0)])  # to compile takes memory, too
     before = resident()
     level = GridLevel(0.05, (4096, 4096), np.zeros(2), surfels=True)
     assert level.nbytes > 180 * MEGABYTE
