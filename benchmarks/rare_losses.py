@@ -24,6 +24,7 @@ from tests.conftest import ROOT
 BATCH, MOST = 30, 90  # variants
 CASES = ("offices, 20 min, laser alone", "mit_csail, laser alone")
 SWITCHED_OFF = (
+    "matcher.back_face_share",
     "tracking.unaided_mahalanobis_limit",
     "tracking.ignore_dynamic",
     "map.keyframe_max_delay",

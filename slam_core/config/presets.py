@@ -63,6 +63,10 @@ ADDITIONS = (
         {"matcher.surfel_weight": 0.0},
     ),
     Addition(
+        "Matches a scan again without the endpoints on walls seen from behind: their other side is not mapped.",
+        {"matcher.back_face_share": 1.0},
+    ),
+    Addition(
         "Ends a level when the Gauss-Newton step is short.",
         {"matcher.converged_step": 0.0},
     ),

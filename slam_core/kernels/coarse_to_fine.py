@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels import INNER
+from slam_core.kernels.back_faces import as_unknown, cost_in_front, count_behind
 from slam_core.kernels.correlative import count_hits
 from slam_core.kernels.gauss_newton import (
     gauss_newton,
@@ -21,7 +22,16 @@ from slam_core.kernels.gauss_newton import (
 from slam_core.kernels.linear import assign, fill
 from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.planar import inverse3, whole_turns
-from slam_core.kernels.structures import Beams, Level, Limits, MatchOutput, MatchSettings, Prior
+from slam_core.kernels.structures import (
+    Beams,
+    Level,
+    Levels,
+    Limits,
+    MatchOutput,
+    MatchProblem,
+    MatchSettings,
+    Prior,
+)
 from slam_core.kernels.surfaces import tangents, weakest_direction
 from slam_core.kernels.surfels import settle
 
@@ -30,7 +40,8 @@ _, put = alias_scope(1)
 _, put_too = alias_scope(2)
 _workspace = njit(inline="always")(workspace)
 
-# At least this many of the beams, evenly spaced, show how well the shape of the scan observes its position.
+# At least this many of the beams, evenly spaced, show how well the shape of the scan observes its position, and
+# whether it sees walls from behind.
 SURVEYED = 180
 # A coarser level only starts the next: it ends when its step is shorter than this part of its cells.
 NEAR = 0.05
@@ -53,27 +64,24 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     xs, ys = np.empty(len(points), np.float32), np.empty(len(points), np.float32)
     _part(points.reshape(-1), xs, ys)
     beams = Beams(xs, ys)
-    assign(found[1], survey(xs, ys, start[2]))
+    step = max(1, len(xs) // SURVEYED)
+    few = Beams(xs[::step].copy(), ys[::step].copy())
+    assign(found[1], survey(few, start[2]))
     if found[1, 2] >= settings.degeneracy_threshold:
         unobservable[0] = unobservable[1] = 0.0
     work, matched = _workspace(), np.empty(6)
     term = _prior_term(prior, settings.sigma, start[2])
-    last = len(cells) - 1
-    for i in range(last, 0, -1):
-        cell = resolution * (1 << i)
-        close = max(settings.converged_step, NEAR * cell) if settings.converged_step else 0.0
-        limits = Limits(settings.iterations_coarse, close)
-        level = Level(cells[i], corner >> i, 1.0 / cell)
-        output.taken[i], _ = gauss_newton(
-            level, beams, pose, term, unobservable, limits, residuals, trace[i], work, matched
-        )
-    finest = Level(cells[0], corner, 1.0 / resolution)
-    limits = Limits(settings.iterations_fine, settings.converged_step)
-    output.taken[0], converged = gauss_newton(
-        finest, beams, pose, term, unobservable, limits, residuals, trace[0], work, matched
-    )
+    levels, last = Levels(cells, corner, resolution), len(cells) - 1
+    finest, walls = level_of(levels, 0), Level(surfels, corner, 1.0 / resolution)
+    problem = MatchProblem(levels, start, term, unobservable, settings, work)
+    converged = _descend(problem, beams, pose, output, matched)
+    least = settings.back_face_share * len(few.xs) if settings.surfel_weight > 0.0 else math.inf
+    behind = np.empty(len(xs), np.bool_)
+    if least < len(few.xs) and count_behind(walls, few, pose, behind) > least:
+        converged = _match_in_front(problem, walls, beams, pose, output, matched, behind, converged)
     if 0.0 < (settings.prior_restart_sigmas * settings.sigma) ** 2 < prior_cost(term, pose):
         other, its_matched, its_trace = term[3].copy(), np.empty_like(matched), np.empty_like(trace[0])
+        limits = Limits(settings.iterations_fine, settings.converged_step)
         its_steps, its_end = gauss_newton(
             finest, beams, other, term, unobservable, limits, residuals, its_trace, work, its_matched
         )
@@ -85,14 +93,60 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
             output.taken[0], converged = its_steps, its_end
     if settings.surfel_weight > 0.0:
         halves = ((xs[::2].copy(), ys[::2].copy()), (xs[1::2].copy(), ys[1::2].copy()))
-        settle(
-            Level(surfels, corner, 1.0 / resolution), halves, pose, matched, settings.surfel_weight, unobservable
-        )
+        settle(walls, halves, pose, matched, settings.surfel_weight, unobservable)
     fill(found[2:5], hessian(finest, beams, pose, residuals, work))
     fill(found[5:], hessian_covariance(found[2:5], settings.sigma, unobservable))
     pose[2] -= whole_turns(pose[2])
     known, hits = count_hits(cells[last], corner >> last, 1.0 / (resolution * (1 << last)), points, pose)
+    if least < len(few.xs) and count_behind(walls, few, pose, behind) > least:
+        count_behind(walls, beams, pose, behind)
+        as_unknown(residuals, behind)
     return converged, known, hits
+
+
+@njit(cache=True, error_model="numpy")
+def _descend(problem, beams, pose, output, matched):
+    """Match the beams from the coarsest level to the finest, `pose` (3,) in place. Whether the last converged."""
+    levels, settings, converged = problem.levels, problem.settings, False
+    for i in range(len(levels.cells) - 1, -1, -1):
+        step = settings.converged_step
+        if i and step:
+            step = max(step, NEAR * levels.resolution * (1 << i))
+        limits = Limits(settings.iterations_coarse if i else settings.iterations_fine, step)
+        output.taken[i], converged = gauss_newton(
+            level_of(levels, i), beams, pose, problem.term, problem.unobservable, limits, output.residuals,
+            output.trace[i], problem.workspace, matched,
+        )  # fmt: skip
+    return converged
+
+
+@njit(cache=True, error_model="numpy")
+def _match_in_front(problem, walls, beams, pose, output, matched, behind, converged):
+    """Match again without the ends on walls seen from behind; `pose` (3,) is then the one that costs less.
+
+    walls: a `Level` of surfels. behind: (n,) workspace. converged: whether `pose` is that of a match that did.
+    """
+    count_behind(walls, beams, pose, behind)
+    kept, other, its_matched = Beams(beams.xs[~behind], beams.ys[~behind]), problem.start.copy(), matched.copy()
+    its = MatchOutput(output.found, output.taken.copy(), output.residuals, output.trace.copy())
+    its_end = _descend(problem, kept, other, its, its_matched)
+    finest, term, work, residuals = level_of(problem.levels, 0), problem.term, problem.workspace, output.residuals
+    cost = cost_in_front(finest, beams, pose, term, residuals, behind, work)
+    count_behind(walls, beams, other, behind)
+    if not cost_in_front(finest, beams, other, term, residuals, behind, work) < cost:
+        return converged
+    assign(pose, other)
+    assign(matched, its_matched)
+    for i in range(len(output.taken)):
+        output.taken[i] = its.taken[i]
+        fill(output.trace[i], its.trace[i])
+    return its_end
+
+
+@njit(inline="always")
+def level_of(levels, i):
+    """One of them, 0 the finest."""
+    return Level(levels.cells[i], levels.corner >> i, 1.0 / (levels.resolution * (1 << i)))
 
 
 @njit(**INNER)
@@ -104,10 +158,9 @@ def _part(points, xs, ys):
 
 
 @njit(cache=True, error_model="numpy")
-def survey(xs, ys, psi):
+def survey(beams, psi):
     """The direction in the map that the shape of the scan observes worst, and the share of beams that fix it."""
-    step = max(1, len(xs) // SURVEYED)
-    xs, ys = xs[::step].copy(), ys[::step].copy()
+    xs, ys = beams
     along_x, along_y = np.empty_like(xs), np.empty_like(xs)
     tangents(xs, ys, along_x, along_y)
     share, x, y = weakest_direction(xs, ys, along_x, along_y)

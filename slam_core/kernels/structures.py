@@ -20,6 +20,17 @@ class Level(NamedTuple):
     inverse: float
 
 
+class Levels(NamedTuple):
+    """All levels of a pyramid.
+
+    cells: a tuple over the levels, finest first. corner: (2,) and resolution, metres a cell: of the finest.
+    """
+
+    cells: Any
+    corner: Int64s
+    resolution: float
+
+
 class Beams(NamedTuple):
     """xs, ys: (n,) endpoints in the stabilised frame, metres."""
 
@@ -59,7 +70,22 @@ class MatchSettings(NamedTuple):
     prior_restart_sigmas: float
     sigma: float
     surfel_weight: float
+    back_face_share: float
     degeneracy_threshold: float
+
+
+class MatchProblem(NamedTuple):
+    """What the matches of one scan have in common.
+
+    start: (3,) pose. term: (4, 3) and unobservable: (2,) as in `gauss_newton`. workspace: of it.
+    """
+
+    levels: Levels
+    start: Float64s
+    term: Float64s
+    unobservable: Float64s
+    settings: MatchSettings
+    workspace: Any
 
 
 class MatchOutput(NamedTuple):

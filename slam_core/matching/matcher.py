@@ -36,8 +36,9 @@ def coarse_to_fine(
     prior: a predicted pose that joins the cost of (7) as (xi - prior)^T P^-1 (xi - prior), weighted by
     config.prior_weight; R is that of the scan alone. Where next to no beams fix some direction of the position,
     the pose keeps its start estimate in it (config.degeneracy_threshold). A match far from the prediction is
-    compared with one that starts there (config.prior_restart_sigmas). At last the endpoints are matched with the
-    surfels (config.surfel_weight).
+    compared with one that starts there (config.prior_restart_sigmas). One with endpoints on walls seen from behind
+    is compared with one without these (config.back_face_share). At last the endpoints are matched with the surfels
+    (config.surfel_weight).
     """
     pyramid.cover(points, start)
     levels = pyramid.levels
@@ -77,6 +78,7 @@ def _settings(config: MatcherConfig) -> tuple[float, ...]:
         config.prior_restart_sigmas,
         config.sigma,
         config.surfel_weight,
+        config.back_face_share,
         config.degeneracy_threshold,
     )
 

@@ -67,6 +67,16 @@ class MatcherConfig:
             20.0,
         ),
     ] = 5.0
+    back_face_share: Annotated[
+        float,
+        Param(
+            "If more than this share of the endpoints lies on walls seen from behind, the scan is matched again"
+            " without these endpoints, and the result with the lower cost is used (1: off, the paper).",
+            "",
+            0.0,
+            1.0,
+        ),
+    ] = 0.05
     degeneracy_threshold: Annotated[
         float,
         Param(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.kernels.coarse_to_fine import survey
+from slam_core.kernels.structures import Beams
 from slam_core.kernels.surfaces import between, tangents
 from slam_core.measurements import Float32s
 
@@ -74,17 +75,17 @@ def corridor(far: float, noise: float = 0.01, seed: int = 0) -> np.ndarray:
 def test_a_bare_corridor_is_open_along_and_an_end_closes_it(seed: int):
     """Noise turns no wall into a landmark, nor grazing beams far ahead; an end is one."""
     xs, ys = corridor(np.inf, seed=seed).T.copy()
-    x, _, share = survey(xs, ys, 0.0)
+    x, _, share = survey(Beams(xs, ys), 0.0)
     assert share < 0.004
     assert abs(x) > 0.9999
     xs, ys = corridor(15.0, seed=seed).T.copy()
-    assert survey(xs, ys, 0.0)[2] > 0.01
+    assert survey(Beams(xs, ys), 0.0)[2] > 0.01
 
 
 def test_the_open_direction_turns_with_the_robot():
     """In the axes of the map."""
     xs, ys = corridor(np.inf).T.copy()
-    x, y, _ = survey(xs, ys, 0.5)
+    x, y, _ = survey(Beams(xs, ys), 0.5)
     assert abs(x * np.cos(0.5) + y * np.sin(0.5)) > 0.9999
 
 
@@ -93,19 +94,19 @@ def test_a_square_room_fixes_both_directions_alike():
     angles = np.linspace(-np.pi, np.pi, 721)[:-1]
     ranges = 3.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
     xs, ys = (ranges * np.array([np.cos(angles), np.sin(angles)])).astype(np.float32)
-    assert survey(xs, ys, 0.3)[2] == pytest.approx(0.5, abs=0.05)
+    assert survey(Beams(xs, ys), 0.3)[2] == pytest.approx(0.5, abs=0.05)
 
 
 def test_a_round_room_leaves_the_turn_open_and_no_place():
     """Its walls fix the position from all sides."""
     angles = np.linspace(-np.pi, np.pi, 721)[:-1]
     xs, ys = (3.0 * np.array([np.cos(angles), np.sin(angles)])).astype(np.float32)
-    assert survey(xs, ys, 0.0)[2] == pytest.approx(0.5, abs=0.05)
+    assert survey(Beams(xs, ys), 0.0)[2] == pytest.approx(0.5, abs=0.05)
 
 
 def test_no_beams_fix_nothing():
     """A scan without endpoints is open, and breaks nothing."""
-    assert survey(np.empty(0, np.float32), np.empty(0, np.float32), 0.0)[2] == 0.0
+    assert survey(Beams(np.empty(0, np.float32), np.empty(0, np.float32)), 0.0)[2] == 0.0
 
 
 def grazing(n=12, aside=1.0, step=0.0087, first=0.05):

@@ -1,0 +1,63 @@
+"""Ends of beams on walls that are seen from behind, where no wall can be seen.
+
+Where a robot first sees the other side of a wall, that side is unknown, and the mapped one is the thickness of the
+wall away: eq. (7) draws the scan there. The surfels tell from where a wall was seen. (Variants of ICP reject pairs
+of points whose normals contradict each other: Rusinkiewicz and Levoy 2001.)
+"""
+
+import numpy as np
+from numba import njit
+
+from slam_core.kernels.gauss_newton import TOGETHER, in_lattice, joint_cost, place
+from slam_core.kernels.memory import pair
+from slam_core.kernels.surfels import RIGHT, unpacked
+
+AWAY = np.float32(0.2)  # cosine of beam and normal of a surface that looks away
+UNKNOWN = np.float32(0.5)  # residual of an end on an unknown cell
+ZERO = np.float32(0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def count_behind(walls, beams, pose, behind):
+    """Into `behind` (n,) which ends have surfels around them that all look away from the robot. How many.
+
+    walls: a `Level` of surfels. pose: (3,).
+    """
+    frame, n, room = in_lattice(walls, pose), len(beams.xs), min(TOGETHER, len(beams.xs))
+    flat, columns = walls.cells.reshape(-1), walls.cells.shape[1]
+    where, arms = np.empty(room, np.uint32), np.empty((2, room), np.float32)
+    count = 0
+    for begin in range(0, n, TOGETHER):
+        m = min(TOGETHER, n - begin)
+        place(beams.xs, beams.ys, begin, m, frame, columns, where, (arms[0], arms[1]))
+        for i in range(m):
+            k, x, y = np.int64(where[i]), arms[0, i], arms[1, i]
+            low, high, away = pair(flat, k), pair(flat, k + columns), AWAY * np.sqrt(x * x + y * y)
+            front = back = ZERO
+            for word in (np.int32(low), np.int32(low >> RIGHT), np.int32(high), np.int32(high >> RIGHT)):
+                seen, nx, ny, _ = unpacked(word)
+                if nx * x + ny * y > away:
+                    back += seen
+                else:
+                    front += seen
+            behind[begin + i] = front == ZERO and back > ZERO
+            count += behind[begin + i]
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def cost_in_front(level, beams, pose, term, residuals, behind, workspace):
+    """`joint_cost` where ends `behind` (n,) count as on unknown cells, at least."""
+    cost = joint_cost(level, beams, pose, term, residuals, workspace)
+    for k in range(len(behind)):
+        if behind[k]:
+            cost += max(ZERO, UNKNOWN * UNKNOWN - residuals[k] * residuals[k])
+    return cost
+
+
+@njit(inline="always")
+def as_unknown(residuals, behind):
+    """The residuals (n,) of ends `behind` (n,) are those of unknown cells, at least."""
+    for k in range(len(behind)):
+        if behind[k]:
+            residuals[k] = max(residuals[k], UNKNOWN)
