@@ -1,12 +1,13 @@
 """A pose that was found after bad matches counts once it explains several scans; before, no scan is written."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from slam_core import geometry
 from slam_core.config import TrackingConfig
-from slam_core.localization.search_parts import Region
+from slam_core.localization.search_parts import AT_REST, Region
 from slam_core.measurements import Float64s
 from slam_core.results import Fit, PlanarGaussian, Verdict
 
@@ -17,6 +18,7 @@ FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
 MOSTLY = 0.6  # of such a scan has to lie on known cells
 GOOD = 0.9  # of the usual inlier ratio
+EXPLAINED = 0.7  # of a scan by the map, where beams that cross walls count half
 STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
 
@@ -31,6 +33,7 @@ class Confirmation:
         self.pose = np.zeros(3)
         self.missed = 0
         self._sure_ns: int | None = None
+        self._found_ns, self._is_followed = 0, False
         self._found: Float64s | None = None  # where the waiting pose was found
         self._good = self._steady = 0
         self.is_lost = self._is_best = False
@@ -49,31 +52,44 @@ class Confirmation:
         """A search of the map found the pose that waits."""
         self._is_best = True
 
-    def region(self, time_ns: int) -> Region | None:
-        """Where the robot can have come since it was sure of its pose; None if it never was."""
+    def region(self, time_ns: int, pose: Float64s | None = None) -> Region | None:
+        """Where the robot can have come since it was sure of its pose; None if it never was.
+
+        pose: (3,) the one that waits, at this time. It may be wrong, but matches followed the robot since it was
+        found: the robot was within reach then, and its motion since is known.
+        """
         if self._sure_ns is None:
             return None
-        return Region(self.pose, REACH + SPEED * max(0.0, (time_ns - self._sure_ns) * 1e-9))
+        motion = AT_REST
+        if pose is not None and self._found is not None and self._is_followed:
+            time_ns, motion = self._found_ns, geometry.compose(geometry.inverse(self._found), pose)
+        return Region(self.pose, REACH + SPEED * max(0.0, (time_ns - self._sure_ns) * 1e-9), motion)
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
-        config: TrackingConfig,
+        config: TrackingConfig, explained: Callable[[], float],
     ) -> Verdict:  # fmt: skip
-        """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it."""
+        """The verdict on an accepted match at `pose` (3,).
+
+        usual: the mean inlier ratio before it. explained: how much of the scan the map explains there, 0 to 1.
+        """
         step = pose - prior.mean
         off = math.hypot(*step[:2])
         turned = abs(geometry.wrap(step[2]))
         if self._found is None and (self.missed or max(off, turned) > NEAR):
             relocalised = verdict.recovery == "relocalised"
             self._found, self._good, self._steady = pose.copy(), 0, 0
+            self._found_ns, self._is_followed = time_ns, True
             self._is_best = relocalised or not config.relocalise
             missed_long = self.missed >= config.lost_after and _is_vague(prior)
             self.is_lost |= relocalised or missed_long or off > REACH or turned > TURNED
+        elif max(off, turned) > NEAR:
+            self._is_followed = False
         if self._found is None:
             self.pose, self._sure_ns = pose.copy(), time_ns
             return verdict
         self._steady = self._steady + 1 if max(off, turned) < STEADY else 0
-        if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
+        if fit.hit >= GOOD * usual and fit.known >= MOSTLY and explained() >= EXPLAINED:
             self._good += 1
         if not self._is_confirmed(pose):
             self.missed += 1

@@ -55,7 +55,7 @@ class GlobalSearch:
         """wanted: how much of the scan a place has to explain; None for as much as the settings say."""
         self.scan = scan
         self.wanted = config.tracking.relocalise_min_inlier_ratio if wanted is None else wanted
-        self._pyramid, self._config = pyramid, config
+        self._pyramid, self._config, self._region = pyramid, config, region
         self._search = PlaceSearch(_level(pyramid), scan.points, LOOSE * self.wanted, region)
         self._places: Places | None = None
         self._matches: list[MatchResult] = []
@@ -82,7 +82,8 @@ class GlobalSearch:
         assert self._places is not None
         if self._places.crowded:
             return SearchResult(None, SearchFailure("crowded"))
-        matches = self._matches
+        region = self._region
+        matches = [each for each in self._matches if region is None or region.holds(each.pose)]
         shares = [agreement(self._pyramid, self.scan, match.pose) for match in matches]
         if max(shares, default=0.0) < self.wanted:
             return SearchResult(None, SearchFailure("no_place", max(shares, default=0.0), self.wanted))

@@ -1,5 +1,6 @@
 """The pose of each scan in the map: scan matching, acceptance of the match, and recovery after a bad one."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_without
+from slam_core.localization.global_search import agreement
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
@@ -103,8 +105,9 @@ class Localiser:
         if continues and config.tracking.continue_from_prediction:
             match, verdict = self._continue(match, verdict, prior)
         elif verdict.accepted:
+            explained = partial(agreement, self._pyramid, stabilised, match.pose)
             verdict = self._confirmation.accepted(
-                match.pose, match.fit, verdict, prior, self._tracker.usual, scan.mid_ns, config.tracking
+                match.pose, match.fit, verdict, prior, self._tracker.usual, scan.mid_ns, config.tracking, explained
             )
             if verdict.confirmed:
                 self._tracker.learn(match, prior)
@@ -207,8 +210,8 @@ class Localiser:
         config: SlamConfig,
     ) -> tuple[MatchResult, Verdict]:  # fmt: skip
         """Look for a lost robot where it can have come, or for a better place than the one it was found at."""
-        region = self._confirmation.region(time_ns)
         waiting = match.pose if verdict.accepted else None
+        region = self._confirmation.region(time_ns, waiting)
         found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config, waiting)
         if found is None:
             return match, verdict

@@ -5,9 +5,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from slam_core import geometry
 from slam_core.mapping.tiles import Box, Key, around, common, square
 from slam_core.measurements import Float32s, Float64s, Int64s
 
+AT_REST = np.zeros(3)
 BLOCK = 4  # cells on a side of the places that share a bound
 LARGE = 2048 * 2048  # cells beyond which a region is searched in parts, where something was seen
 PART = 256  # blocks on a side of such a part
@@ -36,10 +38,21 @@ class Cells(Protocol):
 
 
 class Region(NamedTuple):
-    """Where the robot can be: a circle, metres in the map."""
+    """Where the robot can have been: a circle, metres in the map. motion: (3,) of the robot since it was there."""
 
     centre: Float64s
     radius: float
+    motion: Float64s = AT_REST
+
+    @property
+    def reach(self) -> float:
+        """Metres from the centre to where the robot can be now, whatever its heading was."""
+        return self.radius + math.hypot(*self.motion[:2])
+
+    def holds(self, pose: Float64s) -> bool:
+        """Whether a robot that is at `pose` (3,) now was in the circle."""
+        was = geometry.compose(pose, geometry.inverse(self.motion))
+        return math.hypot(*(was - self.centre)[:2]) <= self.radius
 
 
 class Searched(NamedTuple):
@@ -99,7 +112,7 @@ def _whole(level: Cells, bounds: Box, region: Region | None, reach: float) -> tu
         return bounds, (0, 0, -(-(row1 - row0) // BLOCK), -(-(column1 - column0) // BLOCK))
     cell = level.resolution
     column, row = (np.asarray(region.centre[:2]) / cell).tolist()
-    half, far = region.radius / cell, (region.radius + reach) / cell + 1.0
+    half, far = region.reach / cell, (region.reach + reach) / cell + 1.0
 
     def cut(value: float, low: int, high: int) -> int:
         return math.floor(min(max(value, low), high))

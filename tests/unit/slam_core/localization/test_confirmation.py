@@ -26,13 +26,16 @@ class Drive:
         verdict: Verdict = ACCEPTED,
         predicted: float | None = None,
         sigma: float = 1.0,
+        explained: float = 1.0,
     ):
         """The verdict on an accepted match at x, with a standard deviation of the prediction."""
         self.time_ns += DT
         mean = np.array([x if predicted is None else predicted, 0.0, 0.0])
         prior = PlanarGaussian(mean, sigma**2 * np.eye(3))
         pose = np.array([x, 0.0, 0.0])
-        return self.confirmation.accepted(pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG)
+        return self.confirmation.accepted(
+            pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG, lambda: explained
+        )
 
     def miss(self, times: int = 1) -> bool:
         """Bad matches. Whether the last one ended a pose that waited."""
@@ -61,6 +64,16 @@ def test_after_a_bad_match_few_good_scans_confirm():
     sure = drive.match()
     assert (sure.state, sure.confirmed) == ("recovered", True)
     assert drive.match() == ACCEPTED
+
+
+def test_a_scan_that_the_map_does_not_explain_confirms_nothing():
+    """However many of its ends lie on walls: where beams cross other walls, the robot is elsewhere."""
+    drive = Drive()
+    drive.match()
+    drive.miss()
+    assert not any(drive.match(explained=0.5).confirmed for _ in range(SEVERAL - 1))
+    drive.miss()
+    assert [drive.match(explained=0.8).confirmed for _ in range(FEW)] == [False] * (FEW - 1) + [True]
 
 
 def test_where_predictions_are_near_the_fit_may_be_worse_than_usual():
@@ -161,3 +174,35 @@ def test_a_robot_comes_no_further_than_it_drives():
     assert region is not None
     np.testing.assert_array_equal(region.centre, [1.0, 0.0, 0.0])
     assert region.radius == REACH + SPEED * 3.0
+    assert region.holds(np.array([1.0 + region.radius - 0.1, 0.0, 2.0]))
+    assert not region.holds(np.array([1.0 + region.radius + 0.1, 0.0, 2.0]))
+
+
+def test_how_a_robot_moved_since_it_was_found_is_known():
+    """Wherever it is, it was within reach then: a place from which it cannot have come is none."""
+    drive = Drive()
+    drive.match(1.0)
+    drive.miss()
+    drive.match(3.2, predicted=1.0)
+    for x in np.arange(3.3, 8.0, 0.1):
+        drive.match(x)
+    assert drive.confirmation.awaits_search
+    region = drive.confirmation.region(drive.time_ns, np.array([x, 0.0, 0.0]))
+    assert region is not None
+    assert region.radius == pytest.approx(REACH + SPEED * 0.2)
+    assert region.reach == pytest.approx(region.radius + x - 3.2)
+    assert region.holds(np.array([x, 0.0, 0.0]))
+    assert region.holds(np.array([1.0 - (x - 3.2), 0.0, np.pi]))  # turned round, it went the other way
+    assert not region.holds(np.array([x - 5.0, 0.0, 0.0]))
+
+
+def test_of_a_motion_that_jumped_nothing_is_known():
+    """A match far from the prediction while a pose waits: the robot may be wherever it can have come since."""
+    drive = Drive()
+    drive.match(1.0)
+    drive.miss()
+    drive.match(3.2, predicted=1.0)
+    drive.match(4.0, predicted=3.3)
+    region = drive.confirmation.region(drive.time_ns, np.array([4.0, 0.0, 0.0]))
+    assert region is not None
+    assert (region.radius, *region.motion) == (pytest.approx(REACH + SPEED * 0.3), 0.0, 0.0, 0.0)

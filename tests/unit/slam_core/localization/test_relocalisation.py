@@ -82,6 +82,18 @@ def test_a_long_search_goes_on_with_the_next_scans(
     assert sum(spent) <= budget * (1.0 + k * EVERY_NS * 1e-9) + 5 * part
 
 
+def test_a_place_from_which_the_robot_cannot_have_come_is_none(room: Pyramid):
+    """It fits as well, and lies as far from where the robot was as that has moved since, but the other way."""
+    motion = np.array([1.5, 0.0, 0.4])
+    come = geometry.compose(FIRST, geometry.inverse(motion))
+    gone = geometry.compose(FIRST, motion)
+    for start, reachable in ((come, True), (gone, False)):
+        region = Region(start, 0.5, motion)
+        assert np.hypot(*(FIRST - start)[:2]) < region.reach
+        found = Relocaliser(np.zeros(3)).search(room, seen(FIRST), 0, PREDICTED, region, CONFIG)
+        assert (found is not None) == reachable
+
+
 def test_a_search_ends_when_the_pose_is_known(room: Pyramid, monkeypatch: pytest.MonkeyPatch):
     """What it would have found is not used any more: the next one begins with the scan of its time."""
     monkeypatch.setattr(relocalisation, "BUDGET", 3e5)
