@@ -16,7 +16,7 @@ TIMES = 5.0  # the usual distance between match and prediction: further off is u
 UNUSUAL = 0.08  # metres; nearer is not
 LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance beyond both is no motion
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
-POOR = 0.9  # of the usual inlier ratio
+POOR = 0.95  # of the usual inlier ratio
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
 
