@@ -6,6 +6,7 @@ begun with what is known, and that every scan fits, is the map of the run.
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,9 +19,21 @@ from slam_core.measurements import LaserScan
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.scan.stabilise import StabilisedScan
 
-STAGE_NS, LAST_NS, LONGEST_NS = 1_000_000_000, 2_000_000_000, 8_000_000_000
+
+class _Length(NamedTuple):
+    """The least of a stage: nanoseconds, scans."""
+
+    span_ns: int
+    scans: int
+
+
+STAGE, LAST, LAST_OF_ONE_THAT_TILTS = (
+    _Length(1_000_000_000, 4),
+    _Length(2_000_000_000, 4),
+    _Length(2_000_000_000, 25),
+)
+LONGEST_NS = 10_000_000_000
 STAGES, OF_ONE_THAT_TILTS = 2, 4
-FEWEST = 4  # scans of a stage
 LEVEL = 0.05  # rad, nearly: so much the vertical turns in the axes of a base that drives on a floor
 VERTICAL = np.array([[0.0, 0.0, 1.0]])
 
@@ -30,7 +43,8 @@ Adopt = Callable[[Pyramid, Localiser, Mapper], None]
 class StartInMotion:
     """One for each run. Of a base in motion: short stages, and a longer one that every scan has to fit.
 
-    One that tilts needs more of them: its acceleration and its tilt are told apart later.
+    One that tilts needs more of them: its acceleration and its tilt are told apart later. Its last one has more
+    scans, as each of them sees less of the walls.
     is_over: whether there was a start in motion, and the map has begun.
     """
 
@@ -50,7 +64,7 @@ class StartInMotion:
             return False
         self._begin_ns = self._begin_ns or time_ns
         last = stage is not None and self._stages >= (OF_ONE_THAT_TILTS if stage.tilts else STAGES)
-        if stage is None or stage.is_over(time_ns, LAST_NS if last else STAGE_NS):
+        if stage is None or stage.is_over(time_ns, last=last):
             fits = stage is not None and stage.fits
             if stage and last and fits:
                 adopt(stage.pyramid, stage.localiser, stage.mapper)
@@ -80,9 +94,10 @@ class _Stage:
         self.localiser = Localiser(self.pyramid, motion, np.zeros(3), is_prior=False, writes=True)
         self.mapper = Mapper(self.pyramid, writes=True)
 
-    def is_over(self, time_ns: int, span_ns: int) -> bool:
+    def is_over(self, time_ns: int, *, last: bool) -> bool:
         """Whether it is long enough."""
-        return self._scans >= FEWEST and time_ns - self._begin_ns >= span_ns
+        least = STAGE if not last else LAST_OF_ONE_THAT_TILTS if self.tilts else LAST
+        return self._scans >= least.scans and time_ns - self._begin_ns >= least.span_ns
 
     @property
     def tilts(self) -> bool:
