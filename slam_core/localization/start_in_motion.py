@@ -32,7 +32,7 @@ STAGE, LAST, LAST_OF_ONE_THAT_TILTS = (
     _Length(2_000_000_000, 4),
     _Length(2_000_000_000, 25),
 )
-LONGEST_NS = 10_000_000_000
+LONGEST_NS = 8_000_000_000
 STAGES, OF_ONE_THAT_TILTS = 2, 4
 LEVEL = 0.05  # rad, nearly: so much the vertical turns in the axes of a base that drives on a floor
 VERTICAL = np.array([[0.0, 0.0, 1.0]])
