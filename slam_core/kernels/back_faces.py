@@ -33,15 +33,15 @@ def count_behind(walls, beams, pose, behind):
         for i in range(m):
             k, x, y = np.int64(where[i]), arms[0, i], arms[1, i]
             low, high, away = pair(flat, k), pair(flat, k + columns), AWAY * np.sqrt(x * x + y * y)
-            front = back = ZERO
+            hidden = False
             for word in (np.int32(low), np.int32(low >> RIGHT), np.int32(high), np.int32(high >> RIGHT)):
                 seen, nx, ny, _ = unpacked(word)
-                if nx * x + ny * y > away:
-                    back += seen
-                else:
-                    front += seen
-            behind[begin + i] = front == ZERO and back > ZERO
-            count += behind[begin + i]
+                if seen > ZERO:
+                    hidden = nx * x + ny * y > away
+                    if not hidden:
+                        break
+            behind[begin + i] = hidden
+            count += hidden
     return count
 
 

@@ -77,7 +77,8 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     converged = _descend(problem, beams, pose, output, matched)
     least = settings.back_face_share * len(few.xs) if settings.surfel_weight > 0.0 else math.inf
     behind = np.empty(len(xs), np.bool_)
-    if least < len(few.xs) and count_behind(walls, few, pose, behind) > least:
+    sees_behind = least < len(few.xs) and count_behind(walls, few, pose, behind) > least
+    if sees_behind:
         converged = _match_in_front(problem, walls, beams, pose, output, matched, behind, converged)
     if 0.0 < (settings.prior_restart_sigmas * settings.sigma) ** 2 < prior_cost(term, pose):
         other, its_matched, its_trace = term[3].copy(), np.empty_like(matched), np.empty_like(trace[0])
@@ -98,7 +99,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
     fill(found[5:], hessian_covariance(found[2:5], settings.sigma, unobservable))
     pose[2] -= whole_turns(pose[2])
     known, hits = count_hits(cells[last], corner >> last, 1.0 / (resolution * (1 << last)), points, pose)
-    if least < len(few.xs) and count_behind(walls, few, pose, behind) > least:
+    if sees_behind:
         count_behind(walls, beams, pose, behind)
         as_unknown(residuals, behind)
     return converged, known, hits
