@@ -51,7 +51,8 @@ class MatchResult(NamedTuple):
 
     pose: (3,) xi* = x, y, psi of the stabilised frame in the map. covariance: (3, 3) R of eq. (15), metres
     and radians. hessian: (3, 3) H of eq. (13) at the finest level, per metre and radian.
-    residuals: (n,) 1 - M(S_i(xi*)) of every endpoint, at the finest level. iterations: finest level first.
+    residuals: (n,) 1 - M(S_i(xi*)) of every endpoint, at the finest level; where many lie on walls seen from
+    behind, theirs are 0.5, as on unknown cells, at least. iterations: finest level first.
     trace: (k, 4) level, x, y, psi after each Gauss-Newton step, coarse to fine, before the pose settles on the
     surfels; (0, 4) when not asked for.
     weakest_share: share of the beams that fix the position in the direction that the scan's shape fixes worst.
