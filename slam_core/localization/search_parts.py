@@ -81,6 +81,8 @@ def parts(level: Cells, region: Region | None, reach: float) -> list[Searched]:
     within = row, row + high, column, column + wide
     for tile in level.seen():
         blocks = common(within, _blocks(common(window, square(tile, level.tile)), window))
+        if blocks[0] >= blocks[1] or blocks[2] >= blocks[3]:
+            continue  # beside the region
         for r in range(blocks[0] // PART, -(-blocks[1] // PART)):
             for c in range(blocks[2] // PART, -(-blocks[3] // PART)):
                 box = PART * r, PART * (r + 1), PART * c, PART * (c + 1)
