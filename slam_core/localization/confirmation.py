@@ -1,7 +1,6 @@
 """A pose that was found after bad matches counts once it explains several scans; before, no scan is written."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -18,7 +17,6 @@ FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
 MOSTLY = 0.6  # of such a scan has to lie on known cells
 GOOD = 0.9  # of the usual inlier ratio
-EXPLAINED = 0.7  # of a scan by the map, where beams that cross walls count half
 STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
 
@@ -67,12 +65,9 @@ class Confirmation:
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
-        config: TrackingConfig, explained: Callable[[], float],
+        config: TrackingConfig,
     ) -> Verdict:  # fmt: skip
-        """The verdict on an accepted match at `pose` (3,).
-
-        usual: the mean inlier ratio before it. explained: how much of the scan the map explains there, 0 to 1.
-        """
+        """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it."""
         step = pose - prior.mean
         off = math.hypot(*step[:2])
         turned = abs(geometry.wrap(step[2]))
@@ -89,7 +84,7 @@ class Confirmation:
             self.pose, self._sure_ns = pose.copy(), time_ns
             return verdict
         self._steady = self._steady + 1 if max(off, turned) < STEADY else 0
-        if fit.hit >= GOOD * usual and fit.known >= MOSTLY and explained() >= EXPLAINED:
+        if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
             self._good += 1
         if not self._is_confirmed(pose):
             self.missed += 1

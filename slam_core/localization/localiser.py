@@ -1,6 +1,5 @@
 """The pose of each scan in the map: scan matching, acceptance of the match, and recovery after a bad one."""
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,6 @@ from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_without
-from slam_core.localization.global_search import agreement
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
@@ -105,9 +103,8 @@ class Localiser:
         if continues and config.tracking.continue_from_prediction:
             match, verdict = self._continue(match, verdict, prior)
         elif verdict.accepted:
-            explained = partial(agreement, self._pyramid, stabilised, match.pose)
             verdict = self._confirmation.accepted(
-                match.pose, match.fit, verdict, prior, self._tracker.usual, scan.mid_ns, config.tracking, explained
+                match.pose, match.fit, verdict, prior, self._tracker.usual, scan.mid_ns, config.tracking
             )
             if verdict.confirmed:
                 self._tracker.learn(match, prior)

@@ -26,16 +26,13 @@ class Drive:
         verdict: Verdict = ACCEPTED,
         predicted: float | None = None,
         sigma: float = 1.0,
-        explained: float = 1.0,
     ):
         """The verdict on an accepted match at x, with a standard deviation of the prediction."""
         self.time_ns += DT
         mean = np.array([x if predicted is None else predicted, 0.0, 0.0])
         prior = PlanarGaussian(mean, sigma**2 * np.eye(3))
         pose = np.array([x, 0.0, 0.0])
-        return self.confirmation.accepted(
-            pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG, lambda: explained
-        )
+        return self.confirmation.accepted(pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG)
 
     def miss(self, times: int = 1) -> bool:
         """Bad matches. Whether the last one ended a pose that waited."""
@@ -64,16 +61,6 @@ def test_after_a_bad_match_few_good_scans_confirm():
     sure = drive.match()
     assert (sure.state, sure.confirmed) == ("recovered", True)
     assert drive.match() == ACCEPTED
-
-
-def test_a_scan_that_the_map_does_not_explain_confirms_nothing():
-    """However many of its ends lie on walls: where beams cross other walls, the robot is elsewhere."""
-    drive = Drive()
-    drive.match()
-    drive.miss()
-    assert not any(drive.match(explained=0.5).confirmed for _ in range(SEVERAL - 1))
-    drive.miss()
-    assert [drive.match(explained=0.8).confirmed for _ in range(FEW)] == [False] * (FEW - 1) + [True]
 
 
 def test_where_predictions_are_near_the_fit_may_be_worse_than_usual():
