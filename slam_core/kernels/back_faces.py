@@ -13,7 +13,7 @@ from slam_core.kernels.memory import pair
 from slam_core.kernels.surfels import RIGHT, unpacked
 
 AWAY = np.float32(0.2)  # cosine of beam and normal of a surface that looks away
-UNKNOWN = np.float32(0.5)  # residual of an end on an unknown cell
+AT_UNKNOWN = np.float32(0.5)  # residual of an end on an unknown cell
 ZERO = np.float32(0.0)
 
 
@@ -51,7 +51,7 @@ def cost_in_front(level, beams, pose, term, residuals, behind, workspace):
     cost = joint_cost(level, beams, pose, term, residuals, workspace)
     for k in range(len(behind)):
         if behind[k]:
-            cost += max(ZERO, UNKNOWN * UNKNOWN - residuals[k] * residuals[k])
+            cost += max(ZERO, AT_UNKNOWN * AT_UNKNOWN - residuals[k] * residuals[k])
     return cost
 
 
@@ -60,4 +60,4 @@ def as_unknown(residuals, behind):
     """The residuals (n,) of ends `behind` (n,) are those of unknown cells, at least."""
     for k in range(len(behind)):
         if behind[k]:
-            residuals[k] = max(residuals[k], UNKNOWN)
+            residuals[k] = max(residuals[k], AT_UNKNOWN)

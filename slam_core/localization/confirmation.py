@@ -12,6 +12,7 @@ from slam_core.results import Fit, PlanarGaussian, Verdict
 
 NEAR = 0.6  # metres, radians from the prediction: a match further off was found, not tracked
 REACH, SPEED = 2.0, 2.0  # metres, m/s: how far a lost robot can have come
+DRIFT = 0.1  # metres a metre: of a motion that matches at a wrong place have shown
 TURNED = 1.0  # radians from the prediction: no robot turns so far between a few scans
 FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and one anywhere
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
@@ -54,14 +55,15 @@ class Confirmation:
         """Where the robot can have come since it was sure of its pose; None if it never was.
 
         pose: (3,) the one that waits, at this time. It may be wrong, but matches followed the robot since it was
-        found: the robot was within reach then, and its motion since is known.
+        found: the robot was within reach then, and its motion since is known, but for DRIFT.
         """
         if self._sure_ns is None:
             return None
         motion = AT_REST
         if pose is not None and self._found is not None and self._is_followed:
             time_ns, motion = self._found_ns, geometry.compose(geometry.inverse(self._found), pose)
-        return Region(self.pose, REACH + SPEED * max(0.0, (time_ns - self._sure_ns) * 1e-9), motion)
+        radius = REACH + SPEED * max(0.0, (time_ns - self._sure_ns) * 1e-9) + DRIFT * math.hypot(*motion[:2])
+        return Region(self.pose, radius, motion)
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,

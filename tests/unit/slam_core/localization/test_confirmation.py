@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.config import TrackingConfig
-from slam_core.localization.confirmation import FEW, REACH, SEVERAL, SPEED, Confirmation
+from slam_core.localization.confirmation import DRIFT, FEW, REACH, SEVERAL, SPEED, Confirmation
 from slam_core.results import ACCEPTED, Fit, PlanarGaussian, Verdict
 
 USUAL, DT = 0.9, 100_000_000
@@ -176,11 +176,11 @@ def test_how_a_robot_moved_since_it_was_found_is_known():
     assert drive.confirmation.awaits_search
     region = drive.confirmation.region(drive.time_ns, np.array([x, 0.0, 0.0]))
     assert region is not None
-    assert region.radius == pytest.approx(REACH + SPEED * 0.2)
+    assert region.radius == pytest.approx(REACH + SPEED * 0.2 + DRIFT * (x - 3.2))
     assert region.reach == pytest.approx(region.radius + x - 3.2)
     assert region.holds(np.array([x, 0.0, 0.0]))
     assert region.holds(np.array([1.0 - (x - 3.2), 0.0, np.pi]))  # turned round, it went the other way
-    assert not region.holds(np.array([x - 5.0, 0.0, 0.0]))
+    assert not region.holds(np.array([x - 6.0, 0.0, 0.0]))
 
 
 def test_of_a_motion_that_jumped_nothing_is_known():

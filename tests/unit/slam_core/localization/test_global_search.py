@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from slam_core import geometry
@@ -139,6 +139,22 @@ def test_in_a_region_only_its_places_count(seed: int, x: float, y: float, radius
     assert np.all(np.abs(places.poses[:, :2] - [x, y]) <= radius + 2 * BLOCK * 0.2) or not len(places.poses)
     if inside.size and inside.max() > 0 and not places.crowded:
         assert places.scores[0] >= inside.max() / 30
+
+
+@settings(max_examples=50)
+@given(st.floats(-3, 5), st.floats(-2, 4), st.floats(0, 4), st.integers(1, 9))
+@example(-0.864, 1.562, 0.089, 9)
+def test_tiles_beside_a_region_make_no_part(x: float, y: float, radius: float, size: int):
+    """A part without places has no best one: what was seen far from the region does not count."""
+    level = made_level(1)
+    points = np.random.default_rng(2).uniform(-2, 2, (12, 2)).astype(np.float32)
+    region = Region(np.array([x, y, 0.0]), radius)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(GridLevel, "seen", lambda _: [(-1, -1), (0, 0), (40, -40), (-40, 0)])
+        patch.setattr(search_parts, "LARGE", 1)
+        patch.setattr(search_parts, "PART", size)
+        assert all(part.box[2] > 0 and part.box[3] > 0 for part in search_parts.parts(level, region, 3.0))
+        find_places(level, points, 0.3, region)
 
 
 @settings(max_examples=25)
