@@ -106,19 +106,19 @@ A dash: it was not run.
 def _removed() -> str:
     return """## Removed again
 
-These were defaults once. Over 20 seeds of each case that they could change, none of them helped or harmed. So they
-were removed with their settings: fewer beams for the coarser levels (`matcher.coarse_beams`; a match took 1.03
-times as long without it), the gate of the wheels (`motion.odometry_gate`), and the test of the size of the magnetic
-field (`aiding.compass_tolerance`). Slip and the gate of the aiding sensors do what the last two did. Without an IMU,
-`motion.observed_only` widened at a match only the covariance of the pose and of what is correlated with it. It
-made no certain difference to 30 drives through the offices and 30 variants of mit_csail either: none was bad, and
-the ratio was 1.05 (0.96 to 1.17) and 1.01 (0.93 to 1.08).
+These were defaults once. Over 20 seeds of each case that they could change, none of them helped or harmed. So
+they were removed with their settings: fewer beams for the coarser levels (`matcher.coarse_beams`; a match took
+1.03 times as long without it), the gate of the wheels (`motion.odometry_gate`), and the test of the size of the
+magnetic field (`aiding.compass_tolerance`). Slip and the gate of the aiding sensors do what the last two did.
+Without an IMU, `motion.observed_only` widened at a match only the covariance of the pose and of what is
+correlated with it. It made no certain difference to 30 drives through the offices and 30 variants of mit_csail
+either: none was bad, and the ratio was 1.05 (0.96 to 1.17) and 1.01 (0.93 to 1.08).
 
 ## Rare losses
 
 A laser alone is lost so rarely that 20 seeds show nothing of what keeps it. Hence `matcher.back_face_share`,
-`map.keyframe_max_delay`, `tracking.unaided_mahalanobis_limit`, `tracking.min_overlap` and `tracking.ignore_dynamic`
-are measured by more and longer drives in [rare-losses.md](rare-losses.md).
+`map.keyframe_max_delay`, `tracking.unaided_mahalanobis_limit`, `tracking.min_overlap` and
+`tracking.ignore_dynamic` are measured by more and longer drives in [rare-losses.md](rare-losses.md).
 """
 
 
