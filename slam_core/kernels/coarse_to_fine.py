@@ -86,8 +86,8 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
         its_steps, its_end = gauss_newton(
             finest, beams, other, term, unobservable, limits, residuals, its_trace, work, its_matched
         )
-        cost = joint_cost(finest, beams, pose, term, residuals, work)
-        if joint_cost(finest, beams, other, term, residuals, work) < cost:
+        cost = _cost(problem, walls, beams, pose, residuals, behind, sees_behind)
+        if _cost(problem, walls, beams, other, residuals, behind, sees_behind) < cost:
             assign(pose, other)
             assign(matched, its_matched)
             fill(trace[0], its_trace)
@@ -127,14 +127,12 @@ def _match_in_front(problem, walls, beams, pose, output, matched, behind, conver
 
     walls: a `Level` of surfels. behind: (n,) workspace. converged: whether `pose` is that of a match that did.
     """
-    count_behind(walls, beams, pose, behind)
+    residuals = output.residuals
+    cost = _cost(problem, walls, beams, pose, residuals, behind, True)
     kept, other, its_matched = Beams(beams.xs[~behind], beams.ys[~behind]), problem.start.copy(), matched.copy()
-    its = MatchOutput(output.found, output.taken.copy(), output.residuals, output.trace.copy())
+    its = MatchOutput(output.found, output.taken.copy(), residuals, output.trace.copy())
     its_end = _descend(problem, kept, other, its, its_matched)
-    finest, term, work, residuals = level_of(problem.levels, 0), problem.term, problem.workspace, output.residuals
-    cost = cost_in_front(finest, beams, pose, term, residuals, behind, work)
-    count_behind(walls, beams, other, behind)
-    if not cost_in_front(finest, beams, other, term, residuals, behind, work) < cost:
+    if not _cost(problem, walls, beams, other, residuals, behind, True) < cost:
         return converged
     assign(pose, other)
     assign(matched, its_matched)
@@ -142,6 +140,16 @@ def _match_in_front(problem, walls, beams, pose, output, matched, behind, conver
         output.taken[i] = its.taken[i]
         fill(output.trace[i], its.trace[i])
     return its_end
+
+
+@njit(cache=True, error_model="numpy")
+def _cost(problem, walls, beams, pose, residuals, behind, sees_behind):
+    """Of a pose, by eq. (7) and the prior. sees_behind: ends `behind` (n,) are found, and cost as unknown cells do."""
+    finest, term, work = level_of(problem.levels, 0), problem.term, problem.workspace
+    if not sees_behind:
+        return joint_cost(finest, beams, pose, term, residuals, work)
+    count_behind(walls, beams, pose, behind)
+    return cost_in_front(finest, beams, pose, term, residuals, behind, work)
 
 
 @njit(inline="always")

@@ -94,6 +94,20 @@ def test_a_thin_wall_does_not_draw_the_scan(first_room):
     np.testing.assert_allclose(held.pose[:2], BEHIND[:2], atol=0.015)
 
 
+@pytest.mark.parametrize("off", [-0.12, -0.06, 0.06, 0.12])
+@pytest.mark.parametrize("sigma", [0.01, 0.02])
+def test_a_match_from_a_sure_prediction_is_not_drawn_either(first_room, off, sigma):
+    """The match that starts at a sure prediction wins only where ends seen from behind count as unknown, too."""
+    start = BEHIND + np.array([off, 0.0, 0.0])
+    prior = PlanarGaussian(start, np.diag([sigma, sigma, 0.02]) ** 2)
+    points, apart = scan(BEHIND), [0.0, MatcherConfig().prior_restart_sigmas]
+    alone, restarted = (
+        coarse_to_fine(first_room, points, start, MatcherConfig(prior_restart_sigmas=sigmas), prior=prior).pose
+        for sigmas in apart
+    )
+    assert abs(restarted[0] - BEHIND[0]) < abs(alone[0] - BEHIND[0]) + 0.04
+
+
 def test_ends_on_walls_seen_from_behind_count_as_unknown(first_room):
     """In the residuals, where no other pose fits better."""
     points, pose = scan(BEHIND), BEHIND - np.array([THICK, 0.0, 0.0])
