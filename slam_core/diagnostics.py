@@ -13,6 +13,7 @@ NOT_LOCALISED = "scan before the robot was found in the map"
 Code = Literal[
     "map_limit",  # the map stopped growing; value: its limit in megabytes
     "no_gravity",  # the accelerometers measure no gravity: only the yaw rate is used
+    "no_attitude",  # inertial data comes, but too little at a time to find the attitude
     "imu_silent",  # no inertial data comes
     "gyro_clipped",
     "imu_clock_set_back",

@@ -3,6 +3,7 @@
 Everything a source yields is one of these. Arrays are read by the core, never written.
 """
 
+import math
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -66,7 +67,8 @@ class LaserScan:
 
 @lru_cache(maxsize=8)
 def _sweep_ns(beams: int, time_increment: float) -> int:
-    return max(0, round((beams - 1) * time_increment * 1e9))
+    duration = (beams - 1) * time_increment * 1e9
+    return max(0, round(duration)) if math.isfinite(duration) else 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

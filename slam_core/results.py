@@ -103,11 +103,12 @@ class Rejection(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What became of a scan's match. If it is not accepted, the pose is the prediction.
+    """What became of a scan's match.
 
-    rejection: what spoke against the first match. outside_map: the robot got lost where there is no map yet.
-    recovery: "relocalised" by a search of the whole map, or "continued" from the prediction. confirmed: the pose
-    explained several scans, or was never in doubt; else no scan is written there.
+    accepted: the pose is that of the match; else it is the prediction, or the last sure pose of a lost robot whose
+    motion only matches observe. rejection: what spoke against the first match. outside_map: the robot got lost
+    where there is no map yet. recovery: "relocalised" by a search of the whole map, or "continued" from the
+    prediction. confirmed: the pose explained several scans, or was never in doubt; else no scan is written there.
     """
 
     state: Tracking = "tracking"
@@ -125,8 +126,8 @@ class SearchFailure(NamedTuple):
     """Why the pose of the robot in the map is unknown.
 
     pending: no search has ended yet. no_place: at best the share `value` of the scan agrees with the map (0: no
-    candidate),
-    `limit` is needed. ambiguous: it fits `value` places alike. crowded: more places than can be compared.
+    candidate), and `limit` is needed. ambiguous: it fits `value` places alike. crowded: more places than can be
+    compared.
     """
 
     code: Literal["pending", "no_place", "ambiguous", "crowded"]
@@ -268,10 +269,10 @@ class StepResult(NamedTuple):
     fused contains the drift of the map (`MapDrift`); the filter does not, its pose is one on that map.
     navigation: the filter after the fusion; None without an IMU.
     match: None on the first scan of a map, which only makes it.
-    verdict: whether planar is the match ("tracking", "recovered" after a bad one) or the prediction ("degraded",
-    "lost" when that lasts), and why.
-    aiding: what became of every source's measurements so far. world: the pose of
-    the map in the tangent plane of the satellites (east, north, heading from east); None while not known.
+    verdict: whether planar is the match, and whether that is sure: "tracking", "recovered" after a bad one,
+    "degraded", or "lost" when that lasts.
+    aiding: what became of every source's measurements so far. world: the pose of the map in the tangent plane of
+    the satellites (east, north, heading from east); None while not known.
     sweep: what the endpoints were made of.
     """
 

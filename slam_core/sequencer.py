@@ -4,6 +4,7 @@ from slam_core.measurements import Attitude, Imu, LaserScan, Measurement
 
 # A scan waits no longer than this, in time of the recording, for inertial data that does not come.
 PATIENCE_NS = 500_000_000
+MOST_WAITING = 100  # scans: more than come in that time, unless their stamps do not count time
 TURNS = (Imu, Attitude)  # what measures how the robot turned during a sweep
 
 
@@ -47,6 +48,8 @@ class Sequencer:
             return True
         if scan.stamp_ns - self._newest_ns > PATIENCE_NS:
             return True  # by a clock that was set back since
+        if len(self._waiting) > MOST_WAITING:
+            return True
         if self._hopeful and self._newest_ns - scan.end_ns > PATIENCE_NS:
             self._hopeful = False
         return not self._hopeful

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from slam_core.config import ConfigError, SlamConfig, needs_restart
-from slam_core.diagnostics import Diagnostic
+from slam_core.diagnostics import NOT_LOCALISED, Diagnostic
 from slam_core.localization.localiser import Localiser
 from slam_core.localization.prior_map import PriorMap
 from slam_core.localization.start_in_motion import StartInMotion
@@ -69,10 +69,15 @@ class SlamState:
         """(3,) where the match of the next scan begins, by the prediction at its time and the settings then."""
         return self._localiser.start_estimate(prior, config)
 
-    def reset_pose(self, pose: PlanarGaussian) -> None:
-        """Continue at a pose in the map, with its covariance, as from the last scan on; after the first result."""
-        if self._scans:
+    def reset_pose(self, pose: PlanarGaussian) -> bool:
+        """Continue at a pose in the map, with its covariance, as from the last scan on.
+
+        Whether that was possible: a scan has to have been looked for in a map.
+        """
+        possible = self._scans > 0 or self._skipped[NOT_LOCALISED] > 0
+        if possible:
             self._localiser.reset(self._scan_ns, pose)
+        return possible
 
     @property
     def trajectory(self) -> Poses:

@@ -144,7 +144,10 @@ def _match_in_front(problem, walls, beams, pose, output, matched, behind, conver
 
 @njit(cache=True, error_model="numpy")
 def _cost(problem, walls, beams, pose, residuals, behind, sees_behind):
-    """Of a pose, by eq. (7) and the prior. sees_behind: ends `behind` (n,) are found, and cost as unknown cells do."""
+    """Of a pose by eq. (7) and the prior.
+
+    sees_behind: which ends are `behind` (n,) is found, and these cost as on unknown cells.
+    """
     finest, term, work = level_of(problem.levels, 0), problem.term, problem.workspace
     if not sees_behind:
         return joint_cost(finest, beams, pose, term, residuals, work)

@@ -165,7 +165,7 @@ def fuse_part(
         kept_part[1] = innovation[2]
         innovation = kept_part
         C, R = multiply(across, C), sandwich(across, R)
-        kept = hanging(P, held)
+        kept = explained_by(P, held)
         rest = add(P.copy(), multiply(kept.T.copy(), kept), -1.0)
     error, reduced = innovation, P
     for k in range(-1, len(kept)):
@@ -209,8 +209,8 @@ def _spare(P: Float64s, spared: Int64s, share: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def hanging(P: Float64s, B: Float64s) -> Float64s:
-    """W with W^T W = P B^T (B P B^T)^-1 B P: what of P hangs on B x; the rest is left once that is known."""
+def explained_by(P: Float64s, B: Float64s) -> Float64s:
+    """W with W^T W = P B^T (B P B^T)^-1 B P: what of P depends on B x; the rest remains once that is known."""
     BP = multiply(B, P)
     return solve_lower(cholesky(multiply(B, BP.T)), BP)
 

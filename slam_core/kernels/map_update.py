@@ -101,7 +101,7 @@ def write_scan(grid, corner, resolution, start, hits, empty, steps, tiles):
 
 @njit(**INNER)
 def _mark_ends(marks, rows, columns, ends):
-    """The end of each beam; ends off the map are left out. After the ways, since a hit wins."""
+    """The end of each beam; ends off the map are left out. After free space, since a hit wins."""
     for k in range(ends.shape[1]):
         u, v = ends[0, k], ends[1, k]
         if 0 <= u < columns and 0 <= v < rows:

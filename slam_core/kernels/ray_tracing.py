@@ -55,7 +55,7 @@ def _ray(du, dv, stride, steps, ray):
     ray[0] = steps if long < LONGEST else 0
     ray[1], ray[2] = (sv * stride, su) if upright else (su, sv * stride)
     ray[3] = part
-    # Ways in the four directions lie more than a slope of 1 apart, so that none lies between two of another one.
+    # Rays in the four directions lie more than a slope of 1 apart, so that none lies between two of another one.
     ray[4] = part * (su if upright else sv) + ((sv if upright else 3 * su) << (PARTS + 1))
 
 

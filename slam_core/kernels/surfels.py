@@ -179,7 +179,7 @@ def normal_equations(level, xs, ys, pose):
 
 @njit(**INNER)
 def _fetch(surfels, columns, where, n, first, right, above, across):
-    """The four surfels around each end, one by one, as `matching` fetches its cells."""
+    """The four surfels around each end, one by one, as `gauss_newton` fetches its cells."""
     for i in range(n):
         k = np.int64(where[i])
         low, high = pair(surfels, k), pair(surfels, k + columns)

@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from slam_core import geometry
 from slam_core.config import TrackingConfig
 from slam_core.localization.search_parts import AT_REST, Region
@@ -24,12 +22,12 @@ STEADY = 0.15  # metres, radians: where several predictions in a row were so nea
 class Confirmation:
     """What was sure last, and the pose that waits to be confirmed.
 
-    pose: (3,) the last confirmed one. missed: scans since then. is_lost: whether a pose since then was found too
-    far from the prediction to be tracked.
+    pose: (3,) the last confirmed one, at first the given one. missed: scans since then. is_lost: whether a pose
+    since then was found too far from the prediction to be tracked.
     """
 
-    def __init__(self) -> None:
-        self.pose = np.zeros(3)
+    def __init__(self, pose: Float64s) -> None:
+        self.pose = pose.copy()
         self.missed = 0
         self._sure_ns: int | None = None
         self._found_ns, self._is_followed = 0, False
@@ -77,7 +75,7 @@ class Confirmation:
             relocalised = verdict.recovery == "relocalised"
             self._found, self._good, self._steady = pose.copy(), 0, 0
             self._found_ns, self._is_followed = time_ns, True
-            self._is_best = relocalised or not config.relocalise
+            self._is_best = relocalised
             missed_long = self.missed >= config.lost_after and _is_vague(prior)
             self.is_lost |= relocalised or missed_long or off > REACH or turned > TURNED
         elif max(off, turned) > NEAR:
@@ -88,7 +86,7 @@ class Confirmation:
         self._steady = self._steady + 1 if max(off, turned) < STEADY else 0
         if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
             self._good += 1
-        if not self._is_confirmed(pose):
+        if not self._is_confirmed(pose, searches=config.relocalise):
             self.missed += 1
             return verdict._replace(state="lost" if self.is_lost else "degraded", confirmed=False)
         self._found, self.is_lost, self.missed = None, False, 0
@@ -101,10 +99,13 @@ class Confirmation:
         failed, self._found = self.pending, None
         return failed
 
-    def _is_confirmed(self, pose: Float64s) -> bool:
-        """Far from the prediction several scans, from different places, must fit better there than elsewhere."""
+    def _is_confirmed(self, pose: Float64s, *, searches: bool) -> bool:
+        """Far from the prediction several scans, from different places, must fit better there than elsewhere.
+
+        searches: whether the map is searched for other places.
+        """
         if self.is_lost:
-            return self._good >= SEVERAL and self._is_best and self._has_moved(pose)
+            return self._good >= SEVERAL and (self._is_best or not searches) and self._has_moved(pose)
         return self._good >= FEW or self._steady >= SEVERAL
 
     def _has_moved(self, pose: Float64s) -> bool:

@@ -16,18 +16,16 @@ SAME_SHIFT = np.array([0.002, 0.002, 0.001])
 
 def refine(
     scan: LaserScan,
-    leveled: StabilisedScan,
+    stabilised: StabilisedScan,
     match: MatchResult,
     prior: PlanarGaussian | None,
     pyramid: Pyramid,
     motion: PlanarMotion,
     config: SlamConfig,
-    *,
-    trace: bool = False,
 ) -> tuple[StabilisedScan, MatchResult]:
     """Place the beams by the motion fused with their match and match again, as long as eq. (7) becomes smaller.
 
-    motion: the estimate before the match; it is left as it is. prior, trace: as in `coarse_to_fine`.
+    motion: the estimate before the match; it is left as it is. prior: as in `coarse_to_fine`.
     Returns the scan and match to go on with, at first those given.
     """
     half_sweep = 0.5e-9 * (scan.end_ns - scan.stamp_ns) if config.scan.deskew else 0.0
@@ -41,11 +39,11 @@ def refine(
         placed = stabilise(scan, seen.poses, config.scan)
         if not len(placed.points):
             break
-        again = coarse_to_fine(pyramid, placed.points, match.pose, config.matcher, prior=prior, trace=trace)
+        again = coarse_to_fine(pyramid, placed.points, match.pose, config.matcher, prior=prior)
         if cost(again) >= cost(match):
             break
-        leveled, match = placed, again
-    return leveled, match
+        stabilised, match = placed, again
+    return stabilised, match
 
 
 def cost(match: MatchResult) -> float:

@@ -31,13 +31,11 @@ def match_without(
     match: MatchResult,
     prior: PlanarGaussian,
     config: MatcherConfig,
-    *,
-    trace: bool = False,
 ) -> MatchResult | None:
     """The match without the objects in free space, by the prediction; None if the other beams fit no better so.
 
     points: (n, 2) endpoints in the stabilised frame as the prediction places them, metres. match: of all beams.
-    trace: as in `coarse_to_fine`.
+    The residuals of the result are those of eq. (7) alone, also on walls seen from behind.
     """
     if len(match.residuals) != len(points):  # placed by another motion, a sweep may keep other beams
         return None
@@ -47,7 +45,7 @@ def match_without(
     for k in range(1, min(len(found), OBJECTS) + 1):
         static = np.ones(len(points), np.bool_)
         static[np.concatenate(found[:k])] = False
-        other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior, trace=trace)
+        other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
         if is_better(other, match, match.residuals[static], prior):
             return other._replace(residuals=residuals(pyramid.levels[0], points, other.pose))
     return None

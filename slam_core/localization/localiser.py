@@ -39,7 +39,7 @@ HELD, HELD_GROWTH, HELD_MOST = np.array([0.3, 0.3, 0.5]), 0.1, 2.0
 
 
 class LocalisedScan(NamedTuple):
-    """A scan at its pose (3,) in the map: that of the match if it is accepted, else the prediction.
+    """A scan at its pose (3,) in the map: that of the match if it is accepted, else as a `Verdict` says.
 
     scan: its beams are placed by the motion that the match shows. match: None for the first scan of a map.
     """
@@ -54,31 +54,29 @@ class Localiser:
     """One for each run.
 
     start: (3,) where the run begins; None if that may be anywhere in a prior map. is_prior: the map is a prior
-    map. writes: the run writes the map. trace: results keep every Gauss-Newton iteration. fused: (3,) the
-    mean of the last fused pose.
+    map. writes: the run writes the map. fused: (3,) the mean of the last fused pose.
     """
 
     def __init__(
         self, pyramid: Pyramid, motion: EgoMotion, start: Float64s | None, *, is_prior: bool, writes: bool
     ) -> None:
         self.relocaliser = Relocaliser(start)
-        self.trace = False
         self.fused = self._pose = np.zeros(3)
         self._pyramid = pyramid
         self._motion = motion
-        self._is_placed = not is_prior
+        self._is_localised = not is_prior
         self._writes = writes
         self._tracker = Tracker()
-        self._confirmation = Confirmation()
+        self._confirmation = Confirmation(self._pose)
 
     def initialise(self, scan: StabilisedScan, time_ns: int, config: SlamConfig) -> bool:
         """Whether the pose in the map is known; at the start in a prior map it is searched for."""
-        if not self._is_placed and self._motion.reaches(time_ns):
+        if not self._is_localised and self._motion.reaches(time_ns):
             start = self.relocaliser.start(self._pyramid, scan, time_ns, config)
             if start is not None:
                 self._reset_pose(time_ns, start)
-                self._is_placed = True
-        return self._is_placed
+                self._is_localised = True
+        return self._is_localised
 
     def locate(
         self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
@@ -90,9 +88,10 @@ class Localiser:
         stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
         if not config.tracking.check:
             self._pose = match.pose
+            self._forget()
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
         if config.tracking.ignore_dynamic and self._motion.unaided and self._tracker.is_unusual(match, prior):
-            static = match_without(self._pyramid, predicted.points, match, prior, config.matcher, trace=self.trace)
+            static = match_without(self._pyramid, predicted.points, match, prior, config.matcher)
             stabilised, match = (predicted, static) if static else (stabilised, match)
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
@@ -131,13 +130,11 @@ class Localiser:
         config: SlamConfig,
     ) -> tuple[StabilisedScan, MatchResult]:
         """A scan matched from a start estimate, and its beams as the motion of the match places them."""
-        match = coarse_to_fine(
-            self._pyramid, stabilised.points, start, config.matcher, prior=prior, trace=self.trace
-        )
+        match = coarse_to_fine(self._pyramid, stabilised.points, start, config.matcher, prior=prior)
         motion = self._motion.planar_fallback
         if motion is None:
             return stabilised, match
-        return refine(scan, stabilised, match, prior, self._pyramid, motion, config, trace=self.trace)
+        return refine(scan, stabilised, match, prior, self._pyramid, motion, config)
 
     def _check(
         self,
@@ -229,7 +226,7 @@ class Localiser:
         With nothing to match against the pose would drift for good.
         """
         self._tracker.reset()
-        self._confirmation = Confirmation()
+        self._confirmation = Confirmation(prior.mean)
         unknown = np.full_like(match.residuals, 0.5)
         predicted = match._replace(
             pose=prior.mean, covariance=prior.covariance, residuals=unknown, unobservable=NOWHERE
@@ -239,12 +236,16 @@ class Localiser:
     def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose that somebody states, and match from there."""
         self._reset_pose(time_ns, pose)
-        self._is_placed = True
+        self._is_localised = True
+        self._forget()
+
+    def _forget(self) -> None:
+        """What matches before the present pose showed, and a search that has not ended."""
         self._tracker.reset()
-        self._confirmation = Confirmation()
+        self._confirmation = Confirmation(self._pose)
         self.relocaliser.reset()
 
     def _reset_pose(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose in the map, wherever the robot was estimated before."""
-        self._motion.place(time_ns, pose)
+        self._motion.reset_pose(time_ns, pose)
         self._pose = self.fused = pose.mean

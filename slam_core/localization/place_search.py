@@ -135,8 +135,9 @@ class PlaceSearch:
         headings = kernels.Headings(self._psi, self._limits, self._order)
         corner = self._window[0], self._window[2]
         done = kernels.best_places(
-            self.pictures, corner, self._few, headings, self._box, RIVAL, self._state, self._found, min(work, WORK)
-        )
+            self.pictures, corner, self._few, headings, self._box, RIVAL, self._state, self._found,
+            math.ceil(min(work, WORK)),  # a float would be compiled for, too
+        )  # fmt: skip
         if self._state[4] < 0:
             self.finished = True
         elif self._state[0] >= len(self._psi):

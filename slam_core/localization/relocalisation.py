@@ -64,7 +64,7 @@ class Relocaliser:
         near = self._near(given, pyramid, scan, config) if given else None
         share = agreement(pyramid, scan, near.pose) if near else 0.0
         needed = config.tracking.relocalise_min_inlier_ratio
-        found = near if share >= needed else self._anywhere(pyramid, scan, time_ns, np.zeros(3), None, config)
+        found = near if share >= needed else self._search_region(pyramid, scan, time_ns, np.zeros(3), None, config)
         if found is None and share >= LOOSE * needed:
             found = near  # a given pose needs less proof
         if found is None:
@@ -95,11 +95,14 @@ class Relocaliser:
         wanted = config.tracking.relocalise_min_inlier_ratio
         if waiting is not None and self._running is None:
             wanted = min(wanted, max(ENOUGH, agreement(pyramid, scan, waiting) - CLEARER))
-        found = self._anywhere(pyramid, scan, time_ns, pose, region, config, wanted)
+        found = self._search_region(pyramid, scan, time_ns, pose, region, config, wanted)
         if found is None or (waiting is not None and not apart(found.pose, waiting)):
             return found
-        share = agreement(pyramid, scan, found.pose)
-        return found if share >= config.tracking.relocalise_min_inlier_ratio else None
+        share, needed = agreement(pyramid, scan, found.pose), config.tracking.relocalise_min_inlier_ratio
+        if share >= needed:
+            return found
+        self.failure = SearchFailure("no_place", share, needed)
+        return None
 
     def reset(self) -> None:
         """The pose in the map is known."""
@@ -112,7 +115,7 @@ class Relocaliser:
         self._searched_ns = time_ns
         return True
 
-    def _anywhere(
+    def _search_region(
         self,
         pyramid: Pyramid,
         scan: StabilisedScan,

@@ -62,6 +62,8 @@ class StartInMotion:
         motion, stage, time_ns = self._motion, self._stage, scan.mid_ns
         if not motion.begins_in_motion:
             return False
+        if stage is not None and time_ns < stage.begin_ns:  # by a clock that was set back
+            self._begin_ns, self._stages, stage = time_ns, 0, None
         self._begin_ns = self._begin_ns or time_ns
         last = stage is not None and self._stages >= (OF_ONE_THAT_TILTS if stage.tilts else STAGES)
         if stage is None or stage.is_over(time_ns, last=last):
@@ -88,8 +90,8 @@ class _Stage:
 
     def __init__(self, motion: EgoMotion, begin_ns: int, config: SlamConfig) -> None:
         self.pyramid = Pyramid(config.map)
-        self.fits = True
-        self._motion, self._begin_ns, self._scans = motion, begin_ns, 0
+        self.fits, self.begin_ns = True, begin_ns
+        self._motion, self._scans = motion, 0
         self._lowest, self._highest = np.ones(3), -np.ones(3)
         self.localiser = Localiser(self.pyramid, motion, np.zeros(3), is_prior=False, writes=True)
         self.mapper = Mapper(self.pyramid, writes=True)
@@ -97,7 +99,7 @@ class _Stage:
     def is_over(self, time_ns: int, *, last: bool) -> bool:
         """Whether it is long enough."""
         least = STAGE if not last else LAST_OF_ONE_THAT_TILTS if self.tilts else LAST
-        return self._scans >= least.scans and time_ns - self._begin_ns >= least.span_ns
+        return self._scans >= least.scans and time_ns - self.begin_ns >= least.span_ns
 
     @property
     def tilts(self) -> bool:

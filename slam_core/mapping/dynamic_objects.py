@@ -17,6 +17,6 @@ class DynamicObjectRemoval:
     ) -> None:
         """Clear what the scan at `pose` (3,) passes, if it is time."""
         interval_ns = round(config.clear_interval * 1e9)
-        if 0 < interval_ns <= time_ns - self._cleared_ns:
+        if interval_ns and not 0 <= time_ns - self._cleared_ns < interval_ns:  # a clock may be set back
             self._cleared_ns = time_ns
             pyramid.clear(scan.points, scan.laser, pose, config)

@@ -30,13 +30,13 @@ class FrozenMap:
         self._outside: dict[Key, Tile] = dict(vars(tiled)["_tiles"])
         self._levels = [(*_frame(level), level.bounds, level.revisions.copy()) for level in tiled.levels]
         self._window: dict[Key, PackedTile] = {}
-        revisions = np.max([level.revisions for level in tiled.levels], axis=0)
+        revisions = tiled.revisions()
         row, _, column, _ = tiled.window
         for y, x in np.argwhere(revisions > 0).tolist():
             key, revision = (column + x, row + y), int(revisions[y, x])
             kept = before.packed(key) if before else None
             if kept is None or kept.revision != revision:
-                kept = PackedTile.of(_taken(tiled, key, revision), packing.pack)
+                kept = PackedTile.of(tiled.taken(key, revision), packing.pack)
             self._window[key] = kept
 
     def packed(self, key: Key) -> PackedTile | None:
@@ -72,9 +72,3 @@ class FrozenMap:
 
 def _frame(level: GridLevel) -> tuple[float, tuple[int, int], Any, int]:
     return level.resolution, level.shape, level.corner.copy(), level.tile
-
-
-def _taken(tiled: TiledMap, key: Key, revision: int) -> Tile:
-    """A tile of the window, also one in which all is unknown again."""
-    log_odds, surfels = zip(*(level.take(key) for level in tiled.levels), strict=True)
-    return Tile(revision, log_odds, surfels[0])

@@ -124,7 +124,7 @@ class GridLevel:
         behind: float = 0.0,
         revision: int = 1,
     ) -> None:
-        """Write one scan: every touched cell changes once, ends by the occupied step, ways by the free step.
+        """Write one scan: every touched cell changes once, by the occupied step at ends, by the free step before.
 
         start: (2,) laser. ends: (n, 2) endpoints. cleared: (m, 2) ends of beams that hit nothing. Map metres.
         steps: free (negative) and occupied log-odds. caps: lowest and highest log-odds. behind: how low the cells

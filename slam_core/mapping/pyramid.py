@@ -67,7 +67,7 @@ class Pyramid(TiledMap):
         self._limit = config.limit
         if config.grow:
             self._make_room(placed, pose)
-        before = self._revisions() if self.stored and self._is_full else None
+        before = self.revisions() if self.stored and self._is_full else None
         start, ends, free = placed[0], placed[1 : 1 + n], placed[1 + n :]
         steps = (log_odds(config.factor_free), log_odds(config.factor_occupied))
         caps = (config.log_odds_min, config.log_odds_max)
@@ -163,7 +163,7 @@ class Pyramid(TiledMap):
     def _forget(self, before: Int64s) -> None:
         """Take the tiles of the window out that were not known `before`: there is no room for them."""
         row, _, column, _ = self.window
-        for y, x in np.argwhere((before == 0) & (self._revisions() > 0)).tolist():
+        for y, x in np.argwhere((before == 0) & (self.revisions() > 0)).tolist():
             for level in self.levels:
                 blank = np.zeros((level.tile, level.tile), np.float32)
                 level.put((column + x, row + y), blank, None, 0)

@@ -73,11 +73,11 @@ class TiledMap:
 
     def move(self, window: Box) -> None:
         """Move the window to a box of tiles: those that leave it are stored, those that it reaches come back."""
-        before, revisions = self.window, self._revisions()
+        before, revisions = self.window, self.revisions()
         for key in keys(before):
             revision = int(revisions[key[1] - before[0], key[0] - before[2]])
             if revision and not holds(window, key):
-                self._store(key, self._taken(key, revision))
+                self._store(key, self._known(key, revision))
         for i, level in enumerate(self.levels):
             row0, row1, column0, column1 = (n * (TILE >> i) for n in window)
             level.move(np.array([column0, row0]), (row1 - row0, column1 - column0))
@@ -88,7 +88,7 @@ class TiledMap:
     def changed_since(self, revision: int) -> list[Key]:
         """The tiles that changed after a revision of the map."""
         row, _, column, _ = self.window
-        here = [(column + x, row + y) for y, x in np.argwhere(self._revisions() > revision).tolist()]
+        here = [(column + x, row + y) for y, x in np.argwhere(self.revisions() > revision).tolist()]
         return here + [key for key, tile in self._tiles.items() if tile.revision > revision]
 
     def tile(self, key: Key) -> Tile | None:
@@ -96,8 +96,23 @@ class TiledMap:
         row, _, column, _ = window = self.window
         if not holds(window, key):
             return self._tiles.get(key)
-        revision = int(self._revisions()[key[1] - row, key[0] - column])
-        return self._taken(key, revision) if revision else None
+        revision = int(self.revisions()[key[1] - row, key[0] - column])
+        return self._known(key, revision) if revision else None
+
+    def taken(self, key: Key, revision: int) -> Tile:
+        """A tile of the window, to be kept, also one in which all is unknown."""
+        log_odds, surfels = zip(*(level.take(key) for level in self.levels), strict=True)
+        return Tile(revision, log_odds, surfels[0])
+
+    def _known(self, key: Key, revision: int) -> Tile | None:
+        """The same; None if all in it is unknown."""
+        tile = self.taken(key, revision)
+        return tile if any(values.any() for values in tile.log_odds) else None
+
+    def revisions(self) -> Int64s:
+        """Of each tile in the window, (rows, columns) of tiles, when it changed last; 0 for never."""
+        revisions: Int64s = np.max([level.revisions for level in self.levels], axis=0)
+        return revisions
 
     def gather(self, level: int, box: Box, kind: Kind = "log_odds") -> NDArray[Any]:
         """What a level holds in a box of its lattice, (rows, columns); a copy.
@@ -169,18 +184,6 @@ class TiledMap:
         self._stored -= tile.nbytes
         for i, level in enumerate(self.levels):
             level.put(key, tile.log_odds[i], None if i else tile.surfels, tile.revision)
-
-    def _taken(self, key: Key, revision: int) -> Tile | None:
-        """A tile of the window, to be kept; None if nothing was ever seen there."""
-        log_odds, surfels = zip(*(level.take(key) for level in self.levels), strict=True)
-        if not any(values.any() for values in log_odds):
-            return None
-        return Tile(revision, log_odds, surfels[0])
-
-    def _revisions(self) -> Int64s:
-        """Of each tile in the window, (rows, columns) of tiles, when it changed last; 0 for never."""
-        revisions: Int64s = np.max([level.revisions for level in self.levels], axis=0)
-        return revisions
 
     def __deepcopy__(self, _: Any) -> Any:
         return self.copy()

@@ -37,6 +37,9 @@ FIRST_MATCH = MatchResult(
 )
 
 
+PATIENCE_NS = 2_000_000_000  # inertial data that shows no attitude is waited for so much longer than it takes
+
+
 class EgoMotion:
     """Measurements of the motion and matches in, poses and their covariance out.
 
@@ -54,6 +57,7 @@ class EgoMotion:
         self._monitor = Monitor()
         self._has_imu = False
         self._first_scan: LaserScan | None = None
+        self._lacks_attitude = False
 
     def configure(self, config: SlamConfig) -> None:
         """Change settings from the next measurement on."""
@@ -96,7 +100,9 @@ class EgoMotion:
 
     def diagnostics(self, scan_ns: int) -> tuple[Diagnostic, ...]:
         """What is wrong with the sources at the time of the last scan."""
-        return self._monitor.diagnostics(scan_ns)
+        found = self._monitor.diagnostics(scan_ns)
+        lacks_attitude = self._lacks_attitude and not (self._filter.ready or self._filter.weightless)
+        return (*found, Diagnostic("no_attitude")) if lacks_attitude else found
 
     def take(self, measurement: Measurement) -> None:
         """Anything but a scan, to the model that is used."""
@@ -147,16 +153,19 @@ class EgoMotion:
         """
         if self._filter.ready and not self.inertial:
             if begun:
-                self._filter.place(self._planar.prior(self._filter.sample_ns, self._config.motion))
+                self._filter.begin_at(self._planar.prior(self._filter.sample_ns, self._config.motion))
             self.inertial, self._first_scan = True, None
             self.begins_in_motion = self._filter.begins_in_motion and not begun
         if self.inertial:
             return self.begins_in_motion and scan.stamp_ns < self._filter.begin_ns
         if begun or not self._has_imu or self._filter.weightless:
             return False
-        self._first_scan = self._first_scan or scan
+        if self._first_scan is None or scan.stamp_ns < self._first_scan.stamp_ns:
+            self._first_scan = scan
+        waited_ns = scan.stamp_ns - self._first_scan.stamp_ns
+        self._lacks_attitude = waited_ns > self._config.navigation.level_time * 1e9 + PATIENCE_NS
         self._filter.moves = shows_motion(self._first_scan, scan)
-        return True
+        return not self._lacks_attitude
 
     def begin_at_origin(self, time_ns: int, *, has_velocity: bool) -> None:
         """The origin of the map is where the base is at a time, with its velocity if that is known."""
@@ -186,12 +195,12 @@ class EgoMotion:
         """Whether the state buffer reaches back to a time."""
         return not self.inertial or self._filter.at(time_ns).stamp_ns <= time_ns
 
-    def place(self, time_ns: int, start: PlanarGaussian) -> None:
+    def reset_pose(self, time_ns: int, start: PlanarGaussian) -> None:
         """Continue at a pose in the map at a time, wherever the base was estimated before."""
         if self.inertial:
-            self._filter.place_at(time_ns, start)
+            self._filter.reset_pose(time_ns, start)
         else:
-            self._planar.place(time_ns, start, self._config.motion)
+            self._planar.reset_pose(time_ns, start, self._config.motion)
 
     def hold(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Stay at a pose at a time, where only matches observe the motion."""

@@ -39,7 +39,8 @@ class NavigationFilter:
     """Predict with every inertial sample; correct with everything else, at its own time, in any order.
 
     ready: whether the filter has found its attitude; before that, corrections are counted and dropped. moves:
-    somebody saw the base move before that. begin_ns, begins_in_motion: of its first estimate.
+    somebody saw the base move before that. begins_in_motion: at its first estimate. begin_ns: of that one, by the
+    clock of now.
     """
 
     def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
@@ -56,17 +57,6 @@ class NavigationFilter:
         self._config, self._platform = config, platform or PlatformConfig()
         if self._history is not None:
             self._history.configure(self._config, self._platform)
-
-    def copy(self) -> "NavigationFilter":
-        """An independent copy."""
-        other = NavigationFilter(self._config, self._platform)
-        other._rejections = self._rejections.copy()
-        other._imu_check = self._imu_check.copy()
-        other._first = self._first.copy()
-        other._history = self._history.copy() if self._history else None
-        other._suspect_ns, other.begin_ns = self._suspect_ns, self.begin_ns
-        other.moves, other.begins_in_motion = self.moves, self.begins_in_motion
-        return other
 
     @property
     def counts(self) -> Counter[str]:
@@ -141,7 +131,7 @@ class NavigationFilter:
             history.add_sample(stamp_ns, sample)
         elif self._imu_check.set_back(stamp_ns, sample_ns):
             self.counts[SET_BACK] += 1
-            self._history = history.begin_again(stamp_ns, sample)
+            self._history, self.begin_ns = history.begin_again(stamp_ns, sample), stamp_ns
         elif stamp_ns <= sample_ns:
             self.counts[NOT_LATER] += 1
         elif not self._accepts_stamp(stamp_ns):
@@ -151,9 +141,9 @@ class NavigationFilter:
                 self.counts[GAP] += 1
             self._started.add_sample(stamp_ns, sample)
 
-    def place(self, pose: PlanarGaussian) -> None:
+    def begin_at(self, pose: PlanarGaussian) -> None:
         """Put the newest estimate at a planar pose of the planar model; it must be `ready`."""
-        self._history = self._started.placed(pose)
+        self._history = self._started.begun_at(pose)
 
     def fuse_planar(
         self,
@@ -175,14 +165,13 @@ class NavigationFilter:
         self.correct(time_ns, PlanarPose(xi, R, omega, method, gate, unobservable, widen_vertical))
         return self.at(time_ns)
 
-    def place_at(self, time_ns: int, pose: PlanarGaussian) -> None:
+    def reset_pose(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a planar pose at a time, wherever the base was estimated before."""
         self.correct(time_ns, PoseReset(pose))
 
-    def update_height(self, time_ns: int, height: float, sigma: float | None = None) -> bool:
-        """A height over the start, metres; sigma from the configuration if not given. See `correct`."""
-        config = self._config
-        return self.correct(time_ns, HeightAid(height, sigma or config.height_sigma, config.height_gate))
+    def update_height(self, time_ns: int, height: float) -> bool:
+        """A height over the start, metres. See `correct`."""
+        return self.correct(time_ns, HeightAid(height, self._config.height_sigma, self._config.height_gate))
 
     def update_velocity_body(self, time_ns: int, velocity: Float64s, sigma: float) -> bool:
         """A velocity in the axes of the base, (2,) forward and left or (3,), m/s. See `correct`."""
@@ -257,7 +246,7 @@ class NavigationFilter:
         self._suspect_ns = stamp_ns
         if confirmed:
             self.counts[LEAPT] += 1
-            self._history = self._started.begin_again(stamp_ns - 1)
+            self._history, self.begin_ns = self._started.begin_again(stamp_ns - 1), stamp_ns - 1
         return confirmed
 
 

@@ -53,15 +53,6 @@ class History:
         self._kept_ns = round(config.history * 1e9)
         self._settled = len(self._estimates) - 1
 
-    def copy(self) -> "History":
-        """An independent copy; estimates are never changed, so they are shared."""
-        other = History.__new__(History)
-        other.__dict__.update(self.__dict__)
-        other._samples = self._samples.copy()
-        other._corrections, other._estimates = self._corrections.copy(), self._estimates.copy()
-        other._buffer = self._buffer.copy()
-        return other
-
     def __getstate__(self) -> dict[str, object]:
         """To be kept: without the estimates that follow from the rest, which are most of it."""
         base = next((k for k, estimate in enumerate(self._estimates) if estimate is self._base), None)
@@ -134,7 +125,7 @@ class History:
             self._forget(self._corrections[MOST_CORRECTIONS // 2][0])
         return True
 
-    def placed(self, pose: PlanarGaussian) -> "History":
+    def begun_at(self, pose: PlanarGaussian) -> "History":
         """A history that begins with the newest sample and its estimate, but at this pose in the plane."""
         last = self.at(self.sample_ns)
         return self._begun(last.stamp_ns, self._samples.last, *with_pose(last.x, last.P, pose))

@@ -20,16 +20,9 @@ class ImuBuffer:
         self._begin = self._end = 0
         self.last_ns = 0
 
-    def copy(self) -> "ImuBuffer":
-        """An independent copy."""
-        other = ImuBuffer()
-        other._stamps, other._values = self._stamps.copy(), self._values.copy()
-        other._begin, other._end, other.last_ns = self._begin, self._end, self.last_ns
-        return other
-
     @property
     def rows(self) -> tuple[Int64s, Float64s, int, int]:
-        """Stamps (n,) in nanoseconds, values (n, 7) as `kernels.navigation.predict` takes them, and the range."""
+        """Stamps (n,) in ns, values (n, 7) as `kernels.imu_propagation` takes them, and the range."""
         return self._stamps, self._values, self._begin, self._end
 
     @property

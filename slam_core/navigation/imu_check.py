@@ -20,12 +20,6 @@ class ImuCheck:
         self._sample = np.zeros(7)
         self._behind: tuple[int, int] | None = None
 
-    def copy(self) -> "ImuCheck":
-        """An independent copy."""
-        other = ImuCheck()
-        other._memory, other._behind = self._memory.copy(), self._behind
-        return other
-
     def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
         """The sample as in `ImuBuffer` (None if it is broken), and what is wrong with it (empty if nothing).
 

@@ -91,7 +91,7 @@ class PlanarMotion:
     def prior(self, time_ns: int, config: MotionConfig) -> PlanarGaussian:
         """The predicted pose and its uncertainty; moves the filter on to that instant."""
         self._advance(time_ns, config)
-        return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+        return self.planar
 
     def estimate(self, time_ns: int, config: MotionConfig) -> tuple[Float64s, Float64s]:
         """Mean (6,) at an instant, also one a little before the last known; covariance (6, 6) of the later one."""
@@ -122,9 +122,9 @@ class PlanarMotion:
             unobservable=unobservable, held=held,
         )  # fmt: skip
         self.shift(step, covariance)
-        return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+        return self.planar
 
-    def place(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
+    def reset_pose(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
         """Continue at a pose at a time, wherever the base was estimated before; the velocity of the body stays."""
         self._advance(time_ns, config)
         self._mean[:3] = pose.mean
@@ -147,7 +147,7 @@ class PlanarMotion:
 
     def hold(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
         """Stay at a pose at a time, without a velocity: that of a lost robot would carry it off."""
-        self.place(time_ns, pose, config)
+        self.reset_pose(time_ns, pose, config)
         self._mean[3:] = 0.0
 
     @property

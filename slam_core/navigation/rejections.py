@@ -23,13 +23,6 @@ class Rejections:
         self.counts: Counter[str] = Counter()
         self._dropped: dict[str, Mapping[str, int]] = {}  # replaced, never changed: statuses hold them
 
-    def copy(self) -> "Rejections":
-        """An independent copy."""
-        other = Rejections()
-        other.counts = self.counts.copy()
-        other._dropped = self._dropped.copy()
-        return other
-
     def drop(self, source: str, reason: str) -> None:
         """Count a measurement of a source that cannot be used."""
         self.counts[reason] += 1

@@ -100,6 +100,21 @@ def test_a_map_begins_in_the_end_though_scans_fit_no_map() -> None:
     assert np.abs(trajectory[0, 1:4]).max() < 1e-3
 
 
+@pytest.mark.parametrize("set_back_s", [1.0, 2.5])
+def test_a_clock_that_is_set_back_meanwhile_delays_the_map_by_another_start(set_back_s: float) -> None:
+    """By a hundred seconds, at some time of the start in motion: scans do not wait until it has caught up."""
+    items = drive(IN_A_TURN, 0.0, 10.0)
+    begin_ns = items[0].stamp_ns
+    changed = [
+        replace(item, stamp_ns=item.stamp_ns - 100 * 10**9)
+        if item.stamp_ns - begin_ns > set_back_s * 1e9
+        else item
+        for item in items
+    ]
+    trajectory = run(changed, SlamConfig()).trajectory
+    assert len(trajectory) > 100
+
+
 def test_a_map_begins_at_once_where_the_robot_rests() -> None:
     """The levelling time is all that a run at rest waits for."""
     pipeline = run(drive(0.0, 0.0, 10.0)[:400], SlamConfig())

@@ -37,6 +37,7 @@ from slam_core.navigation.aiding.sensors import (
 from slam_core.navigation.aiding.standstill import StandstillDetector
 from slam_core.navigation.corrections import Correction
 from slam_core.navigation.filter import NavigationFilter
+from slam_core.navigation.planar_motion import SET_BACK_NS
 from slam_core.results import AidingStatus, PlanarGaussian
 
 AidingMeasurement = Attitude | GroundDistance | MagneticField | GpsPosition | GpsVelocity
@@ -135,8 +136,11 @@ class Aids:
     def _share(self, source: str, time_ns: int) -> float:
         """How much of a source's error is new since its last measurement: 0 for one that is not later."""
         last_ns = self._last_ns.get(source)
-        self._last_ns[source] = max(time_ns, last_ns or time_ns)
-        return 1.0 if last_ns is None else min(max((time_ns - last_ns) * 1e-9 / LASTING[source], 0.0), 1.0)
+        if last_ns is None or time_ns < last_ns - SET_BACK_NS:
+            self._last_ns[source] = time_ns
+            return 1.0
+        self._last_ns[source] = max(time_ns, last_ns)
+        return min(max((time_ns - last_ns) * 1e-9 / LASTING[source], 0.0), 1.0)
 
     def _tilt(self, attitude: Attitude, estimator: Estimator, config: AidingConfig) -> None:
         up = geometry.rotation_matrix(attitude.rotation)[2]

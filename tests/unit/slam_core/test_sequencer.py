@@ -3,7 +3,7 @@
 import numpy as np
 
 from slam_core.measurements import Height, Imu, LaserScan
-from slam_core.sequencer import Sequencer
+from slam_core.sequencer import MOST_WAITING, Sequencer
 
 MS = 1_000_000
 
@@ -81,3 +81,10 @@ def test_flush_gives_what_waits():
     s.push(last)
     assert s.flush() == [last]
     assert s.flush() == []
+
+
+def test_scans_whose_stamps_do_not_count_time_wait_no_longer() -> None:
+    """Of one constant stamp no later one tells that no inertial data comes."""
+    sequencer = Sequencer()
+    passed = [each for _ in range(2 * MOST_WAITING) for each in sequencer.push(scan(1.0))]
+    assert len(passed) == MOST_WAITING

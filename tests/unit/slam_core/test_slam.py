@@ -13,6 +13,7 @@ from slam_core.config import ConfigError, MapConfig, MatcherConfig, SlamConfig, 
 from slam_core.diagnostics import Diagnostic
 from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.measurements import Attitude, Height, Imu, LaserScan, Odometry
+from slam_core.results import PlanarGaussian
 from slam_core.slam import HectorSlam
 from tests.worlds import room_scan, same_map
 
@@ -211,6 +212,71 @@ def test_the_scan_that_makes_the_map_may_be_older_than_the_filter():
     assert first.stamp_ns < first.navigation.stamp_ns
     assert {status.source: dict(status.dropped) for status in last.aiding}["scan"] == {}
     assert not slam.status.unused
+
+
+@pytest.mark.parametrize("period, end, gyro", [(0.01, 0.2, 0.0), (0.25, 99.0, 0.0), (0.01, 99.0, math.nan)])
+def test_inertial_data_that_shows_no_attitude_is_not_waited_for_without_end(period, end, gyro):
+    """It ends at once, has gaps, or no values: scans are matched without it, and the fault is named."""
+    slam, results, k = HectorSlam(CONFIG), [], 0
+    for i in range(60):
+        while k * period <= min(0.1 * i, end):
+            slam.step(Imu(round(k * period * 1e9), np.array([0.0, 0.0, gyro]), np.array([0.0, 0.0, 9.81])))
+            k += 1
+        result = slam.step(room_scan(drive(i), i * DT, noise=0.005))
+        results += [result] if result else []
+    assert len(results) > 30
+    assert "no_attitude" in {diagnostic.code for diagnostic in slam.diagnostics}
+    assert (
+        np.abs(results[-1].planar - geometry.compose(geometry.inverse(drive(60 - len(results))), drive(59))).max()
+        < 0.05
+    )
+
+
+def test_a_person_can_say_where_a_robot_is_that_no_search_finds():
+    """Only after a scan was looked for: the map of a room with two alike places is no help."""
+    slam, _ = run(scans=5)
+    prior_map = PriorMap("room", saved_levels(slam.map), start=None)
+    strict = with_value(CONFIG, "tracking.relocalise_min_inlier_ratio", 1.0)
+    begun = HectorSlam(strict, prior_map)
+    here = PlanarGaussian(drive(2), np.diag([0.1, 0.1, 0.1]) ** 2)
+    assert not begun.reset_pose(here)
+    assert begun.step(room_scan(drive(2), 0, noise=0.05)) is None
+    assert begun.status.search_failure is not None
+    assert begun.reset_pose(here)
+    result = begun.step(room_scan(drive(2), DT, noise=0.005))
+    np.testing.assert_allclose(result.planar, drive(2), atol=0.03)
+    assert begun.status.search_failure is None
+
+
+def test_a_lost_robot_stays_where_a_person_said_that_it_is():
+    """Until a match is good again; not at the origin, which was never said."""
+    slam, _ = run(config=with_value(CONFIG, "tracking.relocalise", False))
+    there = np.array([0.5, -0.4, 0.1])
+    assert slam.reset_pose(PlanarGaussian(there, np.diag([0.1, 0.1, 0.1]) ** 2))
+    ranges = np.random.default_rng(1).uniform(0.5, 3.0, len(room_scan(there, 0).ranges)).astype(np.float32)
+    for k in range(40, 70):
+        result = slam.step(replace(room_scan(there, k * DT), ranges=ranges))
+    assert result.verdict.state == "lost"
+    np.testing.assert_allclose(result.planar, there, atol=0.05)
+
+
+def test_without_checks_nothing_remains_of_a_search():
+    """Who switches checks off while the robot is lost gets no reason of that time for it."""
+    slam, _ = run()
+    ranges = np.random.default_rng(1).uniform(0.5, 3.0, len(room_scan(drive(0), 0).ranges)).astype(np.float32)
+    for k in range(40, 70):
+        slam.step(replace(room_scan(drive(40), k * DT), ranges=ranges))
+    assert slam.status.search_failure is not None
+    slam.configure(with_value(CONFIG, "tracking.check", False))
+    slam.step(room_scan(drive(40), 70 * DT))
+    assert slam.status.search_failure is None
+
+
+@pytest.mark.parametrize("time_increment", [math.nan, math.inf, -math.inf])
+def test_a_scan_whose_beams_have_no_times_is_one_of_an_instant(time_increment):
+    """Time increments that are no numbers count as none."""
+    scan = replace(room_scan(drive(0), 5), time_increment=time_increment)
+    assert scan.end_ns == scan.mid_ns == 5
 
 
 def test_heights_reach_the_filter():

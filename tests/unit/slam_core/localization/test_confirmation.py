@@ -17,7 +17,7 @@ class Drive:
     """Matches at 10 Hz, each where it is predicted unless it is said otherwise."""
 
     def __init__(self) -> None:
-        self.confirmation, self.time_ns = Confirmation(), 0
+        self.confirmation, self.time_ns = Confirmation(np.zeros(3)), 0
 
     def match(
         self,
@@ -118,6 +118,19 @@ def test_a_pose_far_off_waits_until_a_search_agrees():
     drive.confirmation.agrees()
     assert not drive.confirmation.awaits_search
     assert drive.match(10.0).confirmed
+
+
+def test_without_searches_a_pose_far_off_need_not_wait_for_one():
+    """Also if they were switched off after it was found."""
+    drive = Drive()
+    drive.match()
+    drive.match(50.0, predicted=0.0)
+    for k in range(1, 10):
+        pose = np.array([50.0 + 0.1 * k, 0.0, 0.0])
+        prior, alone = PlanarGaussian(pose, np.eye(3)), TrackingConfig(relocalise=False)
+        verdict = drive.confirmation.accepted(pose, GOOD, ACCEPTED, prior, USUAL, drive.time_ns + k * DT, alone)
+    assert verdict.confirmed
+    assert not drive.confirmation.pending
 
 
 def test_a_robot_that_was_lost_stays_so_until_it_is_found():

@@ -122,6 +122,12 @@ def test_a_search_in_parts_finds_the_same(seed: int, work: float):
     assert whole.crowded == parts.crowded
 
 
+def test_a_search_in_parts_needs_no_other_compilation():
+    """A part of any length takes the kernel that is compiled: seconds would pass else, while a robot is lost."""
+    find_places(made_level(1), np.ones((12, 2), np.float32), 0.3, work=3e5)
+    assert len(kernels.best_places.signatures) <= 1
+
+
 @settings(max_examples=25)
 @given(st.integers(0, 10**6), st.floats(-3, 5), st.floats(-2, 4), st.floats(0, 4))
 def test_in_a_region_only_its_places_count(seed: int, x: float, y: float, radius: float):

@@ -53,7 +53,9 @@ def test_of_a_scan_that_is_half_new_the_place_of_the_matches_is_found_if_no_othe
     assert found is not None
     np.testing.assert_allclose(found.pose, FIRST, atol=0.03)
     elsewhere = np.array([1.0, -1.0, 2.0])
-    assert Relocaliser(np.zeros(3)).search(room, scan, 0, PREDICTED, None, CONFIG, elsewhere) is None
+    relocaliser = Relocaliser(np.zeros(3))
+    assert relocaliser.search(room, scan, 0, PREDICTED, None, CONFIG, elsewhere) is None
+    assert relocaliser.failure is not None  # of a place that is not known
 
 
 @pytest.mark.parametrize("region", [None, Region(FIRST, 2.0)])

@@ -54,6 +54,15 @@ def test_a_robot_at_rest_forgets_a_visitor_within_five_seconds():
     assert occupied(paper, place).all()
 
 
+def test_a_clock_that_was_set_back_does_not_keep_a_visitor():
+    """Cells are cleared as soon as beams pass, whatever the stamps were before."""
+    slam, place = visited()
+    slam.step(scan(36_000, visitor=True))
+    for k in range(2, 50):
+        slam.step(scan(k))
+    assert not occupied(slam, place).any()
+
+
 def test_walls_and_free_space_are_not_doubted():
     """A minute in an empty room changes next to nothing, at whatever angle the beams meet the walls.
 

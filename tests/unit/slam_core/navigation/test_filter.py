@@ -1,5 +1,6 @@
 """What the filter is for: attitude, height and plane of a ride, bounded, on any platform."""
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -75,7 +76,7 @@ def test_without_any_aid_velocity_and_tilt_stay_bounded() -> None:
 def test_settings_change_from_the_next_measurement_on() -> None:
     """A lower bound on height noise makes the next height count for more."""
     estimator = begun()
-    other = estimator.copy()
+    other = deepcopy(estimator)
     other.configure(replace(CONFIG, height_sigma=0.001))
     for each in (estimator, other):
         each.update_height(stamp(1.0), 0.05)

@@ -1,6 +1,7 @@
 """Each measurement at its own time, however late it comes, and copies that go their own way."""
 
 import pickle
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -116,7 +117,7 @@ def test_a_copy_goes_its_own_way() -> None:
     estimator = NavigationFilter(CONFIG)
     for sample in samples[:300]:
         estimator.predict(sample)
-    state, other = estimator.state, estimator.copy()
+    state, other = estimator.state, deepcopy(estimator)
     for branch in (other, estimator):
         if branch is estimator:
             assert same(state, estimator.state, 0.0)

@@ -61,7 +61,7 @@ def test_it_takes_over_at_the_pose_of_somebody_else() -> None:
     ride = Ride(lambda t: np.array([grown(t), 0.0, 0.0]), lambda t: euler_matrix(0.1 * grown(t), 0.0, 0.0))
     estimator = begun(2.0, ride)
     before = estimator.state
-    estimator.place(PlanarGaussian(np.array([3.0, -2.0, np.pi / 2]), 0.04 * np.eye(3)))
+    estimator.begin_at(PlanarGaussian(np.array([3.0, -2.0, np.pi / 2]), 0.04 * np.eye(3)))
     after = estimator.state
     assert np.allclose(geometry.planar(after.T_map_base), [3.0, -2.0, np.pi / 2])
     assert np.allclose(after.velocity, [-before.velocity[1], before.velocity[0], before.velocity[2]])

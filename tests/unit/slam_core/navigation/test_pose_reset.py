@@ -33,7 +33,7 @@ def driven(seconds: float) -> NavigationFilter:
 def test_the_base_is_where_it_was_put():
     """Place, heading and their covariance are the given ones, whatever was believed."""
     nav = driven(4.0)
-    nav.place_at(HERE, PlanarGaussian(XI, R))
+    nav.reset_pose(HERE, PlanarGaussian(XI, R))
     planar = nav.planar(HERE)
     np.testing.assert_allclose(planar.mean, XI, atol=1e-12)
     np.testing.assert_allclose(planar.covariance, R, atol=1e-12)
@@ -43,7 +43,7 @@ def test_what_the_place_does_not_change_stays():
     """Roll, pitch, height, the velocity in the base's axes, the biases and how sure all these are."""
     nav = driven(4.0)
     before = nav.at(HERE)
-    nav.place_at(HERE, PlanarGaussian(XI, R))
+    nav.reset_pose(HERE, PlanarGaussian(XI, R))
     after = nav.at(HERE)
     np.testing.assert_allclose(
         geometry.to_euler(after.T_map_base.rotation)[:2],
@@ -69,7 +69,7 @@ def test_the_way_on_is_the_same_but_for_the_frame():
     for put in (False, True):
         nav = driven(4.0)
         if put:
-            nav.place_at(HERE, PlanarGaussian(XI, R))
+            nav.reset_pose(HERE, PlanarGaussian(XI, R))
         a, b = (nav.planar(time_ns).mean for time_ns in (HERE, stamp(3.99)))
         ways.append(geometry.compose(geometry.inverse(a), b))
     np.testing.assert_allclose(ways[0], ways[1], atol=2e-4)
@@ -80,8 +80,8 @@ def test_a_place_that_is_none_is_refused():
     """Not finite, or with a noise that is no covariance: counted, and the belief stays."""
     nav = driven(2.0)
     before = nav.planar(stamp(1.9)).mean
-    nav.place_at(stamp(1.9), PlanarGaussian(np.array([np.nan, 0.0, 0.0]), R))
-    nav.place_at(stamp(1.9), PlanarGaussian(XI, -R))
+    nav.reset_pose(stamp(1.9), PlanarGaussian(np.array([np.nan, 0.0, 0.0]), R))
+    nav.reset_pose(stamp(1.9), PlanarGaussian(XI, -R))
     np.testing.assert_array_equal(nav.planar(stamp(1.9)).mean, before)
     assert nav.counts["correction without a usable value"] == 2
 

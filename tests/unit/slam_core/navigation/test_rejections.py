@@ -23,12 +23,3 @@ def test_what_is_told_is_never_stale() -> None:
     ledger.drop("gps", "late")
     assert dict(ledger.statuses({"gps": status})[0].dropped) == {"late": 2}
     assert ledger.statuses({"gps": AidingStatus("gps", used=4)})[0].used == 4
-
-
-def test_a_copy_of_the_ledger_counts_alone() -> None:
-    """What is dropped later is in one of them only."""
-    ledger = Rejections()
-    ledger.drop("gps", "late")
-    other = ledger.copy()
-    ledger.drop("gps", "late")
-    assert (other.counts["late"], other.statuses({})[0].dropped["late"]) == (1, 1)

@@ -1,11 +1,13 @@
 """Rest or motion, by two scans."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from slam_core.measurements import LaserScan
+from slam_core import geometry
+from slam_core.measurements import LaserScan, Transform
 from slam_core.navigation.rest import shows_motion
 
 BEAMS = 361
@@ -52,6 +54,15 @@ def test_stray_beams_are_no_motion() -> None:
 def test_a_base_that_drives_is_seen(change: Callable[[Ranges], Ranges]) -> None:
     """Two decimetres are enough, also where some beams see nothing."""
     assert shows_motion(scan(change(room())), scan(change(room(0.2, seed=1))))
+
+
+def test_a_laser_that_a_servo_turned_shows_nothing() -> None:
+    """Scans of another mount, or with beams of other angles, see other walls while the base rests."""
+    before, now = scan(room()), scan(np.roll(room(), 40))
+    assert shows_motion(before, now)
+    turned = Transform(rotation=geometry.yaw_quaternion(0.35))
+    assert not shows_motion(before, replace(now, T_base_laser=turned))
+    assert not shows_motion(before, replace(now, angle_min=now.angle_min + 0.35))
 
 
 def test_scans_that_cannot_be_compared_show_nothing() -> None:

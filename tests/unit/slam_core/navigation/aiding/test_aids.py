@@ -136,6 +136,17 @@ def test_a_compass_holds_the_heading_when_the_matches_end() -> None:
     assert error(replace(ON, compass_sigma=0.03)) < 2.5 < 5.0 < error(OFF)
 
 
+def test_one_stamp_far_ahead_does_not_silence_a_sensor() -> None:
+    """An attitude that claims to be an hour late in time is dropped; those after it count as before."""
+
+    def stamped(ride: Ride, t: float) -> Attitude:
+        return replace(upright(ride, t), stamp_ns=stamp(t + 3600.0 if t == 2.0 else t))
+
+    regular, ahead = (Drive(gait(), each).finish(6.0).status("attitude") for each in (upright, stamped))
+    assert ahead.used == regular.used - 1
+    assert sum(ahead.dropped.values()) == 1
+
+
 def test_metal_moves_nothing() -> None:
     """A field that doubles for two seconds is rejected by the gate, and the heading stays."""
 

@@ -22,7 +22,7 @@ SURE = PlanarGaussian(np.zeros(3), np.diag([1e-4, 1e-4, 1e-4]))
 def standing(psi: float = 0.0) -> tuple[PlanarMotion, PlanarEstimator]:
     """At the origin at 10 s, heading somewhere, sure to a centimetre."""
     motion = PlanarMotion()
-    motion.place(10 * S, PlanarGaussian(np.array([0.0, 0.0, psi]), SURE.covariance), CONFIG)
+    motion.reset_pose(10 * S, PlanarGaussian(np.array([0.0, 0.0, psi]), SURE.covariance), CONFIG)
     estimator = PlanarEstimator(motion)
     estimator.configure(CONFIG, 5.0)
     return motion, estimator
@@ -86,7 +86,7 @@ def test_a_fix_that_jumps_is_kept_out_while_matches_vouch() -> None:
         for k in range(1, 51):
             now_ns = 10 * S + k * S // 5
             if matched:
-                motion.place(now_ns, SURE, CONFIG)
+                motion.reset_pose(now_ns, SURE, CONFIG)
                 estimator.matched(now_ns)
             estimator.correct(now_ns, place(50.0, 0.0))
         gps = next(status for status in estimator.aiding if status.source == "gps")
