@@ -73,6 +73,7 @@ class HectorSlam(SlamState):
 
     def _skip(self, reason: str) -> StepResult | None:
         self._skipped[reason] += 1
+        self._stopwatch.lap()  # of this scan, not of the next one
         return None
 
     def _run(self, measurements: Sequence[Measurement]) -> list[StepResult]:

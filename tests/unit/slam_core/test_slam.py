@@ -319,6 +319,17 @@ def test_durations_come_from_the_clock_that_is_given():
     assert HectorSlam(CONFIG).step(room_scan(np.zeros(3))).durations.match == 0
 
 
+def test_durations_are_of_the_scan_alone():
+    """What scans took that were skipped before is not in them."""
+    ticks = iter(range(10**9))
+    timed = HectorSlam(CONFIG, clock=lambda: next(ticks))
+    empty = replace(room_scan(np.zeros(3)), ranges=np.full(360, np.inf, np.float32), range_min=5.0)
+    for _ in range(5):
+        assert timed.step(empty) is None
+    alone = HectorSlam(CONFIG, clock=lambda: next(ticks)).step(room_scan(np.zeros(3)))
+    assert timed.step(room_scan(np.zeros(3))).durations == alone.durations
+
+
 def test_the_sampled_covariance_runs_in_the_pipeline():
     """The choice of covariance reaches the fusion."""
     config = SlamConfig(map=CONFIG.map, matcher=MatcherConfig(covariance="sampled"))
