@@ -83,6 +83,8 @@ def test_another_trajectory_has_another_hash() -> None:
         ("cd" * 32, "cd" * 31, "run.map_sha256"),
         ('kind = "victim"', 'kind = "ghost"', "ghost"),
         ("place = [1.5,", "place = [nan,", "place"),
+        ("place = [1.5,", f"place = [1{400 * '0'},", "place"),
+        ("time_ns = 17", f"time_ns = {2**63}", "time_ns"),
         ("number = 1\n", "", "number"),
         ("omega = 0.25", "omega = 7", "fusion.omega"),
         ("[fusion]", "[fusion", "TOML"),
