@@ -80,8 +80,13 @@ def _remark(leaf: Leaf) -> str:
 
 def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
     """The settings of a file; what it does not name is as in `base` (the defaults). SettingsError if it is bad."""
+    return read_file(path, base)[0]
+
+
+def read_file(path: Path, base: SlamConfig | None = None) -> tuple[Settings, dict[str, OptionValue]]:
+    """As `read_toml`, with what the file states of the sensors, by the names of `SENSOR_OPTIONS`."""
     try:
-        return _settings(tomllib.loads(path.read_text(encoding="utf-8")), base or SlamConfig())
+        return from_tree(tomllib.loads(path.read_text(encoding="utf-8")), base)
     except OSError as error:
         raise SettingsError(f"{path} cannot be read ({error.strerror}): give an existing TOML file") from error
     except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, tables without end
@@ -92,13 +97,8 @@ def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
 
 def from_tree(tree: dict[str, Any], base: SlamConfig | None = None) -> tuple[Settings, dict[str, OptionValue]]:
     """The settings of a parsed file, and what it states of the sensors; ConfigError for bad ones."""
-    sensors = sensor_options(tree.get(_SENSORS, {}))
+    sensors = sensor_options(tree.pop(_SENSORS, {}))
     return _settings(tree, base or SlamConfig()), sensors
-
-
-def read_sensors(path: Path) -> dict[str, OptionValue]:
-    """What a file, which `read_toml` has read, states of the sensors, by the names of `SENSOR_OPTIONS`."""
-    return sensor_options(tomllib.loads(path.read_text(encoding="utf-8")).get(_SENSORS, {}))
 
 
 def sensor_options(table: Any) -> dict[str, OptionValue]:
@@ -130,7 +130,6 @@ def _fits(value: Any, kind: Any) -> bool:
 
 
 def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:
-    sensor_options(tree.pop(_SENSORS, {}))
     changes = tree.pop(_CHANGES, [])
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")
