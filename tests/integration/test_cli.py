@@ -285,6 +285,14 @@ def test_an_output_folder_that_cannot_be_is_refused(bag: Path, tmp_path: Path):
     assert "taken cannot be made" in refused("run", bag, "--out", tmp_path / "taken")
 
 
+def test_names_that_are_too_long_are_refused(bag: Path, tmp_path: Path):
+    """Of the folder of kept runs, of a certificate and of a sweep: with the name."""
+    name, proof = "x" * 300, tmp_path / "key.pem"
+    assert f"--runs {name} cannot be reached" in refused("view", bag, "--runs", name)
+    assert f"{name} is no file" in refused("view", bag, "--certificate", name, "--key", proof)
+    assert f"{name} has no runs.csv" in refused("sweep", "--show", name)
+
+
 def test_a_port_in_use_is_refused(bag: Path):
     """The port's number, instead of silently another one."""
     with socket.create_server(("127.0.0.1", 0)) as taken:

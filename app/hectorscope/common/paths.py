@@ -16,6 +16,11 @@ def exists(path: Path) -> bool:
     return True
 
 
+def is_file(path: Path) -> bool:
+    """Whether a file is found at a path; False also where it cannot be reached."""
+    return exists(path) and path.is_file()
+
+
 def absence(path: Path) -> str:
     """Why nothing is found at a path, as part of a message with the nearest name; empty if there is something."""
     try:
