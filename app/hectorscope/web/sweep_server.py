@@ -78,7 +78,11 @@ def handler(access: AccessControl, viewers: Viewers) -> type[BaseHTTPRequestHand
         server_version, sys_version = "Hectorscope", ""
 
         def do_GET(self) -> None:
-            self._send(access.answer(self.path, self._headers()) or plain(HTTPStatus.FORBIDDEN, NO_SOCKET))
+            try:
+                reply = access.answer(self.path, self._headers()) or plain(HTTPStatus.FORBIDDEN, NO_SOCKET)
+            except OutputError as error:  # the table cannot be read
+                reply = plain(HTTPStatus.INTERNAL_SERVER_ERROR, f"{error}\n")
+            self._send(reply)
 
         def do_POST(self) -> None:
             self._send(opened(access, viewers, self.path, self._headers(), self._body()))
