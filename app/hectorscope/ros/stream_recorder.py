@@ -126,7 +126,7 @@ class StreamRecorder:
             part.write(message, self._last_ns)
         more = self._part.flush(self._clock()) if self._part is not None else 0
         self.written += more
-        if self.failed and more:
+        if more:
             self.failed, self.warning = False, ""
 
     def _begin(self) -> "_Part":
