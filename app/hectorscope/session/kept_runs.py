@@ -35,7 +35,7 @@ class KeptRuns:
             raise RunFileError("There is no folder to keep runs in: start the program with --runs DIR")
         try:
             place = self._made(self.folder, run.link.name)
-            write_whole(place / FILE, write_text(run))
+            write_whole(place / FILE, write_text(run).encode(), mode=0o600)
         except OSError as error:
             raise RunFileError(f"The run cannot be kept ({error.strerror}): give another --runs") from error
         return place.name

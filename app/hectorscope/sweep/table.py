@@ -11,8 +11,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import OutputError
-from hectorscope.exporters._files import write_whole
 from hectorscope.sweep.figures import NAMES
 from hectorscope.sweep.spec import RunSpec, RunSummary
 
