@@ -250,7 +250,7 @@ def test_an_inspection_shows_what_is_left_after_a_repair(lying_bag: Path):
     assert "repair: --repair, or --imu-accel-unit mg --imu-gyro-unit deg/s" in found
     mended = called("inspect", lying_bag, "--repair").stdout
     assert "not in m/s²: --imu-accel-unit mg" in mended
-    assert "wrong with them" not in mended
+    assert "sensor contradictions" not in mended
 
 
 def test_a_missing_recording_is_named(tmp_path: Path):
