@@ -73,10 +73,10 @@ def _fault(fault: Finding, start_ns: int) -> str:
 
 def _sensors(measures: Measures) -> Iterator[str]:
     """What the data shows of the sensors, right or wrong."""
-    felt = measures.gravity
-    if felt is not None:
-        up = " ".join(f"{part:z.2f}" for part in felt.up)
-        yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
+    measured = measures.gravity
+    if measured is not None:
+        up = " ".join(f"{part:z.2f}" for part in measured.up)
+        yield f"gravity: {measured.norm:.4g}, up is {up} in the base, steady to {measured.steadiness:.2f}"
     for name, turn, is_timed in (
         ("gyroscope against the scans", measures.turn, True),
         ("gyroscope against gravity", measures.tilt, False),

@@ -11,13 +11,13 @@ from hectorscope.inputs import (
     Finding,
     Framed,
     Item,
+    MessageListener,
     Rereadable,
     Seekable,
     Source,
     SourceError,
     SourceOptions,
     SourceReport,
-    Tap,
     Tappable,
 )
 from slam_core.measurements import Transform
@@ -104,7 +104,7 @@ class CheckedSource:
         self._checking = self._is_sound = False
         self._repaired: tuple[Finding, ...] = ()
         self._rounds = 0
-        self._taps: list[Tap] = []
+        self._listeners: list[MessageListener] = []
 
     @property
     def span_ns(self) -> tuple[int, int] | None:
@@ -201,26 +201,26 @@ class CheckedSource:
             self._options = replace(self._options, **changed)
             self._source.close()
             self._source = self._opened(self._options)
-            for tap in self._taps:
-                self._tap(tap)
+            for listener in self._listeners:
+                self._tap(listener)
             self._check, self._is_sound = None, False
             self._repaired += found
         return found
 
-    def tap(self, tap: Tap) -> None:
-        """Let it hear the messages of a live source, also once it was opened again."""
-        self._taps.append(tap)
-        self._tap(tap)
+    def tap(self, listener: MessageListener) -> None:
+        """Pass it the messages of a live source, also once it was opened again."""
+        self._listeners.append(listener)
+        self._tap(listener)
 
-    def _tap(self, tap: Tap) -> None:
+    def _tap(self, listener: MessageListener) -> None:
         if isinstance(self._source, Tappable):
-            self._source.tap(tap)
+            self._source.tap(listener)
 
-    def untap(self, tap: Tap) -> None:
-        """It hears nothing any more."""
-        self._taps.remove(tap)
+    def untap(self, listener: MessageListener) -> None:
+        """It gets nothing any more."""
+        self._listeners.remove(listener)
         if isinstance(self._source, Tappable):
-            self._source.untap(tap)
+            self._source.untap(listener)
 
     def close(self) -> None:
         """Let go of the source."""
