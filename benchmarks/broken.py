@@ -2,7 +2,7 @@
 
     python -m benchmarks.broken demo_bags/arena.bag DIR
 
-docs/broken-recordings.md finds the cause of each; tests/unit/hectorscope/checks/test_doctor.py does, too.
+docs/broken-recordings.md finds the cause of each; tests/unit/hectorscope/checks/test_recording_check.py does, too.
 """
 
 import argparse

@@ -256,8 +256,8 @@ class Message(NamedTuple):
     data: bytes
 
 
-class Tap(Protocol):
-    """Hears every message that a live source uses, on the thread that reads it: it must not wait for anything."""
+class MessageListener(Protocol):
+    """Gets every message that a live source uses, on the thread that reads it: it must not wait for anything."""
 
     @property
     def warning(self) -> str:
@@ -269,13 +269,13 @@ class Tap(Protocol):
 
 @runtime_checkable
 class Tappable(Source, Protocol):
-    """A live input whose messages can be heard as they came."""
+    """A live input whose messages are passed on as they came."""
 
-    def tap(self, tap: Tap) -> None:
-        """Let it hear the static transforms so far, and from now on every message."""
+    def tap(self, listener: MessageListener) -> None:
+        """Pass it the static transforms so far, and from now on every message."""
 
-    def untap(self, tap: Tap) -> None:
-        """It hears nothing any more."""
+    def untap(self, listener: MessageListener) -> None:
+        """It gets nothing any more."""
 
 
 @runtime_checkable

@@ -250,7 +250,7 @@ def test_an_inspection_shows_what_is_left_after_a_repair(lying_bag: Path):
     assert "repair: --repair, or --imu-accel-unit mg --imu-gyro-unit deg/s" in found
     mended = called("inspect", lying_bag, "--repair").stdout
     assert "not in m/s²: --imu-accel-unit mg" in mended
-    assert "wrong with them" not in mended
+    assert "sensor contradictions" not in mended
 
 
 def test_a_missing_recording_is_named(tmp_path: Path):
@@ -283,6 +283,14 @@ def test_an_output_folder_that_cannot_be_is_refused(bag: Path, tmp_path: Path):
     """A file stands where the folder should be."""
     (tmp_path / "taken").write_text("")
     assert "taken cannot be made" in refused("run", bag, "--out", tmp_path / "taken")
+
+
+def test_names_that_are_too_long_are_refused(bag: Path, tmp_path: Path):
+    """Of the folder of kept runs, of a certificate and of a sweep: with the name."""
+    name, proof = "x" * 300, tmp_path / "key.pem"
+    assert f"--runs {name} cannot be reached" in refused("view", bag, "--runs", name)
+    assert f"{name} is no file" in refused("view", bag, "--certificate", name, "--key", proof)
+    assert f"{name} has no runs.csv" in refused("sweep", "--show", name)
 
 
 def test_a_port_in_use_is_refused(bag: Path):

@@ -1,5 +1,6 @@
 """An MCAP that is written while it is read."""
 
+import socket
 import subprocess
 import sys
 import threading
@@ -82,9 +83,13 @@ def test_the_standard_input_is_read_to_its_end(drive: Path) -> None:
 
 
 def test_what_is_no_mcap_is_named(tmp_path: Path) -> None:
-    """A missing file at once, another file when it is read."""
+    """A missing file and a socket at once, another file when it is read."""
     with pytest.raises(SourceError, match=r"does not exist.*: give an \.mcap"):
         open_source(f"file://{tmp_path / 'none.mcap'}", SourceOptions())
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(tmp_path / "socket"))
+        with pytest.raises(SourceError, match=r"socket cannot be read \(.*: give an \.mcap"):
+            open_source(f"file://{tmp_path / 'socket'}", SourceOptions())
     other = tmp_path / "other.mcap"
     other.write_bytes(b"no mcap at all, but long enough to tell")
     with opened(f"file://{other}") as source, pytest.raises(SourceError, match="is no MCAP or is damaged"):

@@ -12,6 +12,7 @@ from random import Random
 import pytest
 
 from hectorscope.inputs import Message, Tappable
+from hectorscope.ros import stream_recorder
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder, parts
 from hectorscope.run.headless import run_headless
 from hectorscope.run.settings import Settings
@@ -206,6 +207,20 @@ def test_a_full_disk_is_told_and_recording_goes_on_once_there_is_room(tmp_path: 
     assert 0 < len(before) < FIRST
     assert before == [sent(number) for number in range(len(before))]
     assert read_back(parts(tmp_path)[-1]) == [sent(number) for number in range(FIRST, FIRST + 20)]
+
+
+def test_a_disk_that_was_too_slow_is_told_until_messages_are_written_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What finds no room while others wait is missing; the warning goes with the next ones that are written."""
+    monkeypatch.setattr(stream_recorder, "MOST_WAITING", 20_000)
+    recorder = StreamRecorder(tmp_path)
+    for number in (1, 2):
+        recorder.take(message(number, size=20_000))
+    assert "is too slow" in recorder.warning
+    wait_for(lambda: not recorder.warning)
+    recorder.close()
+    assert recorder.written
 
 
 def test_a_message_that_cannot_be_written_costs_its_file_only(tmp_path: Path) -> None:

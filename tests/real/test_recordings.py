@@ -9,7 +9,7 @@ import pytest
 
 from hectorscope.checks.findings import remedy
 from hectorscope.checks.inspect import inspect_bag
-from hectorscope.checks.sensor_check import CheckedSource, DeviceError
+from hectorscope.checks.sensor_check import CheckedSource, SensorError
 from hectorscope.inputs import Item, Source, SourceOptions
 from hectorscope.sources import open_source
 from slam_core import geometry
@@ -97,7 +97,7 @@ def test_mumble_gives_milli_g_and_degrees_and_mirrors_its_scan(recordings: Path,
     report = inspect_bag(path, SourceOptions())
     flags = "--imu-accel-unit mg --imu-gyro-unit deg/s --scan-mirrored true"
     assert remedy(report.findings).startswith(flags)
-    with pytest.raises(DeviceError, match=flags):
+    with pytest.raises(SensorError, match=flags):
         CheckedSource(lambda options: open_source(str(path), options), SourceOptions()).check()
     late = 0.11 if "kitchen" in name else None
     options = SourceOptions(imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=late)

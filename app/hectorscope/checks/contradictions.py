@@ -72,21 +72,21 @@ def compare_turns(times: Float64s, yaw: Float64s, rate_times: Float64s, rates: F
         return None
     turned = yaw[end] - yaw[begin]
 
-    def felt(lag: float) -> Float64s:
+    def shifted(lag: float) -> Float64s:
         late: Float64s = np.interp(times[end] - lag, rate_times, angle)
         return late - np.interp(times[begin] - lag, rate_times, angle)
 
     lags = LAG_STEP * np.arange(-LAGS, LAGS + 1)
-    heard = np.array([felt(lag) for lag in lags])
+    measured = np.array([shifted(lag) for lag in lags])
     kept = np.ones(len(turned), np.bool_)
     for _ in range(ROUNDS):
-        scores = [_correlation(turned[kept], late[kept]) for late in heard]
+        scores = [_correlation(turned[kept], late[kept]) for late in measured]
         best = int(np.argmax(np.abs(scores)))
-        ratio = _ratio(turned[kept], heard[best, kept])
-        off = heard[best] - math.copysign(ratio, scores[best]) * turned
+        ratio = _ratio(turned[kept], measured[best, kept])
+        off = measured[best] - math.copysign(ratio, scores[best]) * turned
         off = np.abs(off - np.median(off))
         kept = off <= OUTLYING * np.median(off)
-    at_best, at_none = _correlation(turned, heard[best]), _correlation(turned, heard[LAGS])
+    at_best, at_none = _correlation(turned, measured[best]), _correlation(turned, measured[LAGS])
     return Agreement(
         correlation=scores[best],
         ratio=ratio,
@@ -117,10 +117,10 @@ def compare_tilts(times: Float64s, rates: Float64s, forces: Float64s) -> Agreeme
     up = _box_mean(times, forces, TILT_SPAN)
     up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
     first, last = _at(begin, times, up), _at(begin + TILT_SPAN, times, up)
-    seen, felt = (last - first).ravel(), -np.cross(turn, 0.5 * (first + last)).ravel()
-    score = _correlation(seen, felt)
+    seen, measured = (last - first).ravel(), -np.cross(turn, 0.5 * (first + last)).ravel()
+    score = _correlation(seen, measured)
     moved = float(np.sqrt(3.0 * np.mean(seen**2)))
-    return Agreement(score, _ratio(seen, felt), 0.0, 0.0, len(begin), moved)
+    return Agreement(score, _ratio(seen, measured), 0.0, 0.0, len(begin), moved)
 
 
 def _correlation(a: Float64s, b: Float64s) -> float:

@@ -25,9 +25,9 @@ UNIT_NAMES = {"m/s2": "m/s²", "g": "g", "mg": "milli-g"}
 
 def findings(measures: Measures, options: SourceOptions) -> list[Finding]:
     """What contradicts the messages; nothing about what `options` state."""
-    felt, turn = measures.gravity, measures.turn
+    measured, turn = measures.gravity, measures.turn
     return [
-        *(_accel_unit(felt) if felt and options.imu_accel_unit is None else ()),
+        *(_accel_unit(measured) if measured and options.imu_accel_unit is None else ()),
         *(_gyro_unit(measures) if options.imu_gyro_unit is None else ()),
         *_axes(measures, options),
         *(_delay(turn, options) if turn else ()),
@@ -44,10 +44,10 @@ def repairing_options(found: Sequence[Finding]) -> dict[str, OptionValue]:
     return {name: value for finding in found for name, value in finding.options.items()}
 
 
-def _accel_unit(felt: Gravity) -> Iterator[Finding]:
-    fits = (name for name, unit in ACCEL_UNITS.items() if _near(felt.norm * unit, STANDARD_GRAVITY))
+def _accel_unit(measured: Gravity) -> Iterator[Finding]:
+    fits = (name for name, unit in ACCEL_UNITS.items() if _near(measured.norm * unit, STANDARD_GRAVITY))
     name = next(fits, None)
-    fact = f"the accelerometer shows gravity as {felt.norm:.4g}"
+    fact = f"the accelerometer shows gravity as {measured.norm:.4g}"
     if name is None:
         yield Finding(f"{fact}, which no unit explains (9.81 m/s², 1 g, 1000 milli-g)", {"imu_topic": "none"})
     elif name != "m/s2":
@@ -92,12 +92,12 @@ def _sign(measures: Measures) -> Finding | None:
 
 def _mounting(measures: Measures) -> Iterator[Finding]:
     """Sure only once the robot has turned: until then somebody may not have set it up yet."""
-    felt = measures.gravity
-    if felt is None or felt.steadiness < STEADY or felt.up[2] > LEANING:
+    measured = measures.gravity
+    if measured is None or measured.steadiness < STEADY or measured.up[2] > LEANING:
         return
-    roll, pitch, _ = geometry.to_euler(upright(felt.up))
-    toward = ", ".join(f"{part:.2f}" for part in felt.up)
-    how = "upside down" if _hangs(felt) else "on its side"
+    roll, pitch, _ = geometry.to_euler(upright(measured.up))
+    toward = ", ".join(f"{part:.2f}" for part in measured.up)
+    how = "upside down" if _hangs(measured) else "on its side"
     yield Finding(
         f"up is ({toward}) in the axes of the base, so the IMU is mounted {how}",
         {"imu_rotation": (float(f"{_snapped(roll):.5g}"), float(f"{_snapped(pitch):.5g}"), 0.0)},
@@ -117,8 +117,8 @@ def _delay(turn: Agreement, options: SourceOptions) -> Iterator[Finding]:
     yield Finding(f"{name} stamped {abs(turn.lag):.2f} s late", {option: round(total_s, 2)}, grave=False)
 
 
-def _hangs(felt: Gravity) -> bool:
-    return felt.steadiness >= STEADY and bool(felt.up[2] < -LEANING)
+def _hangs(measured: Gravity) -> bool:
+    return measured.steadiness >= STEADY and bool(measured.up[2] < -LEANING)
 
 
 def _near(value: float, expected: float) -> bool:

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from hectorscope.checks.doctor import Doctor
 from hectorscope.checks.findings import findings, repairing_options
 from hectorscope.checks.inspect_text import rendered
+from hectorscope.checks.recording_check import RecordingCheck
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.checks.sweep_time import SweepTime
 from hectorscope.checks.topic_times import FEWEST, TopicTimes
@@ -120,29 +120,29 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
     source = open_bag(path, options) if BAG.accepts(str(path)) else open_source(str(path), options)
     if not isinstance(source, Recorded) or source.span_ns is None:
         raise SourceError(f"{path} is no recording: give one")
-    evidence = SensorStatistics(with_truth=True)
+    statistics = SensorStatistics(with_truth=True)
     counts = dict.fromkeys(_MEASURES.values(), 0)
     first_scan: LaserScan | None = None
     for item in source.items():
         counts[type(item)] += 1
-        evidence.take(item)
+        statistics.take(item)
         if first_scan is None and isinstance(item, LaserScan):
             first_scan = item
     begin_ns, end_ns = source.span_ns
-    measures = evidence.measures()
-    doctor = Doctor().take(source.stamped())
+    measures = statistics.measures()
+    check = RecordingCheck().take(source.stamped())
     return BagReport(
         source.name,
         source.container,
         begin_ns,
         (end_ns - begin_ns) * 1e-9,
-        tuple(_topic_lines(source, {topic: times.result for topic, times in doctor.times.items()})),
+        tuple(_topic_lines(source, {topic: times.result for topic, times in check.times.items()})),
         tuple(_part(role, source, counts[kind], first_scan) for role, kind in _MEASURES.items()),
         source.report,
         measures,
-        evidence.sweep_time(),
+        statistics.sweep_time(),
         tuple(findings(measures, options)),
-        faults=tuple(doctor.findings(source.parts, source.unplaced, source.clock_offset_ns)),
+        faults=tuple(check.findings(source.parts, source.unplaced, source.clock_offset_ns)),
     )
 
 

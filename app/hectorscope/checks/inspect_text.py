@@ -36,10 +36,10 @@ def rendered(report: "BagReport") -> Iterator[str]:
     ]
     yield from _table([("part", "played by", "used", ""), *used], right=(2,))
     for title, lines in (
-        ("devices", [*_devices(report.measures), *_sweep(report.sweep)]),
+        ("sensors", [*_sensors(report.measures), *_sweep(report.sweep)]),
         ("repaired", [f"{finding.fact}: {finding.repair}" for finding in report.repaired]),
-        ("wrong with them", list(_wrong(report.findings))),
-        ("wrong with the recording", [_fault(fault, report.start_ns) for fault in report.faults]),
+        ("sensor contradictions", list(_wrong(report.findings))),
+        ("faults of the recording", [_fault(fault, report.start_ns) for fault in report.faults]),
         ("warnings", report.source.warnings),
         ("notes", report.source.notes),
         ("skipped", _skipped(report.source)),
@@ -71,12 +71,12 @@ def _fault(fault: Finding, start_ns: int) -> str:
     return f"{fault.fact}{when}: {fault.remedy}"
 
 
-def _devices(measures: Measures) -> Iterator[str]:
+def _sensors(measures: Measures) -> Iterator[str]:
     """What the data shows of the sensors, right or wrong."""
-    felt = measures.gravity
-    if felt is not None:
-        up = " ".join(f"{part:z.2f}" for part in felt.up)
-        yield f"gravity: {felt.norm:.4g}, up is {up} in the base, steady to {felt.steadiness:.2f}"
+    measured = measures.gravity
+    if measured is not None:
+        up = " ".join(f"{part:z.2f}" for part in measured.up)
+        yield f"gravity: {measured.norm:.4g}, up is {up} in the base, steady to {measured.steadiness:.2f}"
     for name, turn, is_timed in (
         ("gyroscope against the scans", measures.turn, True),
         ("gyroscope against gravity", measures.tilt, False),

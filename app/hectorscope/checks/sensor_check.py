@@ -11,13 +11,13 @@ from hectorscope.inputs import (
     Finding,
     Framed,
     Item,
+    MessageListener,
     Rereadable,
     Seekable,
     Source,
     SourceError,
     SourceOptions,
     SourceReport,
-    Tap,
     Tappable,
 )
 from slam_core.measurements import Transform
@@ -29,7 +29,7 @@ ROUNDS = 3  # of repairs: what was wrong may have hidden something else
 CHECKING = "Checking the sensors against each other, by the beginning of the recording"
 
 
-class DeviceError(SourceError):
+class SensorError(SourceError):
     """A sensor contradicts what its messages promise; the options that repair it are named."""
 
 
@@ -46,19 +46,19 @@ class SensorCheck:
         self.warnings: tuple[str, ...] = ()
         self._live = self._glance = live
         self._name, self._options = name, options
-        self._evidence = SensorStatistics()
+        self._statistics = SensorStatistics()
         self._asked_s = STEP_S
 
     def take(self, item: Item) -> None:
-        """One more item; DeviceError once it is clear that something is wrong."""
-        time_s = self._evidence.take(item)
+        """One more item; SensorError once it is clear that something is wrong."""
+        time_s = self._statistics.take(item)
         if self._glance and time_s >= REST_S:
-            measures = self._evidence.at_rest()
+            measures = self._statistics.at_rest()
             self._glance = measures.gravity is None
             self._tell(findings(measures, self._options))
         if time_s >= self._asked_s:
             self._asked_s += STEP_S
-            self.judge(last=time_s >= PREFIX_S or not self._evidence.comparable, whole=time_s >= LONGEST_S)
+            self.judge(last=time_s >= PREFIX_S or not self._statistics.comparable, whole=time_s >= LONGEST_S)
 
     def judge(self, *, last: bool, whole: bool) -> None:
         """By the data so far. The verdict waits for a turn, so that all faults are reported at once.
@@ -66,7 +66,7 @@ class SensorCheck:
         whole: there is no more to look at. A recording with a grave fault is looked at as far as `inspect` does,
         so that both give the same figures.
         """
-        measures = self._evidence.measures()
+        measures = self._statistics.measures()
         enough = last or measures.turn is not None or measures.wheels is not None
         found = findings(measures, self._options) if enough else []
         if not self._live and not whole and any(finding.grave for finding in found):
@@ -82,14 +82,14 @@ class SensorCheck:
         by_hand = f"or with {remedy(self.found)}, or without the IMU by --imu-topic none"
         text = f"{self._name}: {facts}: run again with --repair, {by_hand}"
         if any(finding.grave for finding in self.found):
-            raise DeviceError(text)
+            raise SensorError(text)
         self.warnings = (text,) if self.found else ()
 
 
 class CheckedSource:
     """A source with checked sensors: a recording by its beginning, before its items come; a stream as it flows.
 
-    opened: opens the source with options. repairs: put right what is found, instead of a DeviceError; of a stream,
+    opened: opens the source with options. repairs: put right what is found, instead of a SensorError; of a stream,
     whoever reads it does, as what flowed until then was wrong.
     """
 
@@ -104,7 +104,7 @@ class CheckedSource:
         self._checking = self._is_sound = False
         self._repaired: tuple[Finding, ...] = ()
         self._rounds = 0
-        self._taps: list[Tap] = []
+        self._listeners: list[MessageListener] = []
 
     @property
     def span_ns(self) -> tuple[int, int] | None:
@@ -128,7 +128,7 @@ class CheckedSource:
         )
 
     def items(self) -> Iterator[Item]:
-        """Of the source. DeviceError if its sensors are not what they promise."""
+        """Of the source. SensorError if its sensors are not what they promise."""
         if self.live:
             return self._watched()
         self.check()
@@ -157,13 +157,13 @@ class CheckedSource:
         return self._source.root(time_ns)
 
     def check(self) -> None:
-        """Look at the beginning of a recording, once; DeviceError if it does not bear out its messages."""
+        """Look at the beginning of a recording, once; SensorError if it does not bear out its messages."""
         self._checking = True
         try:
             while not self._is_sound:
                 try:
                     self._examine()
-                except DeviceError:
+                except SensorError:
                     if not (self.repairs and self.repair()):
                         raise
                 else:
@@ -186,7 +186,7 @@ class CheckedSource:
             if not check.settled:
                 check.take(item)
                 if self.repairs and check.warnings and not self._repaired:
-                    raise DeviceError(check.warnings[0])
+                    raise SensorError(check.warnings[0])
             yield item
 
     def repair(self) -> tuple[Finding, ...]:
@@ -201,26 +201,26 @@ class CheckedSource:
             self._options = replace(self._options, **changed)
             self._source.close()
             self._source = self._opened(self._options)
-            for tap in self._taps:
-                self._tap(tap)
+            for listener in self._listeners:
+                self._tap(listener)
             self._check, self._is_sound = None, False
             self._repaired += found
         return found
 
-    def tap(self, tap: Tap) -> None:
-        """Let it hear the messages of a live source, also once it was opened again."""
-        self._taps.append(tap)
-        self._tap(tap)
+    def tap(self, listener: MessageListener) -> None:
+        """Pass it the messages of a live source, also once it was opened again."""
+        self._listeners.append(listener)
+        self._tap(listener)
 
-    def _tap(self, tap: Tap) -> None:
+    def _tap(self, listener: MessageListener) -> None:
         if isinstance(self._source, Tappable):
-            self._source.tap(tap)
+            self._source.tap(listener)
 
-    def untap(self, tap: Tap) -> None:
-        """It hears nothing any more."""
-        self._taps.remove(tap)
+    def untap(self, listener: MessageListener) -> None:
+        """It gets nothing any more."""
+        self._listeners.remove(listener)
         if isinstance(self._source, Tappable):
-            self._source.untap(tap)
+            self._source.untap(listener)
 
     def close(self) -> None:
         """Let go of the source."""

@@ -1,4 +1,4 @@
-"""What a source's data shows of its devices: gravity, and the turns that its sensors felt at the same time."""
+"""What a source's data shows of its sensors: gravity, and the turns that they measured at the same time."""
 
 from dataclasses import dataclass
 
@@ -97,10 +97,10 @@ class SensorStatistics:
         if len(imu) < FEWEST_SAMPLES:
             return Measures(wheels=wheels, truth=truth)
         times, rates, forces = imu[:, 0], imu[:, 1:4], imu[:, 4:7]
-        felt = np.column_stack([times, yaw_rates(times, rates, forces)])
+        measured = np.column_stack([times, yaw_rates(times, rates, forces)])
         return Measures(
             gravity=gravity(forces),
-            turn=_sure(_turns(headings, felt), TURNED),
+            turn=_sure(_turns(headings, measured), TURNED),
             wheels=wheels,
             tilt=_sure(compare_tilts(times, rates, forces), TILTED),
             truth=truth,

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from hectorscope.cli.interruption import ended_by_interruption
-from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, get_ready, opened
+from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, opened
 from hectorscope.cli.options import (
     ExportArg,
     MapArgs,
@@ -27,6 +27,7 @@ from hectorscope.cli.options import (
     source_options,
 )
 from hectorscope.cli.page_flags import AddressArgs, PageArgs
+from hectorscope.cli.simulate import simulate_command
 from hectorscope.cli.station_flags import StationArgs
 from hectorscope.cli.sweep_flags import SweepArgs
 from hectorscope.common.kernel_cache import cache_places, keep_compiled
@@ -47,7 +48,6 @@ ADDRESS = (
 )
 
 MISTAKE = 2
-LOST = 3
 INTERRUPTED = 130
 
 
@@ -155,40 +155,9 @@ def run(
 
     Exits with 3 when the pose is lost at the end, or in more than half of the scans.
     """
-    from hectorscope.cli.report import show_progress, summary  # noqa: PLC0415
-    from hectorscope.exporters import chosen as chosen_formats  # noqa: PLC0415
-    from hectorscope.exporters import run as run_to_files  # noqa: PLC0415
-    from hectorscope.run.metrics import is_lost  # noqa: PLC0415
-    from hectorscope.run.notes import note as as_note  # noqa: PLC0415
-    from hectorscope.run.relations import read_relations  # noqa: PLC0415
-    from hectorscope.web import shared_replay  # noqa: PLC0415
+    from hectorscope.cli.headless import process  # noqa: PLC0415
 
-    motions = read_relations(relations) if relations else None
-    formats = chosen_formats(export, [shared_replay.exporter([*map(as_note, note)], bag.name)])
-    chosen = settings.settings()
-    prior_map = saved.prior_map(chosen)
-    recording = checked(str(bag), source, settings)
-    get_ready()
-    recording.check()
-    for finding in recording.report.repaired:
-        print(printable(f"repaired: {finding.fact} ({finding.repair})"))
-    with show_progress(recording) as progress:
-        figures = run_to_files(
-            recording,
-            chosen,
-            out,
-            truth=source.truth_topic,
-            progress=progress,
-            prior_map=prior_map,
-            formats=formats,
-            recording=bag,
-            relations=motions,
-        )
-    summary(recording.name, figures, out)
-    if not is_lost(figures):
-        return 0
-    print("hectorscope: the pose was lost, so the map cannot be trusted: see tracking above", file=sys.stderr)
-    return LOST
+    return process(bag, out, export, relations, note, settings, saved, source)
 
 
 def sweep(
@@ -232,25 +201,6 @@ def _show(*what: Any) -> int:
     return INTERRUPTED
 
 
-def _simulate_command(wanted: bool) -> Callable[..., None]:
-    """The simulator's command; its options are only known after a slow import, done when it is `wanted`."""
-
-    def described() -> None:
-        """Make a recording of a simulated robot, with its truth."""
-
-    if not wanted:
-        return described
-    from hectorscope.cli.report import show_simulation  # noqa: PLC0415
-    from hectorscope.simulation import SimulateOptions  # noqa: PLC0415
-
-    def simulate(options: Any) -> None:
-        show_simulation(options)
-
-    simulate.__doc__ = described.__doc__
-    simulate.__annotations__["options"] = Annotated[SimulateOptions, tyro.conf.arg(name="")]
-    return simulate
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code: 2 for a mistake, with a line on stderr; 3: lost; 130: interrupted."""
     with ended_by_interruption():
@@ -272,7 +222,7 @@ def _exit_code(arguments: Sequence[str]) -> int:
         "run": run,
         "sweep": sweep,
         "inspect": inspect,
-        "simulate": _simulate_command(wanted="simulate" in arguments[:1]),
+        "simulate": simulate_command(wanted="simulate" in arguments[:1]),
     }
     try:
         with help_asked(arguments) as given:

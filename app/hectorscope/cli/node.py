@@ -70,7 +70,8 @@ class Told:
 
     def news(self, snapshot: Snapshot) -> list[str]:
         """The lines that are new."""
-        new = [entry.text for entry in snapshot.log if entry not in self._log]
+        known = set(map(id, self._log))
+        new = [entry.text for entry in snapshot.log if id(entry) not in known]
         self._log = snapshot.log
         before, self._waiting = self._waiting, snapshot.report.waiting
         return new if self._waiting in {"", before} else [*new, self._waiting]

@@ -1,9 +1,10 @@
 """The command line's flags: every setting from its tree, the topics, a saved map."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import asdict, dataclass, field, fields, make_dataclass
+from functools import cached_property
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
@@ -11,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import numpy as np
 import tyro
 
-from hectorscope.inputs import SourceOptions
+from hectorscope.inputs import OptionValue, SourceOptions
 from hectorscope.run.settings import Mode, Settings
-from hectorscope.run.settings_file import read_sensors, read_toml
+from hectorscope.run.settings_file import read_file
 from slam_core.config import Leaf, Preset, SlamConfig, leaves, preset, with_values
 from slam_core.errors import SlamError
 from slam_core.measurements import Float64s
@@ -113,8 +114,7 @@ class SettingFlags:
 
     def settings(self) -> Settings:
         """The preset, the file's settings over it, and the flags over these; SlamError for a bad file or value."""
-        base = preset(self.preset)
-        settings = read_toml(self.config, base) if self.config else Settings(base)
+        settings, _ = self._filed
         given = {
             f"{group}.{key}": _SWITCH.get(value, value)
             for group, flags in asdict(self).items()
@@ -123,6 +123,16 @@ class SettingFlags:
             if value is not None
         }
         return Settings(with_values(settings.start, given), settings.changes)
+
+    def sensors(self) -> Mapping[str, OptionValue]:
+        """What the file states of the sensors; SlamError for a bad file."""
+        return self._filed[1]
+
+    @cached_property
+    def _filed(self) -> tuple[Settings, Mapping[str, OptionValue]]:
+        """Of preset and file, which is read once: a pipe gives its text no second time."""
+        base = preset(self.preset)
+        return read_file(self.config, base) if self.config else (Settings(base), {})
 
 
 @contextmanager
@@ -248,5 +258,5 @@ def source_options(flags: Any, settings: SettingFlags | None = None) -> SourceOp
     given = asdict(flags)
     del given["repair"]
     given["scan_mirrored"] = _SWITCH.get(given["scan_mirrored"])
-    filed = read_sensors(settings.config) if settings and settings.config else {}
+    filed = settings.sensors() if settings else {}
     return SourceOptions(**{**filed, **{name: value for name, value in given.items() if value is not None}})

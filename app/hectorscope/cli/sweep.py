@@ -10,6 +10,7 @@ from hectorscope.cli.options import SettingFlags, source_options
 from hectorscope.cli.page_flags import AddressFlags
 from hectorscope.cli.report import show_sweep, sweep_summary
 from hectorscope.cli.sweep_flags import SweepFlags
+from hectorscope.common.paths import is_file
 from hectorscope.exporters import OutputError, reserved
 from hectorscope.run.relations import read_relations
 from hectorscope.sweep.executors import executor
@@ -54,7 +55,7 @@ def _base(flags: SweepFlags, settings: SettingFlags, source: Any) -> RunSpec:
     chosen, options = settings.settings(), asdict(source_options(source, settings))
     stated = {name: value for name, value in options.items() if value is not None}
     truth = str(stated.get("truth_topic", ""))
-    if truth and Path(truth).is_file():  # a corrected log: workers have other folders
+    if truth and is_file(Path(truth)):  # a corrected log: workers have other folders
         stated["truth_topic"] = str(Path(truth).resolve())
     if flags.relations:
         read_relations(flags.relations)

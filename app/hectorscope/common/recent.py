@@ -51,6 +51,6 @@ class Recent:
             return
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            write_whole(self._file, json.dumps([str(each) for each in paths], indent=1))
+            write_whole(self._file, json.dumps([str(each) for each in paths], indent=1).encode(), mode=0o600)
         except OSError:  # the list is a convenience: a full disk must not end a run
             return

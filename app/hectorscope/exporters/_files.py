@@ -2,13 +2,14 @@
 
 import io
 import os
-import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from hectorscope.common.paths import sync_folder
 
 TOGETHER = 4096  # rows
 PICTURES = "pictures.zip"  # of the marks
@@ -24,21 +25,6 @@ def lines_of(rows: NDArray[np.float64], line: Callable[[list[float]], str]) -> I
     """A line for each row (n, columns), some thousand at a time: a long run has millions."""
     for begin in range(0, len(rows), TOGETHER):
         yield "".join(map(line, rows[begin : begin + TOGETHER].tolist())).encode()
-
-
-def write_whole(path: Path, *parts: bytes | Iterable[bytes]) -> None:
-    """Write under a temporary name beside `path`, then rename; an older file stays until all is on the disk."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with temporary.open("wb") as file:
-            for part in parts:
-                file.writelines([part] if isinstance(part, bytes) else part)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    _sync(path.parent)
 
 
 def unfinished(path: Path) -> Path:
@@ -67,15 +53,4 @@ class GrowingFile(io.BufferedWriter):
         os.fsync(self.fileno())
         self.close()
         unfinished(self._path).replace(self._path)
-        _sync(self._path.parent)
-
-
-def _sync(folder: Path) -> None:
-    """The new name is on the disk too, where folders can be asked for that."""
-    if sys.platform == "win32":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+        sync_folder(self._path.parent)

@@ -1,16 +1,12 @@
 """The folder for the results: usable, and for one program at a time."""
 
-import os
-import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from hectorscope.common.paths import FolderLock
 from slam_core.errors import SlamError
-
-if sys.platform != "win32":
-    import fcntl
 
 # Bytes that must find room before the work is begun: about what the files of a very short run take.
 PROBE = 2**16
@@ -24,23 +20,16 @@ class OutputError(SlamError):
 def locked(folder: Path) -> Iterator[None]:
     """Keep other programs of this kind out of an existing folder meanwhile; OutputError if one is there.
 
-    The lock is on the folder itself and goes with the process, however that ends.
+    The lock goes with the process, however that ends.
     """
-    if sys.platform == "win32":
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock = FolderLock(folder)
     except BlockingIOError as error:
-        os.close(handle)
         raise OutputError(f"another run writes into {folder}: wait for its end, or give another --out") from error
-    except OSError:
-        pass  # a file system without locks
     try:
         yield
     finally:
-        os.close(handle)
+        lock.release()
 
 
 def make(folder: Path, files: Iterable[str]) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hectorscope.exporters._files import write_whole
+from hectorscope.common.paths import write_whole
 from hectorscope.run.map_images import FILE
 from hectorscope.run.results import Run
 

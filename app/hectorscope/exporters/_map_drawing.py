@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from hectorscope.run.map_image import MapImage
+from hectorscope.run.map_image import PALETTE, MapImage
 
 MOST = 1 << 22  # pixels
 POINTS = 4000  # of the trajectory
-COLOURS = (232, 235, 240, 255, 255, 255, 24, 32, 44)  # unknown, free, occupied
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +37,7 @@ def map_drawing(maps: tuple[MapImage, ...], trajectory: NDArray[np.float64]) -> 
     level = next((level for level in maps if level.cells.size <= MOST), maps[-1])
     rows, columns = level.cells.shape
     picture = Image.fromarray(level.cells[::-1].copy())
-    picture.putpalette(COLOURS)
+    picture.putpalette(PALETTE)
     content = io.BytesIO()
     picture.save(content, "PNG", bits=2)
     away = (trajectory[:: 1 + len(trajectory) // POINTS, 1:3] - (level.x, level.y)) / level.resolution

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from hectorscope.run.annotations import Annotation, Kind
-from hectorscope.run.map_image import MapImage
+from hectorscope.run.map_image import FREE, OCCUPIED, MapImage
 from slam_core.geometry import to_euler
 
 MOST = 1 << 25  # pixels: of a larger map a coarser level is drawn
@@ -24,7 +24,6 @@ MARKS: dict[Kind, tuple[int, int, int]] = {
     "door": (10, 110, 60),
     "note": (90, 90, 100),
 }
-FREE, OCCUPIED = 1, 2  # classes of a MapImage
 
 
 class Place(NamedTuple):

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import write_whole
 from hectorscope.maps.saved_map import NAME, to_npz
 from hectorscope.run.results import Run
 

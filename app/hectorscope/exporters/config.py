@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import write_whole
 from hectorscope.run.results import Run
 from hectorscope.run.settings_file import to_toml
 

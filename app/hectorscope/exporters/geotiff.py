@@ -11,8 +11,9 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import PICTURES, write_whole
+from hectorscope.exporters._files import PICTURES
 from hectorscope.exporters._rescue_map import Picture, Place, picture
 from hectorscope.run.results import Run
 

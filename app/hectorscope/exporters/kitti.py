@@ -6,8 +6,9 @@ The axes are those of the base and the map (REP-103), not those of a camera.
 from collections.abc import Callable
 from pathlib import Path
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import lines_of, write_whole
+from hectorscope.exporters._files import lines_of
 from hectorscope.exporters._lines import Draft
 from hectorscope.run.results import Run
 

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import exact_seconds, lines_of, write_whole
+from hectorscope.exporters._files import exact_seconds, lines_of
 from hectorscope.run.results import Run
 
 HEAD = "t,x,y,z,qx,qy,qz,qw,vx,vy,vz\n"

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter, _grid
-from hectorscope.exporters._files import write_whole
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.results import Run
 

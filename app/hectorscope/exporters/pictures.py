@@ -4,8 +4,9 @@ import io
 import zipfile
 from pathlib import Path
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import PICTURES, write_whole
+from hectorscope.exporters._files import PICTURES
 from hectorscope.run.results import Run
 
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, StrictUndefined, Template
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter, _charts
 from hectorscope.exporters._charts import Chart, chart
-from hectorscope.exporters._files import write_whole
 from hectorscope.exporters._map_drawing import map_drawing
 from hectorscope.inputs import SourceReport
 from hectorscope.run.fingerprint import fingerprints

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import Exporter
-from hectorscope.exporters._files import exact_seconds, lines_of, write_whole
+from hectorscope.exporters._files import exact_seconds, lines_of
 from hectorscope.exporters._lines import Draft
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.results import Run

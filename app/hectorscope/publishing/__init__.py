@@ -18,7 +18,7 @@ class Bus(Protocol):
     """An open way out. Nothing of it waits for whoever listens: a slow one loses messages."""
 
     def wants(self, topic: str) -> bool:
-        """Whether anybody hears it."""
+        """Whether anybody has subscribed to it."""
 
     def publish(self, message: Message) -> None:
         """Send it to whoever listens."""

@@ -28,7 +28,7 @@ class _Topic:
         attached = attachment(self.number, time.time_ns(), self.identity)
         self.publisher.put(content, attachment=attached)
 
-    def hears(self) -> bool:
+    def has_subscribers(self) -> bool:
         """Whether anybody has subscribed."""
         return bool(self.publisher.matching_status.matching)
 
@@ -57,7 +57,7 @@ class ZenohBus:
 
     def wants(self, topic: str) -> bool:
         """Whether a node has subscribed to it; the last map is kept for those that come."""
-        return topic in LATCHED or self._topics[topic].hears()
+        return topic in LATCHED or self._topics[topic].has_subscribers()
 
     def publish(self, message: Message) -> None:
         """To the nodes that have subscribed."""

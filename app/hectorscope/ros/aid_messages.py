@@ -37,7 +37,8 @@ def magnetic_field(message: Any, time_ns: int, rotation: Float64s) -> MagneticFi
     size = math.hypot(b.x, b.y, b.z)
     if not WEAKEST_FIELD < size < STRONGEST_FIELD:
         raise BadMessage(
-            f"magnetic field of {size:.2g} T where the Earth has 2.2e-05 to 6.7e-05: its driver must publish tesla"
+            f"magnetic field out of {WEAKEST_FIELD:g} to {STRONGEST_FIELD:g} T, where the Earth has 2.2e-05 to "
+            "6.7e-05: its driver must publish tesla"
         )
     return MagneticField(time_ns, geometry.rotate(rotation, field))
 

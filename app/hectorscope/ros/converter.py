@@ -128,7 +128,7 @@ class Converter:
         items: list[Item] = []
         while self._waiting:
             pending = self._waiting[0]
-            waited_ns = now_ns - pending.receive_ns if self.roles.transforms else math.inf
+            waited_ns = abs(now_ns - pending.receive_ns) if self.roles.transforms else math.inf
             try:
                 item = pending.duty(pending, waited_ns)
                 if item is None:

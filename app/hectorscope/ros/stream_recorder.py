@@ -34,11 +34,12 @@ def parts(folder: Path) -> list[Path]:
 
 
 class StreamRecorder:
-    """A `Tap` that keeps every message in `folder`, until `close`. What goes wrong there never stops the stream.
+    """A `MessageListener` that keeps every message in `folder`, until `close`.
 
-    Times are those of the other side; one that went back is recorded as the last, so that files keep the order of
-    arrival. part_bytes, part_s: the largest and the longest file. again_s: seconds from a failure to the
-    next file. written: bytes so far. failed: whether the last attempt to write failed.
+    What goes wrong there never stops the stream. Times are those of the other side; one that went back is recorded
+    as the last, so that files keep the order of arrival. part_bytes, part_s: the largest and the longest file.
+    again_s: seconds from a failure to the next file. written: bytes so far. failed: whether the last attempt to
+    write failed.
     """
 
     def __init__(
@@ -126,7 +127,7 @@ class StreamRecorder:
             part.write(message, self._last_ns)
         more = self._part.flush(self._clock()) if self._part is not None else 0
         self.written += more
-        if self.failed and more:
+        if more:
             self.failed, self.warning = False, ""
 
     def _begin(self) -> "_Part":

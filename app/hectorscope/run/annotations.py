@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, Literal, get_args
 
+from hectorscope.common.numbers import as_float, is_time_ns
 from hectorscope.common.terminal import printable
 from hectorscope.run.pictures import Picture
 from slam_core.errors import SlamError
@@ -138,8 +139,9 @@ def _read(entry: Any) -> Annotation:
             "place": [*place],
             "text": str(text),
         }:
-            if len(place) == len(PLACE) and all(type(each) in {int, float} and isfinite(each) for each in place):
-                x, y, *pose = map(float, place)
+            numbers = [as_float(each) for each in place if type(each) in {int, float}]
+            if len(place) == len(PLACE) == sum(map(isfinite, numbers)) and is_time_ns(time_ns):
+                x, y, *pose = numbers
                 said = printable(text)[:LONGEST]
                 return Annotation(number, checked(kind), time_ns, x, y, (pose[0], pose[1], pose[2]), said)
     raise AnnotationError(f"the mark {entry!r} is none: give number, kind, time_ns, place and text")

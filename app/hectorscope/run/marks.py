@@ -62,12 +62,6 @@ def marks(
     return tuple(sorted(found, key=lambda mark: mark.time_ns))
 
 
-def update_times(series: Series) -> NDArray[np.float64]:
-    """(m,) seconds since the start of the scans that were written into the map."""
-    seconds: NDArray[np.float64] = series["time_s"][np.diff(series["map_updates"], prepend=0.0) > 0]
-    return seconds
-
-
 def _of_tracking(series: Series, start_ns: int) -> Iterator[Mark]:
     """Stretches of rejected matches, and of an unknown pose with its recovery."""
     state, hits = series["tracking"], series["fit"]

@@ -2,7 +2,6 @@
 
 import hashlib
 import io
-import warnings
 from dataclasses import dataclass
 
 from PIL import Image, ImageOps
@@ -43,7 +42,7 @@ def picture_of(sent: bytes) -> Picture:
 def _decoded(sent: bytes) -> Image.Image:
     """The pixels, turned as the camera was held."""
     try:
-        with warnings.catch_warnings(action="error"), Image.open(io.BytesIO(sent), formats=FORMATS) as opened:
+        with Image.open(io.BytesIO(sent), formats=FORMATS) as opened:
             if opened.width * opened.height > MOST_PIXELS:
                 raise PictureError(
                     f"The picture has {opened.width} x {opened.height} pixels, and {MOST_PIXELS} are taken:"

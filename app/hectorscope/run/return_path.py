@@ -6,13 +6,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from hectorscope.run.map_image import MapImage
+from hectorscope.run.map_image import FREE, OCCUPIED, MapImage
 
 CELL = 0.1  # m: the map is looked at in cells of at least this length
 CLEARANCE = 0.25  # m from a wall that the middle of the robot keeps
 COMFORT = 0.5  # m from a wall within which a way costs more
 NEAR_WALL = 3.0  # times as much
-FREE, OCCUPIED = 1, 2  # classes of a MapImage
 STEPS = tuple((dr, dc, math.hypot(dr, dc)) for dr in (-1, 0, 1) for dc in (-1, 0, 1) if dr or dc)
 
 Cells = NDArray[np.bool_]

@@ -6,6 +6,7 @@ trajectory shows whether it is the same to the byte.
 
 import hashlib
 import json
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,6 +24,8 @@ from slam_core.errors import SlamError
 
 FILE = "RUN.toml"
 LARGEST = 2**20  # bytes of one
+# Files of earlier versions have surrogates in pairs, which TOML forbids.
+_ESCAPE = re.compile(r"\\(?:(?P<pair>ud[89ab][0-9a-f]{2}\\ud[c-f][0-9a-f]{2})|.)")
 _RUN_KEYS = {"name": str, "recording": str, "sha256": str, "size": int, "offset_ns": int}
 _RESULT_KEYS = {"scans": int, "trajectory_sha256": str}
 
@@ -76,15 +79,16 @@ def write_text(run: RunFile) -> str:
 
 
 def _lines(table: Mapping[str, str | float | list[float]]) -> list[str]:
-    # JSON writes numbers and plain text just as TOML does, but for one character that cannot be seen
-    return [f"{key} = {json.dumps(value)}".replace("\x7f", "\\u007f") for key, value in table.items()]
+    # JSON writes numbers and printable text just as TOML does, without escapes for characters beyond ASCII
+    shown = {key: printable(value) if isinstance(value, str) else value for key, value in table.items()}
+    return [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in shown.items()]
 
 
 def read_run(path: Path) -> RunFile:
     """The run in a file; RunFileError if it is none, or its settings are bad."""
     try:
         with path.open(encoding="utf-8") as file:
-            tree = tomllib.loads(file.read(LARGEST))
+            tree = tomllib.loads(_ESCAPE.sub(_joined, file.read(LARGEST)))
         return _run(tree)
     except OSError as error:
         raise RunFileError(
@@ -94,6 +98,11 @@ def read_run(path: Path) -> RunFile:
         raise RunFileError(
             f"{path.parent.name}/{FILE} is no run ({error}): correct it, or keep it again"
         ) from error
+
+
+def _joined(escape: re.Match[str]) -> str:
+    """A pair of surrogates as one character; any other escape as it is."""
+    return str(json.loads(f'"{escape[0]}"')) if escape["pair"] else escape[0]
 
 
 def _run(tree: dict[str, Any]) -> RunFile:

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+from hectorscope.common.numbers import as_float, is_time_ns
 from hectorscope.inputs import SENSOR_OPTIONS, OptionValue, SourceOptions
 from hectorscope.run.settings import Change, Settings
 from slam_core.config import ConfigError, Leaf, SlamConfig, leaves, with_values
@@ -79,8 +80,13 @@ def _remark(leaf: Leaf) -> str:
 
 def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
     """The settings of a file; what it does not name is as in `base` (the defaults). SettingsError if it is bad."""
+    return read_file(path, base)[0]
+
+
+def read_file(path: Path, base: SlamConfig | None = None) -> tuple[Settings, dict[str, OptionValue]]:
+    """As `read_toml`, with what the file states of the sensors, by the names of `SENSOR_OPTIONS`."""
     try:
-        return _settings(tomllib.loads(path.read_text(encoding="utf-8")), base or SlamConfig())
+        return from_tree(tomllib.loads(path.read_text(encoding="utf-8")), base)
     except OSError as error:
         raise SettingsError(f"{path} cannot be read ({error.strerror}): give an existing TOML file") from error
     except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, tables without end
@@ -91,13 +97,8 @@ def read_toml(path: Path, base: SlamConfig | None = None) -> Settings:
 
 def from_tree(tree: dict[str, Any], base: SlamConfig | None = None) -> tuple[Settings, dict[str, OptionValue]]:
     """The settings of a parsed file, and what it states of the sensors; ConfigError for bad ones."""
-    sensors = sensor_options(tree.get(_SENSORS, {}))
+    sensors = sensor_options(tree.pop(_SENSORS, {}))
     return _settings(tree, base or SlamConfig()), sensors
-
-
-def read_sensors(path: Path) -> dict[str, OptionValue]:
-    """What a file, which `read_toml` has read, states of the sensors, by the names of `SENSOR_OPTIONS`."""
-    return sensor_options(tomllib.loads(path.read_text(encoding="utf-8")).get(_SENSORS, {}))
 
 
 def sensor_options(table: Any) -> dict[str, OptionValue]:
@@ -105,15 +106,18 @@ def sensor_options(table: Any) -> dict[str, OptionValue]:
     if not isinstance(table, dict):
         raise SettingsError(f"{_SENSORS} is {table!r}: write what is stated of the sensors below [{_SENSORS}]")
     kinds = get_type_hints(SourceOptions)
-    values = {name: tuple(map(float, v)) if _is_numbers(v) else v for name, v in table.items()}
+    values = {name: _as_floats(value) for name, value in table.items()}
     for name, value in values.items():
         if name not in SENSOR_OPTIONS or not any(_fits(value, kind) for kind in get_args(kinds[name])):
             raise SettingsError(f"{_SENSORS}.{name} = {value!r} is not understood: remove it, or see --help")
     return values
 
 
-def _is_numbers(value: Any) -> bool:
-    return isinstance(value, list) and all(type(part) in {int, float} for part in value)
+def _as_floats(value: Any) -> Any:
+    """A whole number, and those of a list of numbers, as floats; anything else as it is."""
+    if isinstance(value, list) and all(type(part) in {int, float} for part in value):
+        return tuple(map(as_float, value))
+    return as_float(value) if type(value) is int else value
 
 
 def _fits(value: Any, kind: Any) -> bool:
@@ -122,11 +126,10 @@ def _fits(value: Any, kind: Any) -> bool:
         return value in get_args(kind)
     if get_origin(kind) is tuple:
         return isinstance(value, tuple) and len(value) == len(get_args(kind))
-    return type(value) is kind or (kind is float and type(value) is int)
+    return type(value) is kind
 
 
 def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:
-    sensor_options(tree.pop(_SENSORS, {}))
     changes = tree.pop(_CHANGES, [])
     if not isinstance(changes, list):
         raise SettingsError(f"{_CHANGES} is {changes!r}: write each change below [[{_CHANGES}]]")
@@ -149,6 +152,8 @@ def _change(entry: Any) -> Change:
     if not isinstance(entry, dict) or entry.keys() != _CHANGE_KEYS.keys():
         raise SettingsError(f"the change {entry!r} is incomplete: give time_ns, name and value")
     for key, kinds in _CHANGE_KEYS.items():
-        if type(entry[key]) not in kinds:
-            raise SettingsError(f"the change {entry!r} has a bad {key}: give a whole number, a name and a value")
+        if type(entry[key]) not in kinds or (key == "time_ns" and not is_time_ns(entry[key])):
+            raise SettingsError(
+                f"the change {entry!r} has a bad {key}: give nanoseconds of 64 bits, a name and a value"
+            )
     return Change(entry["time_ns"], str(RENAMED.get(entry["name"], entry["name"])), entry["value"])

@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from hectorscope.common.kernel_cache import version
+from hectorscope.common.paths import write_whole
 from hectorscope.inputs import Item
 from hectorscope.run.annotations import Annotations
 from hectorscope.run.checkpoints import Checkpoint
 from hectorscope.run.rows import GrowingRows
 from hectorscope.run.settings import Settings
-from hectorscope.session.journal_files import CHECKPOINT, JournalError, write_durably
+from hectorscope.session.journal_files import CHECKPOINT, JournalError
 from hectorscope.session.row_files import KeptRows, RowFiles, read_rows
 
 MAGIC = "hectorscope-checkpoint"
@@ -83,7 +84,7 @@ def write_checkpoint(folder: Path, saved: Saved, files: RowFiles) -> None:
     _Pickler(file, files).dump(saved)
     content = file.getvalue()
     head = f"{MAGIC} {our_version()} {hashlib.sha256(content).hexdigest()}\n"
-    write_durably(folder / CHECKPOINT, head.encode(), content)
+    write_whole(folder / CHECKPOINT, head.encode(), content)
     files.tidy()
 
 

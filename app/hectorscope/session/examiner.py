@@ -4,7 +4,7 @@ import logging
 import threading
 from collections.abc import Callable
 
-from hectorscope.checks.doctor import examine
+from hectorscope.checks.recording_check import examine
 from hectorscope.inputs import Examinable, Finding, Reopenable, Source
 from hectorscope.session.commands import Answer
 from slam_core.errors import SlamError

@@ -6,17 +6,13 @@ its run, the actions, and `closed` once the run ended in order or was gone on wi
 
 import json
 import os
-import sys
 import tempfile
 import time
 from pathlib import Path
 
-from hectorscope.common.paths import exists
+from hectorscope.common.paths import FolderLock, exists, write_whole
 from hectorscope.ros.stream_recorder import parts
 from slam_core.errors import SlamError
-
-if sys.platform != "win32":
-    import fcntl
 
 ABOUT, CHECKPOINT, CLOSED, ACTIONS = "about.json", "checkpoint", "closed", "actions.jsonl"
 ROWS = "rows_{}.f64"  # of the run, by number
@@ -36,25 +32,15 @@ def journal_folder() -> Path | None:
         return None
 
 
-class Hold:
-    """Keeps a folder for one program; the lock goes with the process, however that ends."""
+class Hold(FolderLock):
+    """Keeps the folder of a journal for one program."""
 
     def __init__(self, folder: Path) -> None:
         """JournalError if another program has it."""
-        self._handle = os.open(folder, os.O_RDONLY)
-        if sys.platform == "win32":
-            return
         try:
-            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            super().__init__(folder)
         except BlockingIOError as error:
-            os.close(self._handle)
             raise JournalError(f"another program writes into {folder}: wait for its end") from error
-        except OSError:
-            pass  # a file system without locks
-
-    def release(self) -> None:
-        """Let others have it."""
-        os.close(self._handle)
 
 
 def begin(root: Path, address: str) -> Path:
@@ -63,7 +49,7 @@ def begin(root: Path, address: str) -> Path:
     try:
         root.mkdir(parents=True, exist_ok=True, mode=0o700)
         folder = Path(tempfile.mkdtemp(prefix=f"{stamp}-", dir=root))  # for its owner alone
-        write_durably(folder / ABOUT, json.dumps({"address": address, "begun": stamp}).encode())
+        write_whole(folder / ABOUT, json.dumps({"address": address, "begun": stamp}).encode())
     except OSError as error:
         raise JournalError(
             f"the journal cannot be kept in {root} ({error.strerror}): give another --journal, or off"
@@ -140,7 +126,7 @@ def _size(folder: Path) -> int:
 def mark_closed(folder: Path) -> None:
     """It is not offered any more."""
     try:
-        write_durably(folder / CLOSED, b"")
+        write_whole(folder / CLOSED, b"")
     except OSError:  # it is offered once more: better than lost
         return
 
@@ -152,21 +138,6 @@ def _remove(folder: Path) -> None:
         folder.rmdir()
     except OSError:  # it stays
         return
-
-
-def write_durably(path: Path, *parts: bytes) -> None:
-    """Under another name first, and on the disk before it takes its own: one of both is always whole."""
-    part = path.with_name(f".{path.name}.part")
-    with part.open("wb") as file:
-        file.writelines(parts)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
-    handle = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def append_durably(folder: Path, lines: list[str]) -> None:

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from hectorscope.common.paths import write_whole
+from hectorscope.common.paths import absence, exists, write_whole
 from hectorscope.run.run_file import FILE, RunFile, RunFileError, read_run, write_text
 from hectorscope.session.snapshot import Listed
 
@@ -16,11 +16,15 @@ class KeptRuns:
     """folder: None keeps nothing. What a page calls a run is a label: its letters and digits name a folder."""
 
     def __init__(self, folder: Path | None) -> None:
+        """RunFileError if nothing can be kept there, as below a file or by a name that is too long."""
+        why = absence(folder) if folder else ""
+        if why.startswith("cannot"):
+            raise RunFileError(f"--runs {folder} {why}: give another folder")
         self.folder = folder
 
     def listed(self) -> tuple[Listed, ...]:
         """The name of each folder with a run, which is its key too."""
-        if self.folder is None or not self.folder.is_dir():
+        if self.folder is None or not exists(self.folder):
             return ()
         there = sorted(path.parent.name for path in self.folder.glob(f"*/{FILE}") if self._is_ours(path))
         return tuple(Listed(name, name, GROUP) for name in there[:MOST])
@@ -31,7 +35,7 @@ class KeptRuns:
             raise RunFileError("There is no folder to keep runs in: start the program with --runs DIR")
         try:
             place = self._made(self.folder, run.link.name)
-            write_whole(place / FILE, write_text(run))
+            write_whole(place / FILE, write_text(run).encode(), mode=0o600)
         except OSError as error:
             raise RunFileError(f"The run cannot be kept ({error.strerror}): give another --runs") from error
         return place.name

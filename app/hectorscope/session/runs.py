@@ -32,10 +32,9 @@ class NamedRun:
 
 
 class Runs:
-    """Belongs to the engine's thread. changed: grows with each change of the list."""
+    """Belongs to the engine's thread."""
 
     def __init__(self) -> None:
-        self.changed = 0
         self._runs: dict[int, NamedRun] = {}
         self._last = 0
 
@@ -49,11 +48,8 @@ class Runs:
 
     def put(self, run: NamedRun) -> None:
         """The run of this number is that from now on, also if it was removed."""
-        if self._runs.get(run.number) == run:
-            return
         self._runs[run.number] = run
         self._last = max(self._last, run.number)
-        self.changed += 1
 
     def __getitem__(self, number: int) -> NamedRun:
         """RunsError for a number of none."""
@@ -82,7 +78,6 @@ class Runs:
         """Take one away; it."""
         run = self[number]
         del self._runs[number]
-        self.changed += 1
         return run
 
     def listed(self) -> tuple[ListedRun, ...]:

@@ -6,15 +6,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
-from hectorscope.inputs import Item, SourceOptions, SourceReport, Tap
+from hectorscope.inputs import Item, MessageListener, SourceOptions, SourceReport
 from hectorscope.ros import messages
 from hectorscope.ros.converter import Converter
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.mounts import BASE_NAMES
 from hectorscope.sources._channels import ChannelError, Channels
 from hectorscope.sources._link_delays import LinkDelays
+from hectorscope.sources._listeners import Listeners
 from hectorscope.sources._offers import Event, Malformed, Offer, Payload, Withdrawal
-from hectorscope.sources._taps import Taps
 from slam_core.measurements import Transform
 
 
@@ -52,7 +52,7 @@ class LiveSource:
         self._wire = wire
         self._channels = Channels(options)
         self._converter = Converter(self._channels.roles, options)
-        self._taps = Taps()
+        self._listeners = Listeners()
         self._delays = LinkDelays()
         self._is_heard = False
         self._lock = threading.Lock()  # `report` is asked for by another thread than the one in `items`
@@ -65,7 +65,7 @@ class LiveSource:
             report = self._converter.report
             return replace(
                 report,
-                warnings=(*report.warnings, *self._taps.warnings),
+                warnings=(*report.warnings, *self._listeners.warnings),
                 waiting=status or (self._channels.missing() if self._is_heard else ""),
                 connected=not status,
                 scan_topic=self._channels.roles.scan or "",
@@ -100,15 +100,15 @@ class LiveSource:
         with self._lock:
             return self._channels.offered
 
-    def tap(self, tap: Tap) -> None:
-        """Let it hear the static transforms so far, and from now on every message that is used."""
+    def tap(self, listener: MessageListener) -> None:
+        """Pass it the static transforms so far, and from now on every message that is used."""
         with self._lock:
-            self._taps.add(tap)
+            self._listeners.add(listener)
 
-    def untap(self, tap: Tap) -> None:
-        """It hears nothing any more."""
+    def untap(self, listener: MessageListener) -> None:
+        """It gets nothing any more."""
         with self._lock:
-            self._taps.remove(tap)
+            self._listeners.remove(listener)
 
     def _take(self, events: Iterable[Event]) -> list[Item]:
         items: list[Item] = []
@@ -137,7 +137,7 @@ class LiveSource:
         topic, msgtype, decode = known
         try:
             message = self._channels.message(payload)
-            self._taps.hear(message)
+            self._listeners.take(message)
             decoded = decode(message.data)
             items = self._converter.convert(topic, msgtype, decoded, payload.received_ns)
         except BadMessage as reason:

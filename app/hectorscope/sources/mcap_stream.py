@@ -56,6 +56,16 @@ class Growing(RawIOBase):
         self._stopped.set()
 
 
+def _opened(path: Path) -> int:
+    """Its descriptor; SourceError for one that cannot be read, as a socket."""
+    try:
+        return os.open(path, os.O_RDONLY)
+    except OSError as error:
+        raise SourceError(
+            f"{path} cannot be read ({error.strerror}): give an .mcap that is being written"
+        ) from error
+
+
 class McapWire:
     """The records of one stream; only what is subscribed to is handed on."""
 
@@ -67,7 +77,7 @@ class McapWire:
             path = Path(uri.partition("://")[2])
             if why := absence(path):
                 raise SourceError(f"{path} {why}: give an .mcap that is being written")
-            self._name, descriptor = str(path), os.open(path, os.O_RDONLY)
+            self._name, descriptor = str(path), _opened(path)
         self._input = Growing(descriptor, is_file=uri != STDIN)
         self._wanted: set[int] = set()
         self._ended = False

@@ -16,7 +16,7 @@ from PIL import Image
 from hectorscope.checks.sensor_check import CheckedSource
 from hectorscope.inputs import Item, Source, SourceReport
 from hectorscope.run.headless import run_headless
-from hectorscope.run.map_image import MapImage
+from hectorscope.run.map_image import PALETTE, MapImage
 from hectorscope.run.map_images import level_image
 from hectorscope.run.metrics import is_lost, metrics
 from hectorscope.run.pipeline import Pipeline
@@ -30,7 +30,6 @@ from hectorscope.sweep.spec import RunSpec, RunSummary
 from slam_core.errors import SlamError
 
 PICTURE = 160  # pixels, of its longer side at most
-COLOURS = (232, 235, 240, 255, 255, 255, 24, 32, 44)  # unknown, free, occupied
 POSES = 300  # of the path that is kept
 
 
@@ -114,7 +113,7 @@ def picture(image: MapImage) -> str:
     padded = np.pad(cells, [(0, -length % n) for length in cells.shape])
     rows, columns = (length // n for length in padded.shape)
     small = Image.fromarray(padded.reshape(rows, n, columns, n).max(axis=(1, 3)))
-    small.putpalette(COLOURS)
+    small.putpalette(PALETTE)
     content = io.BytesIO()
     small.save(content, "PNG", bits=2)
     return base64.b64encode(content.getvalue()).decode()

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from hectorscope.common.paths import absence
+from hectorscope.common.paths import absence, exists
 from hectorscope.inputs import OptionValue
 from hectorscope.sweep.fetch import is_address, listed
 from hectorscope.sweep.spec import SENSORS, RunSpec
@@ -57,22 +57,27 @@ def from_file(path: Path, bags: Sequence[tuple[str, str]], base: RunSpec) -> tup
     as of --truth, and `relations`. Paths are relative to the file.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        entries = _entries(path)
+    except (OSError, ValueError, RecursionError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise VaryError(f"--runs {path} cannot be read ({reason}): give a TOML file with [[runs]]") from error
-    entries = table.get(_RUNS)
-    if table.keys() != {_RUNS} or not isinstance(entries, list) or not entries:
-        raise VaryError(f"--runs {path} has no list of runs: write each below [[{_RUNS}]]")
     specs, names = list[RunSpec](), dict[str, None]()
-    for entry in entries:
-        files, values = _entry(path, entry)
+    for files, values in entries:
         names |= dict.fromkeys(values)
         own = recordings([files["recording"]]) if "recording" in files else bags
         specs += product(own, [values], _with_files(base, files))
     if not specs:
         raise VaryError(f"--runs {path} names no recording: give recordings there or on the command line")
     return specs, list(names)
+
+
+def _entries(path: Path) -> list[tuple[dict[str, str], dict[str, Any]]]:
+    """Of each run; RecursionError for tables without end."""
+    table = tomllib.loads(path.read_text(encoding="utf-8"))
+    entries = table.get(_RUNS)
+    if table.keys() != {_RUNS} or not isinstance(entries, list) or not entries:
+        raise VaryError(f"--runs {path} has no list of runs: write each below [[{_RUNS}]]")
+    return [_entry(path, entry) for entry in entries]
 
 
 def _entry(path: Path, entry: Any) -> tuple[dict[str, str], dict[str, Any]]:
@@ -85,7 +90,7 @@ def _entry(path: Path, entry: Any) -> tuple[dict[str, str], dict[str, Any]]:
 
 def _beside(path: Path, name: str) -> str:
     """A file that another one names; a topic or an address as it is."""
-    return name if is_address(name) or not (path.parent / name).exists() else str(path.parent / name)
+    return name if is_address(name) or not exists(path.parent / name) else str(path.parent / name)
 
 
 def _with_files(base: RunSpec, files: Mapping[str, str]) -> RunSpec:

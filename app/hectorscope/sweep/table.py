@@ -5,13 +5,14 @@ import io
 import json
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from hectorscope.common.paths import write_whole
 from hectorscope.exporters import OutputError
-from hectorscope.exporters._files import write_whole
 from hectorscope.sweep.figures import NAMES
 from hectorscope.sweep.spec import RunSpec, RunSummary
 
@@ -51,16 +52,12 @@ class Table:
     def append(self, spec: RunSpec, summary: RunSummary) -> None:
         """One more run; its details first, so that a row always has them. OutputError if the disk is full."""
         row = self._row(spec, summary)
-        try:
+        with _writing(self._folder):
             write_details(self._folder, spec, summary)
             with (self._folder / CSV).open("ab") as file:
                 file.write(self._line(row))
                 file.flush()
                 os.fsync(file.fileno())
-        except OSError as error:
-            raise OutputError(
-                f"{self._folder} cannot be written to ({error.strerror}): start again to do what is missing"
-            ) from error
         self.rows[spec.key] = row
 
     def finish(self, specs: Iterable[RunSpec]) -> None:
@@ -83,7 +80,19 @@ class Table:
 
     def _write(self) -> None:
         head = self._line(dict(zip(self._columns, self._columns, strict=True)))
-        write_whole(self._folder / CSV, head, (self._line(row) for row in self.rows.values()))
+        with _writing(self._folder):
+            write_whole(self._folder / CSV, head, (self._line(row) for row in self.rows.values()))
+
+
+@contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    """OutputError where a file of the folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(
+            f"{folder} cannot be written to ({error.strerror}): make room, and start again to do what is missing"
+        ) from error
 
 
 def text(value: Any) -> str:
@@ -150,7 +159,8 @@ def write_parquet(folder: Path) -> Path:
     columns = {name: _column([row[name] for row in rows]) for name in (rows[0] if rows else FIXED)}
     content = io.BytesIO()
     parquet.write_table(pyarrow.table(columns), content)
-    write_whole(folder / PARQUET, content.getvalue())
+    with _writing(folder):
+        write_whole(folder / PARQUET, content.getvalue())
     return folder / PARQUET
 
 

@@ -93,7 +93,6 @@ def fitting(name: str, value: Any) -> Any:
             near = nearest(option, SENSOR_OPTIONS)
             remedy = f"did you mean {SENSORS}{near}?" if near else f"there are {', '.join(SENSOR_OPTIONS)}"
             raise VaryError(f"{name} is no sensor option: {remedy}")
-        value = float(value) if type(value) is int else value
         return sensor_options({option: value})[option]
     leaf = Leaves(SlamConfig())[name]
     if leaf.type is int and isinstance(value, float) and math.isfinite(value):

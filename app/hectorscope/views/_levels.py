@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from hectorscope.run.map_image import MapImage
+from hectorscope.run.map_image import OCCUPIED, MapImage
 from slam_core.measurements import Float64s
 
-OCCUPIED = 2  # class of a cell
 OUTLIERS = (
     0.03  # share of the walls on each side that may be outside: a few beams far out must not shrink the rest
 )

@@ -163,7 +163,10 @@ def is_loopback(name: str) -> bool:
 
 def is_same_origin(origin: str | None, host: str) -> bool:
     """Browsers send Origin on every WebSocket; programs that are no browsers need none."""
-    return origin is None or (origin.startswith(("http://", "https://")) and urlsplit(origin).netloc == host)
+    try:
+        return origin is None or (origin.startswith(("http://", "https://")) and urlsplit(origin).netloc == host)
+    except ValueError:  # an address of no form, as http://[
+        return False
 
 
 def guards(host: str) -> dict[str, str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
+from hectorscope.common.paths import is_file
 from hectorscope.web.access_control import is_loopback
 from slam_core.errors import SlamError
 
@@ -29,7 +30,7 @@ class Certificate(NamedTuple):
     def context(self) -> ssl.SSLContext:
         """For a server; ServerError when the files are of no use."""
         for path in self:
-            if not path.is_file():
+            if not is_file(path):
                 raise ServerError(f"{path} is no file: give a certificate and its key in the PEM format")
         made = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
         try:

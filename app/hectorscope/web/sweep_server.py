@@ -7,6 +7,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+from hectorscope.common.paths import is_file
 from hectorscope.exporters import OutputError
 from hectorscope.sweep.table import CSV
 from hectorscope.web.access_control import NO_SOCKET, AccessControl, Reply, guards, is_loopback, plain
@@ -24,7 +25,7 @@ class SweepServer:
     """Serves the page from `start` to `stop`; OutputError without a table, ServerError for a bad address."""
 
     def __init__(self, folder: Path, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None):
-        if not (folder / CSV).is_file():
+        if not is_file(folder / CSV):
             raise OutputError(f"{folder} has no {CSV}: give a folder that hectorscope sweep --out left")
         self._folder, self._port, self._address = folder, port, Address(host, port, token)
         self._viewers = Viewers(folder, host, token)
@@ -77,7 +78,11 @@ def handler(access: AccessControl, viewers: Viewers) -> type[BaseHTTPRequestHand
         server_version, sys_version = "Hectorscope", ""
 
         def do_GET(self) -> None:
-            self._send(access.answer(self.path, self._headers()) or plain(HTTPStatus.FORBIDDEN, NO_SOCKET))
+            try:
+                reply = access.answer(self.path, self._headers()) or plain(HTTPStatus.FORBIDDEN, NO_SOCKET)
+            except OutputError as error:  # the table cannot be read
+                reply = plain(HTTPStatus.INTERNAL_SERVER_ERROR, f"{error}\n")
+            self._send(reply)
 
         def do_POST(self) -> None:
             self._send(opened(access, viewers, self.path, self._headers(), self._body()))

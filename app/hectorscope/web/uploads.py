@@ -87,8 +87,6 @@ class Uploads:
         self._taken += told.size
         try:
             await peer.send(json.dumps({"send": told.size}))
-            if told.is_folder:
-                path.mkdir()
             for number, (suffix, size) in enumerate(told.parts):
                 await _write(peer, path / f"sent_{number:04d}{suffix}" if told.is_folder else path, size)
         except BaseException:  # also a browser that has gone
@@ -156,8 +154,9 @@ def _part(name: Any, size: Any, remedy: str) -> tuple[str, int]:
 
 
 async def _write(peer: Peer, path: Path, size: int) -> None:
-    """So many bytes, not one more; UploadError if they do not come, or the disk refuses them."""
+    """So many bytes exactly, in a folder that may be new; UploadError if they do not come, or find no room."""
     try:
+        path.parent.mkdir(exist_ok=True)
         with path.open("xb") as file:
             while file.tell() < size:
                 piece = await _piece(peer)

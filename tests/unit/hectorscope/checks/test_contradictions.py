@@ -71,10 +71,10 @@ def test_independent_turns_do_not_agree() -> None:
 def test_gravity_has_a_norm_a_direction_and_a_steadiness() -> None:
     """The norm of the median in whatever unit; a device turned over half the time is not steady."""
     forces = np.random.default_rng(3).normal([0.0, 0.0, -1000.0], 50.0, (200, 3))
-    felt = gravity(forces)
-    assert felt.norm == pytest.approx(1000.0, rel=0.02)
-    assert felt.up[2] < -0.99
-    assert felt.steadiness > 0.99
+    measured = gravity(forces)
+    assert measured.norm == pytest.approx(1000.0, rel=0.02)
+    assert measured.up[2] < -0.99
+    assert measured.steadiness > 0.99
     forces[::2] *= -1.0
     turned = gravity(forces)
     assert turned.steadiness < 0.2
@@ -88,8 +88,8 @@ def test_the_turn_about_gravity_does_not_depend_on_the_mounting(roll: float) -> 
     mounted = geometry.conjugate(geometry.from_euler(roll, 0.0, 0.0))
     rates = np.column_stack([np.zeros((len(IMU_TIMES), 2)), turning(IMU_TIMES)])
     forces = np.tile([0.0, 0.0, 9.81], (len(IMU_TIMES), 1))
-    felt = yaw_rates(IMU_TIMES, geometry.rotate(mounted, rates), geometry.rotate(mounted, forces))
-    np.testing.assert_allclose(felt, turning(IMU_TIMES), atol=1e-9)
+    measured = yaw_rates(IMU_TIMES, geometry.rotate(mounted, rates), geometry.rotate(mounted, forces))
+    np.testing.assert_allclose(measured, turning(IMU_TIMES), atol=1e-9)
 
 
 @pytest.mark.parametrize("factor", [1.0, 57.3, -1.0])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hectorscope.checks.findings import findings, remedy
-from hectorscope.checks.sensor_check import CheckedSource, DeviceError
+from hectorscope.checks.sensor_check import CheckedSource, SensorError
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.ros.repairs import Repairs
@@ -57,10 +57,10 @@ def late(kind: type[Item], seconds: float) -> Lie:
 
 
 def measures(items: Iterable[Item]) -> Measures:
-    evidence = SensorStatistics()
+    statistics = SensorStatistics()
     for item in items:
-        evidence.take(item)
-    return evidence.measures()
+        statistics.take(item)
+    return statistics.measures()
 
 
 def repaired(items: Iterable[Item], options: SourceOptions) -> list[Item]:
@@ -221,7 +221,7 @@ def test_a_recording_is_refused_by_its_beginning() -> None:
     """The name, the fact, --repair, the flags and the way without the IMU; an honest one is taken."""
     refused = checked(map(LIES["degrees"][0], honest()))
     words = r"memory: the gyroscope turns 5\d times .* with --repair, or with --imu-gyro-unit deg/s, or .*none"
-    with pytest.raises(DeviceError, match=words):
+    with pytest.raises(SensorError, match=words):
         next(refused.items())
     assert [finding.repair for finding in refused.report.findings] == ["--imu-gyro-unit deg/s"]
     taken = checked(honest())
@@ -236,7 +236,7 @@ def test_a_refusal_says_what_inspect_says() -> None:
     items = [lie(late(LaserScan, 0.3 if item.stamp_ns < late_at else 0.1)(item)) for item in honest(30.0)]
     flags = remedy(findings(measures(items), SourceOptions()))
     assert "--scan-delay" in flags
-    with pytest.raises(DeviceError, match=f"or with {re.escape(flags)}, or"):
+    with pytest.raises(SensorError, match=f"or with {re.escape(flags)}, or"):
         next(checked(items).items())
 
 
@@ -257,7 +257,7 @@ def test_what_is_found_is_repaired(repairs: bool) -> None:
         items = [LIES[name][0](item) for item in items]
     source = checked(items, repairs=repairs)
     if not repairs:
-        with pytest.raises(DeviceError):
+        with pytest.raises(SensorError):
             next(source.items())
         assert source.repair()
     came = list(source.items())
@@ -275,7 +275,7 @@ def test_a_stream_ends_when_its_devices_contradict_each_other() -> None:
     stream.send([LIES["milli-g"][0](item) for item in honest()])
     watched = CheckedSource(lambda _: stream, SourceOptions())
     came = []
-    with pytest.raises(DeviceError, match="milli-g"):
+    with pytest.raises(SensorError, match="milli-g"):
         came.extend(watched.items())
     assert 0 < len(came) < len(honest())
     watched.close()
@@ -297,7 +297,7 @@ def test_a_stream_whose_imu_hangs_upside_down_is_warned_of_at_rest_and_ended_by_
         "mounted upside down: run again with --repair, or with --imu-rotation 3.1416 0 0"
         in watched.report.warnings[0]
     )
-    with pytest.raises(DeviceError, match="upside down"):
+    with pytest.raises(SensorError, match="upside down"):
         list(watched.items())
     watched.close()
 

@@ -1,12 +1,13 @@
 """Flags: the secret that a browser must bring, and mistyped ones."""
 
+import os
 from pathlib import Path
 from typing import get_args
 
 import pytest
 
 from hectorscope.cli.main import MISTAKE, main
-from hectorscope.cli.options import ExportArg
+from hectorscope.cli.options import ExportArg, setting_flags, source_flags, source_options
 from hectorscope.cli.page_flags import TOKEN, PageFlags, TokenError
 from hectorscope.exporters import chosen
 from hectorscope.run.checkpoints import BUDGET_MB
@@ -74,6 +75,18 @@ def test_a_length_of_a_stream_that_cannot_be_kept_is_refused(minutes: float) -> 
     assert (PageFlags().kept_seconds(), PageFlags(look_back=0.0).kept_seconds()) == (LOOK_BACK_S, 0.0)
     with pytest.raises(SlamError, match=r"--look-back .* give 0 to 240"):
         PageFlags(look_back=minutes).kept_seconds()
+
+
+def test_a_settings_file_may_be_a_pipe() -> None:
+    """It is read once: its settings and what it states of the sensors hold, however often they are asked for."""
+    end, begin = os.pipe()
+    os.write(begin, b"[fusion]\nomega = 0.3\n[sensors]\nimu_delay = 0.1\n")
+    os.close(begin)
+    flags = setting_flags()(config=Path(f"/dev/fd/{end}"))
+    for _ in range(2):
+        assert flags.settings().start.fusion.omega == 0.3
+        assert source_options(source_flags(), flags).imu_delay == 0.1
+    os.close(end)
 
 
 def test_help_and_defaults_are_those_of_the_packages_behind() -> None:

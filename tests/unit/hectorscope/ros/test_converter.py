@@ -151,6 +151,19 @@ def test_a_moving_mount_is_taken_at_the_middle_of_the_sweep() -> None:
     assert "tf places laser on base_link, moving" in converter.report.notes
 
 
+def test_a_clock_that_is_set_back_does_not_hold_up_the_stream() -> None:
+    """A scan that waits for the joint's next sample goes on with the last one, and so do the scans behind it."""
+    converter = Converter(Roles(scan="/scan", transforms=TF), SourceOptions())
+    now = 3600 * SECOND
+    for x, stamp_ns in ((0.0, now), (0.1, now + TENTH)):
+        feed(converter, [("/tf", ROS.tf(stamp_ns, "base_link", "laser", (x, 0.0, 0.0)), stamp_ns)])
+    assert not feed(converter, [("/scan", ROS.scan(now + 2 * TENTH), now + 2 * TENTH)])
+    behind = [("/scan", ROS.scan(i * TENTH), i * TENTH) for i in range(20)]
+    found = scans(feed(converter, behind))
+    assert found[0].stamp_ns == START + now + 2 * TENTH
+    assert len(found) > 1
+
+
 def test_an_imu_is_turned_by_its_mount() -> None:
     """An IMU that hangs upside down on the base gives +g on z."""
     converter = Converter(Roles(imu="/imu", transforms=TF), SourceOptions())

@@ -1,9 +1,10 @@
 """Pictures of marks: only pixels remain of what a browser sends, and only so many."""
 
 import io
+import warnings
 
 import pytest
-from PIL import Image
+from PIL import Image, ImageOps
 
 from hectorscope.run.annotations import MOST_BYTES, AnnotationError, Annotations
 from hectorscope.run.pictures import LARGEST, MOST_KEPT, MOST_SENT, Picture, PictureError, picture_of
@@ -80,3 +81,16 @@ def test_a_kept_run_knows_its_marks_with_and_without_their_pictures() -> None:
     bare = Annotations().put("note", 1, (0.0, 0.0), (0.0, 0.0, 0.0), "")
     pictured = bare.pictured(1, picture_of(picture_bytes()))
     assert pictured.joined(bare) == pictured
+
+
+def test_warnings_of_other_threads_stay_warnings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A picture is decoded with the filters of warnings as they are, since these are those of the process."""
+    decode, before, during = ImageOps.exif_transpose, list(warnings.filters), []
+
+    def observed(image: Image.Image) -> Image.Image:
+        during.extend(warnings.filters)
+        return decode(image)
+
+    monkeypatch.setattr(ImageOps, "exif_transpose", observed)
+    picture_of(picture_bytes())
+    assert during == before

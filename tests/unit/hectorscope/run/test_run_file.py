@@ -48,6 +48,21 @@ def test_marks_are_read_as_they_were_written(tmp_path: Path) -> None:
     assert read(tmp_path, write_text(RUN)).annotations.given == 1
 
 
+def test_an_emoji_is_read_as_it_was_written(tmp_path: Path) -> None:
+    """In a name and in a mark; the name of a file that is no text has a replacement for what is none."""
+    link = replace(RUN.link, name="\N{FIRE} \\ud83d\\udd25")
+    marks = Annotations().put("hazard", 17, (1.5, -2.0), (0.0, 0.25, 3.0), "\N{FIRE}")
+    again = read(tmp_path, write_text(replace(RUN, link=link, recording="\udcff.bag", annotations=marks)))
+    assert (again.link.name, again.annotations) == (link.name, marks)
+    assert again.recording == "\N{REPLACEMENT CHARACTER}.bag"
+
+
+def test_an_emoji_in_a_file_of_an_earlier_version_is_read(tmp_path: Path) -> None:
+    """Two escapes stood there for one character; a backslash before them is none of theirs."""
+    text = write_text(RUN).replace('"arena.bag"', r'"\\ud83d \\\ud83d\udd25"')
+    assert read(tmp_path, text).recording == "\\ud83d \\\N{FIRE}"
+
+
 def test_another_trajectory_has_another_hash() -> None:
     """By a single bit."""
     rows = np.zeros((3, 8))
@@ -68,6 +83,8 @@ def test_another_trajectory_has_another_hash() -> None:
         ("cd" * 32, "cd" * 31, "run.map_sha256"),
         ('kind = "victim"', 'kind = "ghost"', "ghost"),
         ("place = [1.5,", "place = [nan,", "place"),
+        ("place = [1.5,", f"place = [1{400 * '0'},", "place"),
+        ("time_ns = 17", f"time_ns = {2**63}", "time_ns"),
         ("number = 1\n", "", "number"),
         ("omega = 0.25", "omega = 7", "fusion.omega"),
         ("[fusion]", "[fusion", "TOML"),

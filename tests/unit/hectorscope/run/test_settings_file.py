@@ -1,11 +1,14 @@
+import math
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.ros.repairs import Repairs
 from hectorscope.run.settings import Change, Settings
-from hectorscope.run.settings_file import SettingsError, read_sensors, read_toml, to_toml
+from hectorscope.run.settings_file import SettingsError, read_file, read_toml, to_toml
 from slam_core.config import Leaf, SlamConfig, leaves, with_value
 
 
@@ -68,6 +71,7 @@ def test_what_the_file_does_not_name_keeps_its_default(tmp_path: Path):
         ("[[changes]]\nname = 'fusion.omega'", "is incomplete: give time_ns, name and value"),
         ("[[changes]]\ntime_ns = 'now'\nname = 'fusion.omega'\nvalue = 0.2", "has a bad time_ns"),
         ("[[changes]]\ntime_ns = true\nname = 'fusion.omega'\nvalue = 0.2", "has a bad time_ns"),
+        (f"[[changes]]\ntime_ns = {2**63}\nname = 'fusion.omega'\nvalue = 0.2", "has a bad time_ns"),
         ("[[changes]]\ntime_ns = 1\nname = 'fusion.omega'\nvalue = " + "9" * 400, "fusion.omega is inf"),
         ("[[changes]]\ntime_ns = 1\nname = 'fusion.omego'\nvalue = 0.2", "did you mean fusion.omega?"),
         ("[[changes]]\ntime_ns = 1\nname = 'map.levels'\nvalue = 2", "map.levels cannot change at 1 ns"),
@@ -113,8 +117,18 @@ def test_what_is_stated_of_the_sensors_is_kept(tmp_path: Path) -> None:
     }
     path = tmp_path / "config.toml"
     path.write_text(to_toml(Settings(), stated))
-    assert read_toml(path) == Settings()
-    assert read_sensors(path) == stated
+    assert read_file(path) == (Settings(), stated)
+
+
+def test_a_number_on_the_sensors_that_no_float_holds_is_refused_as_an_infinite_one(tmp_path: Path) -> None:
+    """By the message that names the option and its range."""
+    path, huge = tmp_path / "config.toml", "9" * 400
+    path.write_text(f"[sensors]\nimu_delay = -{huge}\nimu_rotation = [{huge}, 0, 0]\n")
+    _, stated = read_file(path)
+    assert stated == {"imu_delay": -math.inf, "imu_rotation": (math.inf, 0.0, 0.0)}
+    for option, value in stated.items():
+        with pytest.raises(SourceError, match=option.replace("_", "-") + ".*inf.*: give"):
+            Repairs(SourceOptions(**{option: value}))
 
 
 @pytest.mark.parametrize(

@@ -99,3 +99,15 @@ def test_parquet_holds_the_same_with_types(tmp_path: Path):
 def test_cells_are_read_as_what_they_are(cell: str, wanted: object):
     """Words stay words, also those that are no numbers in JSON."""
     assert value(cell) == wanted
+
+
+def test_a_table_that_cannot_be_written_is_named(tmp_path: Path):
+    """At the start, at the end, and beside it: the folder, the reason, the remedy."""
+    table = made(tmp_path, SPECS[:1])
+    write_parquet(tmp_path)
+    for name in ("runs.csv", "runs.parquet"):
+        (tmp_path / name).rename(tmp_path / f"{name}.before")
+        (tmp_path / name).mkdir()
+    for write in (lambda: table.finish(SPECS), lambda: table.forget(BROKEN)):
+        with pytest.raises(OutputError, match=r"cannot be written to \(Is a directory\): make room"):
+            write()

@@ -41,7 +41,7 @@ def test_a_program_without_origin_goes_on() -> None:
 
 
 @pytest.mark.parametrize(
-    "origin", ["http://evil.example", "null", "http://127.0.0.1:9999", "file://127.0.0.1:8080"]
+    "origin", ["http://evil.example", "null", "http://127.0.0.1:9999", "file://127.0.0.1:8080", "http://["]
 )
 def test_a_socket_from_another_site_is_refused(origin: str) -> None:
     """Another site, another port, a sandboxed frame or a file cannot open the socket."""

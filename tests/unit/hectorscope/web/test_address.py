@@ -77,6 +77,12 @@ def test_a_certificate_that_is_of_no_use_is_named(tmp_path: Path) -> None:
             bad.context()
 
 
+def test_a_certificate_that_cannot_be_reached_is_named() -> None:
+    """By a name that is too long for the system."""
+    with pytest.raises(ServerError, match="is no file: give a certificate"):
+        Certificate(Path("x" * 300), Path("key.pem")).context()
+
+
 def test_a_locked_key_is_refused_instead_of_asked_about(tmp_path: Path) -> None:
     """A server that starts by itself has nobody who types."""
     chain, key = self_signed(tmp_path)

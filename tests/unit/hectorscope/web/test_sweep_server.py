@@ -173,3 +173,11 @@ def test_details_that_somebody_else_wrote_bring_no_flags(tmp_path: Path):
     write_details(tmp_path, RunSpec("a", "/a.bag", options={"out": "/elsewhere"}), RunSummary("ok"))
     with pytest.raises(SlamError, match="of another version"):
         spec_of(tmp_path, RunSpec("a", "/a.bag", options={"out": "/elsewhere"}).key)
+
+
+def test_a_table_that_cannot_be_read_is_told(server: SweepServer, folder: Path) -> None:
+    """With the reason as the answer, and the server goes on."""
+    (folder / "runs.csv").write_text("no,table\n", encoding="utf-8")
+    status, content, _ = asked(server, "GET", "/data.json")
+    assert (status, b"is no table of a sweep" in content) == (500, True)
+    assert asked(server, "GET", "/")[0] == 200

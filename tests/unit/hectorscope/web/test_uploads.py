@@ -105,6 +105,17 @@ def test_a_folder_that_does_not_come_whole_leaves_nothing() -> None:
     shelf.uploads.close()
 
 
+def test_a_folder_that_cannot_be_made_is_refused_with_the_reason() -> None:
+    """The browser hears the reason and the remedy, and the next one may send."""
+    shelf = Shelf()
+    shelf.receive(head("run.bag", 1), b"x")
+    (shelf.arrived[0][0].parent / "1").touch()
+    refused = shelf.receive(folder("run", ["a.db3", 2]), b"ab")[-1]["refused"]
+    assert refused == "the recording cannot be kept (File exists): set TMPDIR to another disk"
+    assert shelf.receive(folder("run", ["a.db3", 2]), b"ab")[-1] == {"arrived": "run"}
+    shelf.uploads.close()
+
+
 @pytest.mark.parametrize(
     ("name", "label"),
     [

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.broken import GAP_FROM_S, GAP_S, SLIP, make
-from hectorscope.checks.doctor import Doctor
 from hectorscope.checks.inspect import BagReport, inspect_bag
+from hectorscope.checks.recording_check import RecordingCheck
 from hectorscope.inputs import Finding, SourceOptions, Stamped
 
 MS = 1_000_000
@@ -23,7 +23,7 @@ def stream(
 
 
 def examined(*messages: Stamped, unplaced: tuple[str, ...] = ()) -> list[Finding]:
-    return Doctor().take(sorted(messages, key=lambda each: each.log_ns)).findings(USED, unplaced)
+    return RecordingCheck().take(sorted(messages, key=lambda each: each.log_ns)).findings(USED, unplaced)
 
 
 def facts(*messages: Stamped, **options) -> str:
@@ -81,7 +81,7 @@ def test_a_recorder_that_drifts_is_no_fault_of_the_sensors() -> None:
     topics = [stream(topic, 25.0, 1200) for topic in ("/scan", "/imu", "/odom")]
     all_of_them = [each._replace(stamp_ns=round(each.stamp_ns * 1.002)) for some in topics for each in some]
     used = {**USED, "odometry": "/odom"}
-    found = Doctor().take(sorted(all_of_them, key=lambda each: each.log_ns)).findings(used, ())
+    found = RecordingCheck().take(sorted(all_of_them, key=lambda each: each.log_ns)).findings(used, ())
     assert not [one for one in found if "runs" in one.fact]
 
 

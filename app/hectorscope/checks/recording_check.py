@@ -27,13 +27,13 @@ GAPS_SHOWN = 3  # of one topic, the longest
 
 
 @dataclass
-class Doctor:
+class RecordingCheck:
     """Takes every message of a recording that has a use, in the order of recording."""
 
     times: defaultdict[str, Times] = field(default_factory=lambda: defaultdict(Times))
     returns: defaultdict[str, LaserReturns] = field(default_factory=lambda: defaultdict(LaserReturns))
 
-    def take(self, messages: Iterable[Stamped]) -> "Doctor":
+    def take(self, messages: Iterable[Stamped]) -> "RecordingCheck":
         """All of these."""
         for each in messages:
             times = self.times[each.topic]
@@ -199,5 +199,5 @@ def examine(source: Examinable) -> list[Finding]:
     """Read a whole recording for what is wrong with it; times are those of the run."""
     for _ in source.items():
         pass  # tf is complete behind them
-    doctor = Doctor().take(source.stamped())
-    return doctor.findings(source.parts, source.unplaced, source.clock_offset_ns)
+    check = RecordingCheck().take(source.stamped())
+    return check.findings(source.parts, source.unplaced, source.clock_offset_ns)
