@@ -192,3 +192,28 @@ def test_a_stream_asks_before_it_is_left(shelf: Shelf, drive: list[Item]) -> Non
     assert not opened.playback.live
     assert back.playback.live
     assert back.trajectory[: before.scans].tobytes() == before.trajectory.tobytes()
+
+
+def test_only_results_of_the_stream_are_published(shelf: Shelf, drive: list[Item]) -> None:
+    """An observer gets none of a recording that is opened meanwhile, and those of the stream again later."""
+    stream, observed, quarter = MemoryStream(), list[int](), len(drive) // 4
+    engine = Engine(stream, START, speed=FAST)
+    engine.offer(shelf.library)
+    engine.observe(lambda _, result: observed.append(result.stamp_ns))
+    engine.start()
+    try:
+        stream.send(drive[:quarter])
+        until(engine, lambda now: now.scans > 3)
+        engine.send(Open(shelf.key("short.bag")))
+        asked = until(engine, lambda now: now.question).question
+        assert asked is not None
+        engine.send(Agree(asked.number))
+        until(engine, lambda now: now.source == "short.bag" and now.playback.state == "ended")
+        assert max(observed) <= drive[quarter].stamp_ns
+        engine.send(Undo())
+        until(engine, lambda now: now.source == "stream")
+        stream.send(drive[quarter : 2 * quarter])
+        until(engine, lambda _: max(observed) > drive[quarter].stamp_ns)
+    finally:
+        engine.stop()
+    assert observed == sorted(set(observed))

@@ -10,7 +10,7 @@ from queue import Empty
 from hectorscope.inputs import Repairable, Source
 from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
 from hectorscope.run.headless import Observer
-from hectorscope.run.pipeline import nothing_used
+from hectorscope.run.pipeline import Pipeline, nothing_used
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
@@ -33,6 +33,7 @@ from hectorscope.session.transport import PAUSED, Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
+from slam_core.results import StepResult
 
 ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
 LOOK_BACK_S = 300.0
@@ -109,8 +110,14 @@ class Engine:
         self._control = Control(self._session, library, self._beside, self._show_opening)
 
     def observe(self, observer: Observer) -> None:
-        """Call it with every result of the run as it is now, on the engine's thread; before the start."""
-        self._session.observe = observer
+        """Call it with every result of the run of this source, on the engine's thread; before the start."""
+        session, observed = self._session, self._session.source
+
+        def observe(pipeline: Pipeline, result: StepResult) -> None:
+            if session.source is observed:
+                observer(pipeline, result)
+
+        session.observe = observe
 
     def attach(self, station: Station) -> None:
         """Keep on the disk what it says; before the start."""
