@@ -263,7 +263,6 @@ class Engine:
         item = intake.get(FETCH_S)
         if item is not None:
             run.admit(item)
-            self._station.admitted(item)
         elif intake.done:
             run.flush()
             if run.waiting is None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hectorscope.inputs import Item, Source, Tappable
+from hectorscope.inputs import Source, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
 from hectorscope.run.annotations import AnnotationError
 from hectorscope.run.pictures import picture_of
@@ -58,7 +58,6 @@ class Station:
         self._folder, self._journal, self._resumes = record, journal, resume
         self._recorder = StreamRecorder(record) if record else None
         self._tapped: Tappable | None = None
-        self._last: Item | None = None
         self._way_back = WayBack()
 
     def board(self, session: Session) -> None:
@@ -110,14 +109,8 @@ class Station:
         """Between two items: leave a checkpoint if it is time."""
         session = self._session
         self._way_back.follow(session.newest.pipeline)
-        if self._journal is None or session.past.front or not session.source.live:
-            self._last = None
-        elif self._last is not None and session.run.waiting is None:
-            self._journal.keep(session.run, self._last, paused=session.transport.unwanted)
-
-    def admitted(self, item: Item) -> None:
-        """The run has had this item."""
-        self._last = item
+        if self._journal is not None and session.source.live and not session.past.front:
+            self._journal.keep(session.run, paused=session.transport.unwanted)
 
     def logged(self, act: Callable[[Command], None], command: Command) -> None:
         """Carry a command out, and log it with what it changed."""
