@@ -1,4 +1,4 @@
-"""What a journal holds of a run when other runs or times were shown."""
+"""What a journal holds of a run when other runs or times were shown, or once its stream has ended."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -7,6 +7,7 @@ import pytest
 
 from hectorscope.inputs import Item
 from hectorscope.run.headless import run_headless
+from hectorscope.session.checkpoint_file import read_checkpoint
 from hectorscope.session.commands import Agree, GoLive, Restart, Seek, Undo
 from hectorscope.session.journal import Journal, resumed
 from hectorscope.session.station import Station
@@ -79,3 +80,15 @@ def test_a_checkpoint_behind_a_return_to_the_run_leads_on_to_all_of_it(
 def written(journal: Journal) -> bool:
     """Whether its checkpoint has all that one has to hold."""
     return not (journal.wanted or journal._writer.busy)
+
+
+def test_marks_that_are_set_once_the_stream_has_ended_are_kept(robot: Robot, journal: Journal) -> None:
+    """Also two in a row, which one checkpoint follows."""
+    robot.drive_on(6.0)
+    robot.stream.close()
+    until(robot.engine, lambda now: now.playback.state == "ended")
+    robot.after(PutMark("victim", 1.0, 2.0), PutMark("hazard", 3.0, 4.0))
+    until(robot.engine, lambda _: written(journal))
+    saved = read_checkpoint(journal.folder)
+    assert saved is not None
+    assert [mark.kind for mark in saved.annotations.marks] == ["victim", "hazard"]

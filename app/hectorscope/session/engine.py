@@ -218,13 +218,14 @@ class Engine:
         while True:
             if self._control.lapse():
                 self._publisher.touch()
+            self._guard(self._station.keep)
             waiting = self._session.run.waiting
             patience = self._transport.patience(waiting.stamp_ns if waiting and self._is_paced(waiting) else None)
             self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
             if patience == 0.0 and self._commands.empty():
                 return None
             turn = use_time(self._session, patience, self._guard) if self._commands.empty() else None
-            left = (patience, self._control.patience, turn)
+            left = (patience, self._control.patience, self._station.patience, turn)
             sooner = min((seconds for seconds in left if seconds is not None), default=None)
             try:
                 return self._commands.get(timeout=sooner)

@@ -94,6 +94,11 @@ class Journal:
         saved = Saved(self._last, run.settings, Position.of(run.last), run.annotations, paused)
         self._writer.write(saved, self._close_replaced if self._replaced else lambda: None)
 
+    @property
+    def patience(self) -> float | None:
+        """Seconds until a checkpoint may be due that does not wait for items; None for ever."""
+        return WANTED_S if self.wanted or self._writer.failed else None
+
     def _is_due(self, updates: int) -> bool:
         age = time.monotonic() - self._kept_at
         soon = updates - self._kept_updates >= BURST or self._writer.failed

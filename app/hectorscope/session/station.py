@@ -112,6 +112,11 @@ class Station:
         if self._journal is not None and session.source.live and not session.past.front:
             self._journal.keep(session.run, paused=session.transport.unwanted)
 
+    @property
+    def patience(self) -> float | None:
+        """Seconds until `keep` may have more to do, also if nothing comes any more; None for ever."""
+        return self._journal.patience if self._journal else None
+
     def logged(self, act: Callable[[Command], None], command: Command) -> None:
         """Carry a command out, and log it with what it changed."""
         if self._journal is None or isinstance(command, UNLOGGED):
