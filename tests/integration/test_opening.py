@@ -26,8 +26,12 @@ from hectorscope.session.commands import (
     Undo,
 )
 from hectorscope.session.engine import Engine
+from hectorscope.session.journal import Journal
 from hectorscope.session.library import Library
+from hectorscope.session.station import Station
+from hectorscope.session.station_commands import Resume
 from tests.engines import START, after, state, until
+from tests.live.journals import left
 from tests.sources import MemoryRecording, MemoryStream
 
 FAST = float("inf")
@@ -217,3 +221,26 @@ def test_only_results_of_the_stream_are_published(shelf: Shelf, drive: list[Item
     finally:
         engine.stop()
     assert observed == sorted(set(observed))
+
+
+def test_the_run_before_is_not_put_onto_a_recording(shelf: Shelf, tmp_path: Path, reference: np.ndarray) -> None:
+    """The question is withdrawn once a recording is shown, and a command that comes late is refused."""
+    root = tmp_path / "journals"
+    root.mkdir()
+    left(root, "20200101T000000Z-1")
+    engine = Engine(MemoryStream(), START, speed=FAST)
+    engine.offer(shelf.library)
+    engine.attach(Station(journal=Journal(root, "a", lambda _: MemoryRecording(shelf._items["short.bag"] or []))))
+    engine.start()
+    try:
+        asked = until(engine, lambda now: now.question)
+        engine.send(Open(shelf.key("long.bag")))
+        opened = until(engine, state("ended"))
+        refused = after(engine, Resume())
+    finally:
+        engine.stop()
+    assert asked.station.past
+    assert opened.question is None
+    assert not opened.station.past
+    assert refused.log[-1].text == "Only a stream can go on with the run before: go back to it first"
+    assert refused.trajectory.tobytes() == reference.tobytes()

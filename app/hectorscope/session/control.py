@@ -173,6 +173,7 @@ class Control:
                 self._session.seek(time_ns)
 
     def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow | SetUp | RunCommand) -> None:
+        source = self._session.source
         try:
             match command:
                 case ListRecordings():
@@ -191,6 +192,8 @@ class Control:
             self._refuse(str(error))
         finally:
             self.opening("")
+        if self._session.source is not source:
+            self.questions.withdraw()  # it was asked about the run of that
 
     def _open(self, key: str) -> None:
         if run := self._library.kept_run(key):

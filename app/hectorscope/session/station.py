@@ -102,7 +102,7 @@ class Station:
             records=records,
             recorded=self._recorder.written if self._recorder else 0,
             warnings=tuple(filter(None, told)),
-            past=self._journal is not None and self._journal.past is not None,
+            past=self._session.source.live and self._journal is not None and self._journal.past is not None,
         )
 
     def keep(self) -> None:
@@ -233,6 +233,8 @@ class Station:
     def _resume(self) -> None:
         if self._journal is None:
             raise SlamError("There is no journal: start the program without --journal off")
+        if not self._session.source.live:
+            raise SlamError("Only a stream can go on with the run before: go back to it first")
         session, told = self._session, self._control.opening
         told("Processing the run before again")
         try:
