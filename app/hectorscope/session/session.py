@@ -211,7 +211,7 @@ class Session:
         if isinstance(before, KeptName):
             self.named.runs.put(before.run)
         elif isinstance(before, KeptMarks):
-            before.run.annotations = before.annotations
+            self.run.annotations = before.annotations
             self.log(f"Undone: {what}")
         elif isinstance(before, KeptRun):
             self.named.note()

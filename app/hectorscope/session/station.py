@@ -197,7 +197,7 @@ class Station:
                 what = f"picture of mark {number}"
             case RemoveMark(number):
                 run.annotations, what = before.removed(number), f"removed mark {number}"
-        self._session.undone.push(what, KeptMarks(run, before))
+        self._session.undone.push(what, KeptMarks(before))
         self._session.log(f"{what[:1].upper()}{what[1:]}: {sentence(command)}")
 
     def _set_pose(self, command: SetPose) -> None:

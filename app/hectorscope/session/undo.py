@@ -51,9 +51,8 @@ class KeptName:
 
 @dataclass(frozen=True, slots=True)
 class KeptMarks:
-    """Marks of a run before one was changed or removed."""
+    """Marks before one was changed or removed: another run of the recording that is shown then has them, too."""
 
-    run: ActiveRun
     annotations: Annotations
     scans: int = 0
 
