@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 
 from hectorscope.inputs import Item, OptionValue, Source, SourceError
+from hectorscope.run.fingerprint import identity
 from hectorscope.run.headless import run_headless
+from hectorscope.run.permalink import Permalink
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import (
     Agree,
     Configure,
     Decline,
+    Follow,
+    Fork,
     ListRecordings,
     Open,
     OpenUploaded,
@@ -28,6 +32,7 @@ from hectorscope.session.commands import (
 from hectorscope.session.engine import Engine
 from hectorscope.session.journal import Journal
 from hectorscope.session.library import Library
+from hectorscope.session.runs import MOST
 from hectorscope.session.station import Station
 from hectorscope.session.station_commands import Resume
 from tests.engines import START, after, state, until
@@ -148,6 +153,22 @@ def test_a_recording_that_cannot_be_read_changes_nothing(shelf: Shelf) -> None:
         "This recording is not in the list: open the list again",
     ]
     assert (refused.epoch, refused.source, refused.scans) == (before.epoch, before.source, before.scans)
+
+
+def test_a_recording_that_finds_no_place_in_the_list_of_runs_is_closed(shelf: Shelf) -> None:
+    """Whether it is opened by hand or by a link; the run is as it was."""
+    with session(shelf) as engine:
+        engine.send(Open(shelf.key("long.bag")))
+        until(engine, state("ended"))
+        after(engine, *[Fork() for _ in range(MOST - 1)])
+        (shelf.folder / "short.bag").write_text("another content")
+        link = Permalink(identity(shelf.folder / "short.bag"), 0, START)
+        refused = after(engine, Open(shelf.key("short.bag")), Follow(link))
+        closed = [source.closed for source in shelf.opened]
+    answers = [entry.text for entry in refused.log if entry.answer]
+    assert answers == [f"There are {MOST} runs already: remove one"] * 2
+    assert refused.source == "long.bag"
+    assert closed == [False, True, True]
 
 
 def test_an_uploaded_recording_is_opened_under_its_label(shelf: Shelf, tmp_path: Path) -> None:

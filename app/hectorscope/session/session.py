@@ -1,6 +1,7 @@
 """The run that is shown and those put aside: begun again, sought in, configured, taken back."""
 
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 from hectorscope.inputs import Repairable, Source, SourceReport, merged
@@ -156,14 +157,24 @@ class Session:
         self.transport.begin()
         self._show_anew()
 
-    def open(self, source: Source, path: Path, settings: Settings | None = None, slot: int | None = None) -> None:
+    def open(
+        self,
+        source: Source,
+        path: Path,
+        settings: Settings | None = None,
+        slot: int | None = None,
+        name: str = "",
+    ) -> None:
         """Another recording, with the settings of now from its start, or others; the run is kept for a minute.
 
-        slot: its number in the list of runs; None for one more.
+        slot: its number in the list of runs; None for one more, of this name.
         """
-        slot = self.named.new_slot() if slot is None else slot
         given = settings or Settings(self.run.settings.at(self.now_ns))
-        run = self._new_run(source, given, None, slot)
+        with ExitStack() as refused:
+            refused.callback(source.close)
+            slot = self.named.new_slot(name) if slot is None else slot
+            run = self._new_run(source, given, None, slot)
+            refused.pop_all()
         self.given = given
         self.named.compare(0)
         self._put_aside(f"opening {source.name}")
