@@ -149,7 +149,7 @@ class Session:
         self.undone.forget_values()
         self._begin(run)
         if self.named.compared_with == slot:
-            self.named.compare(0)
+            self.named.end_comparison()
 
     def _begin(self, run: ActiveRun) -> None:
         self.run = run
@@ -176,7 +176,7 @@ class Session:
             run = self._new_run(source, given, None, slot)
             refused.pop_all()
         self.given = given
-        self.named.compare(0)
+        self.named.end_comparison()
         self._put_aside(f"opening {source.name}")
         before, self.run, self._publisher.event_log = self.intake, run, EventLog()
         before.begin()
@@ -207,7 +207,7 @@ class Session:
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
         self.go_live()
-        self.named.compare(0)
+        self.named.end_comparison()
         self.run.put_aside()
         self.undone.clear()
         self.intake.end()
@@ -232,7 +232,7 @@ class Session:
             if left is not before.intake:
                 self._read(before.intake)
             if left is not before.intake or self.named.compared_with == self.run.slot:
-                self.named.compare(0)
+                self.named.end_comparison()
             self._let_go(left)
             self.named.note()
             self.intake.resume(before.aside)
