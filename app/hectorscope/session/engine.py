@@ -181,8 +181,8 @@ class Engine:
                 self._publisher.touch()
                 if self._commands.empty():
                     self._guard(self._session.process_again)
-        self._session.close()
-        self._station.close()
+        self._guard(self._session.close)
+        self._guard(self._station.close)
 
     def _show_opening(self, text: str) -> None:
         """What a command opens at this moment, which may take a while; empty once it has."""
