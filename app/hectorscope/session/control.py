@@ -64,7 +64,7 @@ SHOWN = (
 )  # fmt: skip
 
 
-class Beside(NamedTuple):
+class BackgroundWork(NamedTuple):
     """What works on threads of its own, beside the run."""
 
     saver: Saver
@@ -75,10 +75,12 @@ class Beside(NamedTuple):
 class Control:
     """Belongs to the engine's thread. opening: hears what is opened at this moment, and "" once it is."""
 
-    def __init__(self, session: Session, library: Library, beside: Beside, opening: Callable[[str], None]) -> None:
+    def __init__(
+        self, session: Session, library: Library, background: BackgroundWork, opening: Callable[[str], None]
+    ) -> None:
         self.questions = Questions()
         self.probes = Probes()
-        self.beside = beside
+        self.background = background
         self.station: Obeys | None = None
         self._session, self._library, self.opening = session, library, opening
         self._following = Following(session, library, opening)
@@ -131,7 +133,7 @@ class Control:
             case Configure() | ConfigureAll():
                 self._configure(command)
             case Save() | Examine() | Export():
-                self._beside(command)
+                self._begin_work(command)
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
             case Drive(request):
@@ -240,17 +242,17 @@ class Control:
         if change is not None:
             self._session.configure(change)
 
-    def _beside(self, command: Save | Examine | Export) -> None:
+    def _begin_work(self, command: Save | Examine | Export) -> None:
         """Work that goes on beside the run."""
         try:
             session = self._session
             match command:
                 case Save():
-                    self.beside.saver.start(session.newest, session.report)
+                    self.background.saver.start(session.newest, session.report)
                 case Examine():
-                    self.beside.examiner.start(session.source)
+                    self.background.examiner.start(session.source)
                 case Export():
-                    self.beside.downloads.start(command, session.source, session.run, session.report)
+                    self.background.downloads.start(command, session.source, session.run, session.report)
         except SlamError as error:
             self._refuse(str(error))
 

@@ -13,7 +13,7 @@ from hectorscope.run.metrics import metrics
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from hectorscope.session.active_run import ActiveRun
-from hectorscope.session.background import Background
+from hectorscope.session.background_task import BackgroundTask
 from hectorscope.session.commands import Answer, Export
 from hectorscope.session.snapshot import Download
 from slam_core.errors import SlamError
@@ -44,7 +44,7 @@ class Downloads:
     def __init__(self, prior_map: PriorMap | None, answer: Callable[[Answer], None]) -> None:
         self.ready: Mapping[int, Download] = {}
         self._prior_map = prior_map
-        self._background = Background(
+        self._task = BackgroundTask(
             "export", answer, busy="Another export is being made", failed="The export failed"
         )
         self._made = 0
@@ -52,7 +52,7 @@ class Downloads:
     def start(self, command: Export, source: Source, run: ActiveRun, report: SourceReport) -> None:
         """Begin with the results so far; SlamError if that cannot be."""
         pipeline = run.pipeline
-        self._background.check_idle()
+        self._task.check_idle()
         if not pipeline.scans:
             raise SlamError("There is nothing to export, as no scan has been used yet: wait for the first")
         streams = [each.name for each in command.formats if each.stream]
@@ -64,7 +64,7 @@ class Downloads:
         last_ns = pipeline.last_scan_ns or 0
         pyramid = pipeline.slam.map.copy()
         task = _Task(command.client, command.formats, source, results, pyramid, run.settings, last_ns)
-        self._background.start(partial(self._make, task))
+        self._task.start(partial(self._make, task))
 
     def _make(self, task: _Task) -> str:
         with TemporaryDirectory(prefix="hectorscope-") as folder:

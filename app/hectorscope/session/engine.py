@@ -15,7 +15,7 @@ from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
 from hectorscope.session.composed import composed
-from hectorscope.session.control import Beside, Control
+from hectorscope.session.control import BackgroundWork, Control
 from hectorscope.session.downloads import Downloads
 from hectorscope.session.examiner import Examiner
 from hectorscope.session.exchange import Exchange
@@ -93,7 +93,7 @@ class Engine:
             look_back=look_back,
         )
         tell = self._commands.put
-        self._beside = Beside(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
+        self._background = BackgroundWork(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
         self.offer(Library())
         self._is_ready = False
         self.attach(Station())
@@ -107,7 +107,7 @@ class Engine:
         """Let pages open what is in it; before the start. Its `shown` is where the source lies."""
         self._library, self._session.intake.path = library, library.shown
         library.identities.told = partial(self._commands.put, Identified())
-        self._control = Control(self._session, library, self._beside, self._show_opening)
+        self._control = Control(self._session, library, self._background, self._show_opening)
 
     def observe(self, observer: Observer) -> None:
         """Call it with every result of the run of this source, on the engine's thread; before the start."""
@@ -122,7 +122,7 @@ class Engine:
     def attach(self, station: Station) -> None:
         """Keep on the disk what it says; before the start."""
         self._station = station
-        station.board(self._session)
+        station.attach(self._session)
 
     def start(self, prepare: Callable[[Report], None] | None = None) -> None:
         """Begin to read and to step.
@@ -156,11 +156,11 @@ class Engine:
     @property
     def saves(self) -> bool:
         """Whether there is something to save, and a folder for it."""
-        return self.started and self._beside.saver.out is not None and not self._transport.empty
+        return self.started and self._background.saver.out is not None and not self._transport.empty
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return self._beside.saver.finish(self._session.newest, self._session.source.report)
+        return self._background.saver.finish(self._session.newest, self._session.source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 

@@ -6,7 +6,7 @@ from functools import partial
 
 from hectorscope.checks.doctor import examine
 from hectorscope.inputs import Examinable, Finding, Reopenable, Source
-from hectorscope.session.background import Background
+from hectorscope.session.background_task import BackgroundTask
 from hectorscope.session.commands import Answer
 from slam_core.errors import SlamError
 
@@ -17,7 +17,7 @@ class Examiner:
     """answer: hears from any thread how an examination ended."""
 
     def __init__(self, answer: Callable[[Answer], None]) -> None:
-        self._background = Background(
+        self._task = BackgroundTask(
             "examine", answer, busy="A recording is being examined already", failed="The examination failed"
         )
         self._examined: tuple[Source, tuple[Finding, ...]] | None = None
@@ -30,8 +30,8 @@ class Examiner:
         """Begin; SlamError if that cannot be."""
         if source.live or not isinstance(source, Reopenable):
             raise SlamError(ABSENT)
-        self._background.check_idle()
-        self._background.start(partial(self._examine, source))
+        self._task.check_idle()
+        self._task.start(partial(self._examine, source))
 
     def _examine(self, source: Reopenable) -> str:
         with closing(source.reopened()) as opened:

@@ -6,7 +6,7 @@ from pathlib import Path
 from hectorscope.exporters import prepare, saving
 from hectorscope.inputs import SourceReport
 from hectorscope.session.active_run import ActiveRun
-from hectorscope.session.background import Background
+from hectorscope.session.background_task import BackgroundTask
 from hectorscope.session.commands import Answer
 
 
@@ -18,19 +18,19 @@ class Saver:
 
     def __init__(self, out: Path | None, answer: Callable[[Answer], None]) -> None:
         self.out = out
-        self._background = Background(
+        self._task = BackgroundTask(
             "save", answer, busy="The results are being saved already", failed="Saving failed", daemon=False
         )
         self._runs = 0
 
     def start(self, run: ActiveRun, report: SourceReport) -> None:
         """Collect the results and write them beside the run; SlamError if that cannot be."""
-        self._background.check_idle()
-        self._background.start(self._saving(run, report))
+        self._task.check_idle()
+        self._task.start(self._saving(run, report))
 
     def finish(self, run: ActiveRun, report: SourceReport) -> str:
         """Save now, after what is being written; the sentence for the log. SlamError if that fails."""
-        self._background.wait()
+        self._task.wait()
         return self._saving(run, report)()
 
     def _saving(self, run: ActiveRun, report: SourceReport) -> Callable[[], str]:

@@ -60,7 +60,7 @@ class Station:
         self._tapped: Tappable | None = None
         self._way_back = WayBack()
 
-    def board(self, session: Session) -> None:
+    def attach(self, session: Session) -> None:
         """Belong to a session."""
         self._session = session
 

@@ -10,7 +10,7 @@ from slam_core.errors import SlamError
 _logger = logging.getLogger("hectorscope")
 
 
-class Background:
+class BackgroundTask:
     """name: of the thread. answer: gets from it how the work ended. busy, failed: beginnings of two sentences.
 
     daemon: whether the end of the program does not wait for it.
