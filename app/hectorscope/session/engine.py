@@ -331,5 +331,6 @@ class Engine:
     def _publish(self, resting: bool) -> None:
         if self._transport.hurries or not self._publisher.due(resting=resting, live=self._session.source.live):
             return
-        run = composed(self._session, self._library, self._control, self._obeyed, self._station.state)
-        self._publisher.publish(run, complete=resting)
+        session = self._session
+        snapshot = composed(session, self._library, self._control, self._obeyed, self._station.state)
+        self._publisher.publish(snapshot, session.run.pipeline, complete=resting)
