@@ -23,7 +23,7 @@ from hectorscope.session.runs import first_difference
 from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
-from hectorscope.session.undo import Kept, KeptMarks, KeptName, KeptRun, KeptValues, UndoStack
+from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
 
 COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
@@ -213,35 +213,29 @@ class Session:
         self.intake.end()
 
     def undo(self) -> None:
-        """The last run, or the last values, that something else took the place of."""
+        """Bring back what the last action took away."""
         kept = self.undone.pop()
         if kept is None:
             self.log("There is nothing to undo any more: a minute has passed", "warning", answer=True)
             return
         what, before = kept
-        if isinstance(before, KeptName):
-            self.named.runs.put(before.run)
-        elif isinstance(before, KeptMarks):
-            self.run.annotations = before.annotations
-            self.log(f"Undone: {what}")
-        elif isinstance(before, KeptRun):
-            self.named.note()
-            self.run.put_aside()
-            self.run, self._publisher.event_log = before.run, before.event_log
-            left = self.intake
-            if left is not before.intake:
-                self._read(before.intake)
-            if left is not before.intake or self.named.compared_with == self.run.slot:
-                self.named.end_comparison()
-            self._let_go(left)
-            self.named.note()
-            self.intake.resume(before.aside)
-            self.transport.resume(before.stand)
-            self._show_anew()
-            self.log(f"Undone: {what}. The run goes on with its map of {before.scans} scans")
-        elif change := self.change(ConfigureAll(what, before.values)):
-            self.run.configure(change.after, self.now_ns)
-            self.log(f"Undone: {what}. {len(change.old)} settings are as before")
+        before.restore(self, what)
+
+    def bring_back(self, kept: KeptRun) -> None:
+        """Show a run again that was put aside."""
+        self.named.note()
+        self.run.put_aside()
+        self.run, self._publisher.event_log = kept.run, kept.event_log
+        left = self.intake
+        if left is not kept.intake:
+            self._read(kept.intake)
+        if left is not kept.intake or self.named.compared_with == self.run.slot:
+            self.named.end_comparison()
+        self._let_go(left)
+        self.named.note()
+        self.intake.resume(kept.aside)
+        self.transport.resume(kept.stand)
+        self._show_anew()
 
     def _drop(self, kept: Kept) -> None:
         if isinstance(kept, KeptRun):
