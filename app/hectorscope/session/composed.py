@@ -11,7 +11,7 @@ from hectorscope.session.station_state import StationState
 
 def composed(session: Session, library: Library, control: Control, obeyed: int, station: StationState) -> Snapshot:
     """All but the number, the map images and the log, which the publisher adds. By the engine's thread."""
-    shown, comparison, ahead = session.shown_intake, session.named.comparison, session.newest.ahead
+    shown, comparison, ahead = session.shown_intake, session.named.comparison, session.past.newest.ahead
     pipeline, report = session.run.pipeline, session.report
     return Snapshot(
         epoch=session.epoch,
@@ -66,8 +66,8 @@ def _playback(session: Session, waiting: str) -> PlaybackStatus:
         realtime_factor=transport.meter.realtime_factor,
         scan_rate=transport.meter.scan_rate,
         detail=_detail(session, waiting),
-        kept_ns=session.kept_ns,
-        lag=session.lag,
+        kept_ns=session.past.kept_ns,
+        lag=session.past.lag,
         seeks=transport.seeks,
         preparing=transport.preparing,
         prepared=transport.prepared,
@@ -81,8 +81,8 @@ def _detail(session: Session, waiting: str) -> str:
         start_ns = pipeline.start_ns or 0
         whole_ns = max(1, transport.target_ns - start_ns)
         return f"running up to {whole_ns / 1e9:.1f} s: {100 * (pipeline.time_ns - start_ns) // whole_ns} %"
-    if session.lag is not None:
-        return f"behind by {session.lag:.0f} s"
+    if session.past.lag is not None:
+        return f"behind by {session.past.lag:.0f} s"
     behind = session.intake.behind
     catching_up = f"catching up with the stream: {behind} scans behind" if behind else ""
     again = "scan processed again" if transport.processed_again else ""

@@ -109,7 +109,7 @@ class Control:
             command = Pause() if self._transport.running else Play()
         session = self._session
         if not isinstance(command, SHOWN):
-            session.go_live()
+            session.past.go_live()
         would_lose = self._following.loss(command.link) if isinstance(command, Follow) else None
         if self._live and not would_lose:
             would_lose = loss(command, session.run.pipeline, session.change, stopped=self._transport.stopped)
@@ -248,7 +248,7 @@ class Control:
             session = self._session
             match command:
                 case Save():
-                    self.background.saver.start(session.newest, session.report)
+                    self.background.saver.start(session.past.newest, session.report)
                 case Examine():
                     self.background.examiner.start(session.source)
                 case Export():

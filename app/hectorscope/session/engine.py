@@ -160,7 +160,7 @@ class Engine:
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return self._background.saver.finish(self._session.newest, self._session.source.report)
+        return self._background.saver.finish(self._session.past.newest, self._session.source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -243,7 +243,7 @@ class Engine:
 
     def _advance(self) -> None:
         """One scan, or what comes before it, as long as nobody asks for anything and nothing is to be shown."""
-        self._session.step_front()
+        self._session.past.step_front()
         run = self._session.run
         if isinstance(run.waiting, LaserScan):
             self._scan(run.waiting.stamp_ns)
@@ -308,7 +308,7 @@ class Engine:
         session = self._session
         session.intake.check()
         if session.past.front:
-            session.go_live()
+            session.past.go_live()
             return
         if not (pipeline := session.run.pipeline).scans:
             raise nothing_used(session.source.name, session.report.skipped, pipeline.slam)
@@ -321,7 +321,7 @@ class Engine:
     def _fail(self, reason: str) -> None:
         self._session.log(reason, "error")
         if self._session.past.front:  # if it is the run itself that fails, it will again
-            self._session.go_live()
+            self._session.past.go_live()
             return
         self._transport.fail(reason)
         source = self._session.source

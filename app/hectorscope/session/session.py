@@ -18,7 +18,7 @@ from hectorscope.session.event_log import EventLog
 from hectorscope.session.intake import Intake
 from hectorscope.session.look_back import LookBack
 from hectorscope.session.no_recording import NoRecording
-from hectorscope.session.publisher import LogLevel, Publisher, change_of_tracking
+from hectorscope.session.publisher import LogLevel, Publisher
 from hectorscope.session.runs import first_difference
 from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
@@ -92,7 +92,7 @@ class Session:
     @property
     def report(self) -> SourceReport:
         """Counters of the source, the queue and the core."""
-        return merged(self.source.report, self.newest.pipeline.skipped, self.shown_intake.dropped)
+        return merged(self.source.report, self.past.newest.pipeline.skipped, self.shown_intake.dropped)
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
@@ -100,7 +100,7 @@ class Session:
 
     def entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
         """The same, to be logged later."""
-        pipeline = self.newest.pipeline
+        pipeline = self.past.newest.pipeline
         return LogEntry(pipeline.time_ns, text, level, pipeline.scans, answer)
 
     # ---------------------------------------------------------------------------------------------- beginning
@@ -155,7 +155,7 @@ class Session:
         self.run = run
         self.intake.begin()
         self.transport.begin()
-        self._show_anew()
+        self.show_anew()
 
     def open(
         self,
@@ -183,12 +183,12 @@ class Session:
         self._read(Intake(source, path))
         self._let_go(before)
         self.transport.begin()
-        self._show_anew()
+        self.show_anew()
 
     def _read(self, intake: Intake) -> None:
         self.intake = intake
         self.transport.live, self.transport.empty = intake.source.live, isinstance(intake.source, NoRecording)
-        self.past = LookBack(self._look_back if intake.source.live else 0.0)
+        self.past = LookBack(self, self._look_back if intake.source.live else 0.0)
         intake.keeps = self.past.items
         self._ahead = RunsAhead(intake, self._ahead_after)
 
@@ -206,7 +206,7 @@ class Session:
 
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
-        self.go_live()
+        self.past.go_live()
         self.named.end_comparison()
         self.run.put_aside()
         self.undone.clear()
@@ -235,14 +235,15 @@ class Session:
         self.named.note()
         self.intake.resume(kept.aside)
         self.transport.resume(kept.stand)
-        self._show_anew()
+        self.show_anew()
 
     def _drop(self, kept: Kept) -> None:
         if isinstance(kept, KeptRun):
             kept.intake.forget(kept.aside)
             self._let_go(kept.intake)
 
-    def _show_anew(self) -> None:
+    def show_anew(self) -> None:
+        """What was drawn is no longer true."""
         self.epoch += 1
         self._publisher.touch()
 
@@ -251,7 +252,7 @@ class Session:
 
         While a seek is about to arrive, the newest wanted time waits for it: each drag of a hand shows something.
         """
-        span = self.source.span_ns or self.kept_ns
+        span = self.source.span_ns or self.past.kept_ns
         if span is None:
             self.log("Nothing of the stream is kept yet: nothing was sought", "warning", answer=True)
             return
@@ -262,11 +263,9 @@ class Session:
             return
         if self.source.live:
             if time_ns > span[1] - NOW_NS:
-                self.go_live()
+                self.past.go_live()
                 return
-            if self.past.front is None:
-                self.run, self.intake = self.past.leave_now(self.run, self.intake)
-                self.transport.look_back()
+            self.past.leave_now()
         checkpoint = self.run.checkpoints.before(time_ns)
         now_ns = self.run.pipeline.time_ns
         back = bool(self.transport.failure) or time_ns < now_ns
@@ -276,39 +275,6 @@ class Session:
             if rests:  # a jump from the end is to look there, not to go on to the end again
                 self.transport.pause()
         self.transport.seek(time_ns)
-
-    @property
-    def newest(self) -> ActiveRun:
-        """The run as it is now, whatever time of it is shown."""
-        return self.past.front[0] if self.past.front else self.run
-
-    @property
-    def kept_ns(self) -> tuple[int, int] | None:
-        """First and last time of a stream that can be shown; None without any."""
-        return self.past.span_ns(self.newest)
-
-    @property
-    def lag(self) -> float | None:
-        """Seconds from what is shown to the run as it is now; None if it is shown as it is now."""
-        behind_ns = self.newest.pipeline.time_ns - self.run.pipeline.time_ns
-        return behind_ns / 1e9 if self.past.front else None
-
-    def step_front(self) -> None:
-        """Let the run of a stream go on by a scan, if there is one, while an earlier time is shown."""
-        before, result = self.past.advance()
-        if result is not None:
-            self.observe(self.newest.pipeline, result)
-        if change := change_of_tracking(before, result):
-            self.log(*change)
-
-    def go_live(self) -> None:
-        """Show the run of a stream as it is now."""
-        if self.past.front is None:
-            return
-        self.intake.close()
-        (self.run, self.intake), self.past.front = self.past.front, None
-        self.transport.go_live()
-        self._show_anew()
 
     def step_back(self) -> None:
         """Go to the scan before the last one, if there is one."""
@@ -325,7 +291,7 @@ class Session:
         else:
             self.intake.go_to(checkpoint.place)
         self.transport.begin()
-        self._show_anew()
+        self.show_anew()
 
     def keep(self) -> None:
         """Keep a checkpoint if the run is at a place where it can be gone on from."""

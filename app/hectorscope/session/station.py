@@ -108,7 +108,7 @@ class Station:
     def keep(self) -> None:
         """Between two items: leave a checkpoint if it is time."""
         session = self._session
-        self._way_back.follow(session.newest.pipeline)
+        self._way_back.follow(session.past.newest.pipeline)
         if self._journal is not None and session.source.live and not session.past.front:
             self._journal.keep(session.run, paused=session.transport.unwanted)
 
@@ -152,7 +152,7 @@ class Station:
 
     def _pose(self) -> list[float] | None:
         """x, y [m] and heading [rad] in the map, as known now; None before the first scan."""
-        slam = self._session.newest.pipeline.slam
+        slam = self._session.past.newest.pipeline.slam
         if slam.now_ns is None:
             return None
         motion = slam.motion_at([slam.now_ns])[0]
