@@ -10,7 +10,7 @@ from queue import Empty
 from hectorscope.inputs import Repairable, Source
 from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
 from hectorscope.run.headless import Observer
-from hectorscope.run.pipeline import Pipeline, nothing_used
+from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
@@ -23,13 +23,14 @@ from hectorscope.session.intake import Intake
 from hectorscope.session.library import Library
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.no_recording import NoRecording
-from hectorscope.session.publisher import SNAPSHOT_S, Publisher, change_of_tracking
+from hectorscope.session.publisher import SNAPSHOT_S, Publisher
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.spare_time import use_time
 from hectorscope.session.station import Station
-from hectorscope.session.transport import PAUSED, Transport
+from hectorscope.session.stepping import Stepping
+from hectorscope.session.transport import Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
@@ -37,8 +38,6 @@ from slam_core.results import StepResult
 
 ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
 LOOK_BACK_S = 300.0
-FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
-AT_ONCE = 20  # items before a look at everything else: a tenth of a second, where a stream has no scans
 
 _logger = logging.getLogger("hectorscope")
 
@@ -96,6 +95,7 @@ class Engine:
         self._background = BackgroundWork(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
         self.offer(Library())
         self._is_ready = False
+        self._stepping = Stepping(self._session, lambda: not self._commands.empty(), self._show)
         self.attach(Station())
 
     @property
@@ -121,7 +121,7 @@ class Engine:
 
     def attach(self, station: Station) -> None:
         """Keep on the disk what it says; before the start."""
-        self._station = station
+        self._station = self._stepping.station = station
         station.attach(self._session)
 
     def start(self, prepare: Callable[[Report], None] | None = None) -> None:
@@ -170,7 +170,7 @@ class Engine:
         self._guard(partial(self._station.begin, self._control))
         while not isinstance(command := self._next_command(), Quit):
             if command is None:
-                self._guard(self._advance)
+                self._guard(self._stepping.advance)
             elif isinstance(command, Answer):
                 self._session.log(command.text, "warning" if command.failed else "info", answer=True)
             elif isinstance(command, Identified):
@@ -187,6 +187,10 @@ class Engine:
     def _show_opening(self, text: str) -> None:
         """What a command opens at this moment, which may take a while; empty once it has."""
         self._transport.opening = text
+        self._show()
+
+    def _show(self) -> None:
+        """Show at once how things are."""
         self._publisher.touch()
         self._publish(resting=True)
 
@@ -240,83 +244,6 @@ class Engine:
         pipeline = self._session.run.pipeline
         aligning = not pipeline.scans and waiting.stamp_ns - (pipeline.start_ns or 0) < ALIGNING_NS
         return not (aligning and self._transport.running)
-
-    def _advance(self) -> None:
-        """One scan, or what comes before it, as long as nobody asks for anything and nothing is to be shown."""
-        self._session.past.step_front()
-        run = self._session.run
-        if isinstance(run.waiting, LaserScan):
-            self._scan(run.waiting.stamp_ns)
-            return
-        for _ in range(AT_ONCE):
-            if run.waiting is not None:
-                run.step()
-            elif not self._fetch():
-                return
-            if isinstance(run.waiting, LaserScan) or not self._commands.empty() or self._publisher.due():
-                return
-
-    def _fetch(self) -> bool:
-        """Read one item; whether there was one at hand."""
-        self._session.keep()
-        self._station.keep()
-        run, intake = self._session.run, self._session.intake
-        item = intake.get(FETCH_S)
-        if item is not None:
-            run.admit(item)
-        elif intake.done:
-            run.flush()
-            if run.waiting is None:
-                self._end()
-        return item is not None
-
-    def _scan(self, stamp_ns: int) -> None:
-        self._publisher.touch()
-        if self._transport.arrives(stamp_ns):
-            self._session.named.arrived()
-            self._seek_on()
-            return
-        if self._transport.unwanted:
-            self._session.run.skip(PAUSED)
-        else:
-            self._step(stamp_ns)
-        self._transport.passed(stamp_ns)
-
-    def _seek_on(self) -> None:
-        """A seek has arrived: show that, and go on to where somebody wants to be by now."""
-        wanted_ns = self._transport.wanted_ns
-        if wanted_ns is not None:
-            self._publisher.touch()
-            self._publish(resting=True)
-            self._transport.wanted_ns = None
-            self._session.seek(wanted_ns)
-
-    def _step(self, stamp_ns: int) -> None:
-        run, before = self._session.run, self._session.run.pipeline.result
-        result = run.step_scan(rests=self._transport.may_rest_after(stamp_ns))
-        if result is None and run.pipeline.searching and not run.sought:
-            run.sought = True
-            self._session.log(f"The robot is not found in the map yet: {run.pipeline.searching}", "warning")
-        if self._session.past.front:
-            return
-        if result is not None:
-            self._session.observe(run.pipeline, result)
-        if change := change_of_tracking(before, result):
-            self._session.log(*change)
-
-    def _end(self) -> None:
-        session = self._session
-        session.intake.check()
-        if session.past.front:
-            session.past.go_live()
-            return
-        if not (pipeline := session.run.pipeline).scans:
-            raise nothing_used(session.source.name, session.report.skipped, pipeline.slam)
-        session.named.arrived()
-        self._transport.end()
-        self._publisher.touch()
-        self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
-        self._seek_on()
 
     def _fail(self, reason: str) -> None:
         self._session.log(reason, "error")

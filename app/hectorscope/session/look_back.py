@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from hectorscope.inputs import Item, SourceReport
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.intake import Intake
-from hectorscope.session.publisher import change_of_tracking
 from slam_core.measurements import LaserScan
 from slam_core.results import StepResult
 
@@ -146,11 +145,7 @@ class LookBack:
         if self.front is None:
             return
         run, intake = self.front
-        before, result = run.pipeline.result, self._step(run, intake)
-        if result is not None:
-            self._session.observe(run.pipeline, result)
-        if change := change_of_tracking(before, result):
-            self._session.log(*change)
+        self._session.tell(run.pipeline.result, self._step(run, intake))
 
     def _step(self, run: ActiveRun, intake: Intake) -> StepResult | None:
         """Up to the next scan, as far as items are there."""

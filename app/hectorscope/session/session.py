@@ -18,13 +18,14 @@ from hectorscope.session.event_log import EventLog
 from hectorscope.session.intake import Intake
 from hectorscope.session.look_back import LookBack
 from hectorscope.session.no_recording import NoRecording
-from hectorscope.session.publisher import LogLevel, Publisher
+from hectorscope.session.publisher import LogLevel, Publisher, change_of_tracking
 from hectorscope.session.runs import first_difference
 from hectorscope.session.session_runs import SessionRuns
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
 from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
 from slam_core.localization.prior_map import PriorMap
+from slam_core.results import StepResult
 
 COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
 NOW_NS = 500_000_000  # of a stream: so near to its end somebody wants to see it as it is
@@ -62,7 +63,7 @@ class Session:
         self._read(intake)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
-        self.prior_map, self._publisher = prior_map, publisher
+        self.prior_map, self.publisher = prior_map, publisher
         self.map_sha256 = map_sha256(prior_map)
         self._budget = budget
         self.given = settings
@@ -96,12 +97,19 @@ class Session:
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
-        self._publisher.log(self.entry(text, level, answer=answer))
+        self.publisher.log(self.entry(text, level, answer=answer))
 
     def entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
         """The same, to be logged later."""
         pipeline = self.past.newest.pipeline
         return LogEntry(pipeline.time_ns, text, level, pipeline.scans, answer)
+
+    def tell(self, before: StepResult | None, result: StepResult | None) -> None:
+        """Of the run as it is now, after a scan: observe the result, and log a pose that was lost or found."""
+        if result is not None:
+            self.observe(self.past.newest.pipeline, result)
+        if change := change_of_tracking(before, result):
+            self.log(*change)
 
     # ---------------------------------------------------------------------------------------------- beginning
 
@@ -178,7 +186,7 @@ class Session:
         self.given = given
         self.named.end_comparison()
         self._put_aside(f"opening {source.name}")
-        before, self.run, self._publisher.event_log = self.intake, run, EventLog()
+        before, self.run, self.publisher.event_log = self.intake, run, EventLog()
         before.begin()
         self._read(Intake(source, path))
         self._let_go(before)
@@ -196,7 +204,7 @@ class Session:
         """Another run is shown from now on; keep the present one for a minute if `what` says why."""
         self.run.put_aside()
         if what and self.run.pipeline.scans:
-            aside, log = self.intake.put_aside(), self._publisher.event_log
+            aside, log = self.intake.put_aside(), self.publisher.event_log
             self.undone.push(what, KeptRun(self.run, self.intake, aside, self.transport.stand, log))
 
     def _let_go(self, intake: Intake) -> None:
@@ -225,7 +233,7 @@ class Session:
         """Show a run again that was put aside."""
         self.named.note()
         self.run.put_aside()
-        self.run, self._publisher.event_log = kept.run, kept.event_log
+        self.run, self.publisher.event_log = kept.run, kept.event_log
         left = self.intake
         if left is not kept.intake:
             self._read(kept.intake)
@@ -245,7 +253,7 @@ class Session:
     def show_anew(self) -> None:
         """What was drawn is no longer true."""
         self.epoch += 1
-        self._publisher.touch()
+        self.publisher.touch()
 
     def seek(self, time_ns: int) -> None:
         """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run.
@@ -304,11 +312,11 @@ class Session:
         In how many seconds there is more to do; None if never.
         """
         if self.named.advance(seconds):
-            self._publisher.touch()
+            self.publisher.touch()
             return 0.0
         turn = self._ahead.advance(self.run, seconds)
-        if turn == 0.0 and (self._publisher.age >= PROGRESS_S or (self.run.head and self.run.head.done)):
-            self._publisher.touch()
+        if turn == 0.0 and (self.publisher.age >= PROGRESS_S or (self.run.head and self.run.head.done)):
+            self.publisher.touch()
         return turn
 
     # ----------------------------------------------------------------------------------------------- settings
@@ -339,7 +347,7 @@ class Session:
             if change.by_hand:
                 self.undone.push(change.text.split(":")[0], KeptValues(change.old))
             self.run.configure(change.after, self.now_ns)
-        self._publisher.log(entry)
+        self.publisher.log(entry)
 
     def _rebuild(self, change: SettingsChange) -> None:
         """The same instant with another map; a stream cannot go back, so its map begins anew."""
