@@ -109,7 +109,7 @@ class Control:
             command = Pause() if self._transport.running else Play()
         session = self._session
         if not isinstance(command, SHOWN):
-            session.past.go_live()
+            session.past.go_live()  # which is all that `GoLive` asks for
         would_lose = self._following.loss(command.link) if isinstance(command, Follow) else None
         if self._live and not would_lose:
             would_lose = loss(command, session.run.pipeline, session.change, stopped=self._transport.stopped)
