@@ -112,7 +112,9 @@ class Control:
             session.past.go_live()  # which is all that `GoLive` asks for
         would_lose = self._following.loss(command.link) if isinstance(command, Follow) else None
         if self._live and not would_lose:
-            would_lose = loss(command, session.run.pipeline, session.change, stopped=self._transport.stopped)
+            would_lose = loss(
+                command, session.run.pipeline, session.settings.planned, stopped=self._transport.stopped
+            )
         if self._transport.empty and isinstance(command, NEEDS_RECORDING):
             self._refuse("No recording is open: open one first")
         elif would_lose:
@@ -235,12 +237,12 @@ class Control:
 
     def _configure(self, command: Configure | ConfigureAll) -> None:
         try:
-            change = self._session.change(command)
+            change = self._session.settings.planned(command)
         except SlamError as error:
             self._refuse(str(error))
             return
         if change is not None:
-            self._session.configure(change)
+            self._session.settings.change(change)
 
     def _begin_work(self, command: Save | Examine | Export) -> None:
         """Work that goes on beside the run."""

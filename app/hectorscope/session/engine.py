@@ -180,7 +180,7 @@ class Engine:
                 self._obeyed += 1
                 self._publisher.touch()
                 if self._commands.empty():
-                    self._guard(self._session.process_again)
+                    self._guard(self._session.settings.process_again)
         self._guard(self._session.close)
         self._guard(self._station.close)
 

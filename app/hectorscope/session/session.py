@@ -1,6 +1,5 @@
-"""The run that is shown and those put aside: begun again, sought in, configured, taken back."""
+"""The run that is shown and those put aside: begun again, sought in, taken back."""
 
-from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -9,11 +8,9 @@ from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.fingerprint import map_sha256
 from hectorscope.run.headless import Observer
 from hectorscope.run.pipeline import Pipeline
-from hectorscope.run.settings import Setting, Settings
+from hectorscope.run.settings import Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.ahead import RunsAhead
-from hectorscope.session.changes import SettingsChange, settings_change
-from hectorscope.session.commands import Configure, ConfigureAll
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.intake import Intake
 from hectorscope.session.look_back import LookBack
@@ -21,9 +18,10 @@ from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import LogLevel, Publisher, change_of_tracking
 from hectorscope.session.runs import first_difference
 from hectorscope.session.session_runs import SessionRuns
+from hectorscope.session.session_settings import SessionSettings
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
-from hectorscope.session.undo import Kept, KeptRun, KeptValues, UndoStack
+from hectorscope.session.undo import Kept, KeptRun, UndoStack
 from slam_core.localization.prior_map import PriorMap
 from slam_core.results import StepResult
 
@@ -37,7 +35,7 @@ class Session:
 
     observe: called with every result of the run as it is now.
     given: the settings that the recording was opened with; others were set by hand since.
-    named: the runs of the list, of which this is one.
+    named: the runs of the list, of which this is one. settings: changes those of the shown run.
     """
 
     def __init__(
@@ -68,6 +66,7 @@ class Session:
         self._budget = budget
         self.given = settings
         self.named = SessionRuns(self, budget // COMPARED_SHARE)
+        self.settings = SessionSettings(self)
         self.run = self._new_run(intake.source, settings, None, self.named.runs.new())
 
     def _new_run(self, source: Source, settings: Settings, now_ns: int | None, slot: int) -> ActiveRun:
@@ -318,48 +317,3 @@ class Session:
         if turn == 0.0 and (self.publisher.age >= PROGRESS_S or (self.run.head and self.run.head.done)):
             self.publisher.touch()
         return turn
-
-    # ----------------------------------------------------------------------------------------------- settings
-
-    def change(self, command: Configure | ConfigureAll) -> SettingsChange | None:
-        """What a command makes of the settings; None if nothing. SlamError if it is to be refused."""
-        values: Mapping[str, Setting]
-        match command:
-            case Configure(name, value, throughout):
-                title, values = "", {name: value}
-            case ConfigureAll(title, values, throughout):
-                pass
-        return settings_change(
-            self.run.settings,
-            values,
-            title,
-            self.now_ns,
-            throughout=throughout and not self.source.live,
-            prior_map=self.prior_map,
-        )
-
-    def configure(self, change: SettingsChange) -> None:
-        """Change settings; one line of the log has the change of the one, or how many changed."""
-        entry = self.entry(change.text)
-        if change.begins_again:
-            self._rebuild(change)
-        else:
-            if change.by_hand:
-                self.undone.push(change.text.split(":")[0], KeptValues(change.old))
-            self.run.configure(change.after, self.now_ns)
-        self.publisher.log(entry)
-
-    def _rebuild(self, change: SettingsChange) -> None:
-        """The same instant with another map; a stream cannot go back, so its map begins anew."""
-        target_ns = self.transport.target_ns or self.run.pipeline.time_ns
-        self.begin(change.after, change.text)
-        if self.source.live:
-            self.log("A new map was begun: a live stream cannot be run again", "warning")
-        else:
-            self.transport.seek(target_ns)
-
-    def process_again(self) -> None:
-        """Process the scan at which the run rested, with the settings that changed meanwhile."""
-        if self.run.process_again():
-            self.transport.processed_again = True
-            self.epoch += 1

@@ -63,7 +63,7 @@ class KeptValues:
 
     def restore(self, session: "Session", what: str) -> None:
         """They hold from now on."""
-        if change := session.change(ConfigureAll(what, self.values)):
+        if change := session.settings.planned(ConfigureAll(what, self.values)):
             session.run.configure(change.after, session.now_ns)
             session.log(f"Undone: {what}. {len(change.old)} settings are as before")
 
