@@ -2,14 +2,18 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from hectorscope.inputs import Item
 from hectorscope.session.commands import Restart
+from hectorscope.session.journal import Journal
+from hectorscope.session.journal_files import CLOSED
+from hectorscope.session.station import Station
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import running, state, until
-from tests.sources import MemoryRecording
+from tests.sources import MemoryRecording, MemoryStream
 
 
 def test_a_failing_source_is_named_and_the_engine_survives(drive: list[Item], reference: np.ndarray):
@@ -51,3 +55,20 @@ def test_an_imu_that_tells_no_attitude_is_named_with_the_remedy(drive: list[Item
         failed = until(engine, state("failed"))
     assert "x inertial sample not later than the one before" in failed.playback.detail
     assert "leave it out by --imu-topic none" in failed.playback.detail
+
+
+class StuckStream(MemoryStream):
+    """It cannot be closed in order."""
+
+    def close(self) -> None:
+        """It ends all the same."""
+        super().close()
+        raise OSError("the connection is gone")
+
+
+def test_a_source_that_fails_at_its_end_leaves_a_journal_that_is_closed(tmp_path: Path):
+    """The next start does not offer the run as one that was cut off."""
+    journal = Journal(tmp_path, "a", MemoryRecording)  # type: ignore[arg-type]
+    with running(StuckStream(), station=Station(journal=journal)) as engine:
+        until(engine, lambda now: now.playback.live)
+    assert (journal.folder / CLOSED).exists()

@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 
 from hectorscope.inputs import Item, OptionValue, Source, SourceError
+from hectorscope.run.fingerprint import identity
 from hectorscope.run.headless import run_headless
+from hectorscope.run.permalink import Permalink
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import (
     Agree,
     Configure,
     Decline,
+    Follow,
+    Fork,
     ListRecordings,
     Open,
     OpenUploaded,
@@ -26,8 +30,13 @@ from hectorscope.session.commands import (
     Undo,
 )
 from hectorscope.session.engine import Engine
+from hectorscope.session.journal import Journal
 from hectorscope.session.library import Library
+from hectorscope.session.runs import MOST
+from hectorscope.session.station import Station
+from hectorscope.session.station_commands import Resume
 from tests.engines import START, after, state, until
+from tests.live.journals import left
 from tests.sources import MemoryRecording, MemoryStream
 
 FAST = float("inf")
@@ -146,6 +155,22 @@ def test_a_recording_that_cannot_be_read_changes_nothing(shelf: Shelf) -> None:
     assert (refused.epoch, refused.source, refused.scans) == (before.epoch, before.source, before.scans)
 
 
+def test_a_recording_that_finds_no_place_in_the_list_of_runs_is_closed(shelf: Shelf) -> None:
+    """Whether it is opened by hand or by a link; the run is as it was."""
+    with session(shelf) as engine:
+        engine.send(Open(shelf.key("long.bag")))
+        until(engine, state("ended"))
+        after(engine, *[Fork() for _ in range(MOST - 1)])
+        (shelf.folder / "short.bag").write_text("another content")
+        link = Permalink(identity(shelf.folder / "short.bag"), 0, START)
+        refused = after(engine, Open(shelf.key("short.bag")), Follow(link))
+        closed = [source.closed for source in shelf.opened]
+    answers = [entry.text for entry in refused.log if entry.answer]
+    assert answers == [f"There are {MOST} runs already: remove one"] * 2
+    assert refused.source == "long.bag"
+    assert closed == [False, True, True]
+
+
 def test_an_uploaded_recording_is_opened_under_its_label(shelf: Shelf, tmp_path: Path) -> None:
     """And stays in the list."""
     path = tmp_path / "0.bag"
@@ -192,3 +217,51 @@ def test_a_stream_asks_before_it_is_left(shelf: Shelf, drive: list[Item]) -> Non
     assert not opened.playback.live
     assert back.playback.live
     assert back.trajectory[: before.scans].tobytes() == before.trajectory.tobytes()
+
+
+def test_only_results_of_the_stream_are_published(shelf: Shelf, drive: list[Item]) -> None:
+    """An observer gets none of a recording that is opened meanwhile, and those of the stream again later."""
+    stream, observed, quarter = MemoryStream(), list[int](), len(drive) // 4
+    engine = Engine(stream, START, speed=FAST)
+    engine.offer(shelf.library)
+    engine.observe(lambda _, result: observed.append(result.stamp_ns))
+    engine.start()
+    try:
+        stream.send(drive[:quarter])
+        until(engine, lambda now: now.scans > 3)
+        engine.send(Open(shelf.key("short.bag")))
+        asked = until(engine, lambda now: now.question).question
+        assert asked is not None
+        engine.send(Agree(asked.number))
+        until(engine, lambda now: now.source == "short.bag" and now.playback.state == "ended")
+        assert max(observed) <= drive[quarter].stamp_ns
+        engine.send(Undo())
+        until(engine, lambda now: now.source == "stream")
+        stream.send(drive[quarter : 2 * quarter])
+        until(engine, lambda _: max(observed) > drive[quarter].stamp_ns)
+    finally:
+        engine.stop()
+    assert observed == sorted(set(observed))
+
+
+def test_the_run_before_is_not_put_onto_a_recording(shelf: Shelf, tmp_path: Path, reference: np.ndarray) -> None:
+    """The question is withdrawn once a recording is shown, and a command that comes late is refused."""
+    root = tmp_path / "journals"
+    root.mkdir()
+    left(root, "20200101T000000Z-1")
+    engine = Engine(MemoryStream(), START, speed=FAST)
+    engine.offer(shelf.library)
+    engine.attach(Station(journal=Journal(root, "a", lambda _: MemoryRecording(shelf._items["short.bag"] or []))))
+    engine.start()
+    try:
+        asked = until(engine, lambda now: now.question)
+        engine.send(Open(shelf.key("long.bag")))
+        opened = until(engine, state("ended"))
+        refused = after(engine, Resume())
+    finally:
+        engine.stop()
+    assert asked.station.past
+    assert opened.question is None
+    assert not opened.station.past
+    assert refused.log[-1].text == "Only a stream can go on with the run before: go back to it first"
+    assert refused.trajectory.tobytes() == reference.tobytes()

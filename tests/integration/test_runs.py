@@ -14,6 +14,7 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.run_file import FILE
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import (
+    ComparePaper,
     CompareRun,
     Configure,
     Fork,
@@ -209,6 +210,22 @@ def test_runs_of_several_recordings_are_shown_in_turn(shelf: Shelf) -> None:
     assert other.source == "short.bag"
     assert [(run.name, run.source) for run in back.runs] == [("run 1", "long.bag"), ("run 2", "short.bag")]
     assert back.trajectory.tobytes() == first.trajectory.tobytes()
+
+
+def test_the_paper_has_one_run_of_each_recording(shelf: Shelf) -> None:
+    """However often it is compared with; before the first scan that is refused, and no run is made."""
+    with shelf.session() as engine:
+        refused = after(engine, ComparePaper())
+        after(engine, shelf.at(1.0))
+        after(engine, ComparePaper())
+        key = next(each.key for each in refused.library if each.name == "short.bag")
+        after(engine, Open(key), Pause())
+        after(engine, shelf.at(1.0))
+        shown = after(engine, ComparePaper(), ComparePaper())
+    assert "cannot be compared" in refused.log[-1].text
+    assert names(refused) == ["run 1"]
+    assert names(shown) == ["run 1", "the paper", "run 3", "the paper (2)"]
+    assert shown.compared is not None and shown.compared.number == 4
 
 
 def test_a_kept_run_is_opened_again_to_the_same_bytes(shelf: Shelf) -> None:

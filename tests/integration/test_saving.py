@@ -104,6 +104,23 @@ def test_the_run_goes_on_while_its_results_are_saved(
         np.testing.assert_array_equal(ours.log_odds, theirs.log_odds)
 
 
+def test_a_save_that_ends_in_an_error_is_answered(
+    drive: list[Item], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Whatever it is: the log has it, and one may try again."""
+
+    def full(*_: object) -> list[Path]:
+        raise MemoryError("no room for the map")
+
+    monkeypatch.setattr("hectorscope.exporters.write", full)
+    with running(MemoryRecording(drive), speed=math.inf, out=tmp_path) as engine:
+        until(engine, state("ended"))
+        for _ in range(2):
+            saved = saved_by(engine)
+            assert saved.log[-1].text == "Saving failed: MemoryError: no room for the map"
+            assert saved.log[-1].level == "warning"
+
+
 def test_a_folder_that_went_away_does_not_stop_the_run(drive: list[Item], tmp_path: Path):
     """The reason is a warning in the log."""
     with running(MemoryRecording(drive), speed=math.inf, out=tmp_path / "gone") as engine:

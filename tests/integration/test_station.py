@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from hectorscope.inputs import Item, SourceOptions
-from hectorscope.session.commands import Configure, Fork, Restart, Save, Seek, Undo
+from hectorscope.session.commands import Configure, Fork, Restart, Save, Seek, ShowRun, Undo
+from hectorscope.session.engine import Engine
+from hectorscope.session.library import Library
 from hectorscope.session.station import Station
 from hectorscope.session.station_commands import (
     EditMark,
@@ -22,7 +24,7 @@ from hectorscope.session.station_commands import (
 )
 from hectorscope.sources import open_source
 from tests.conftest import ROOT
-from tests.engines import after, running, until
+from tests.engines import START, after, running, until
 from tests.pictures import picture_bytes
 from tests.sources import MemoryRecording, MemoryStream
 from tests.streams import Robot
@@ -152,6 +154,26 @@ def test_marks_stay_with_a_recording(drive: list[Item]) -> None:
         assert after(engine, Restart()).station.annotations == (mark,)
         forked = after(engine, Fork("b"))
         assert forked.station.annotations == (mark,)
+
+
+def test_a_removed_mark_comes_back_to_another_run_of_the_recording(drive: list[Item], tmp_path: Path) -> None:
+    """Marks belong to the recording: the run that is shown by then has it again."""
+    path = tmp_path / "arena.bag"
+    path.write_text("for its identity")
+    library = Library(lambda *_: MemoryRecording(drive), [tmp_path])
+    engine = Engine(MemoryRecording(drive), START, autoplay=False)
+    library.shown = path
+    engine.offer(library)
+    engine.start()
+    try:
+        after(engine, Seek(drive[0].stamp_ns + 6 * 10**9))
+        forked = after(engine, PutMark("victim", 1.0, 2.0), Fork("b"), RemoveMark(1))
+        shown = after(engine, ShowRun(forked.runs[0].number))
+        back = after(engine, Undo())
+    finally:
+        engine.stop()
+    assert forked.station.annotations == shown.station.annotations == ()
+    assert [mark.kind for mark in back.station.annotations] == ["victim"]
 
 
 def test_a_stream_that_cannot_be_heard_is_not_said_to_be_recorded(tmp_path: Path) -> None:

@@ -50,15 +50,15 @@ def test_a_checkpoint_waits_for_the_one_that_is_written(drive: Path, tmp_path: P
     run = ActiveRun(Settings(), None, None, live=True)
     run.pipeline = pipeline
     journal = Journal(tmp_path, "a", reopen)
-    item = Imu(1, np.zeros(3), np.zeros(3))
-    journal.keep(run, item)
+    run.last = Imu(1, np.zeros(3), np.zeros(3))
+    journal.keep(run)
     run.annotations = run.annotations.put("note", 1, (0.0, 0.0), (0.0, 0.0, 0.0), "here")
     journal.wanted = True
-    journal.keep(run, item)
+    journal.keep(run)
     assert journal.wanted
 
     def kept() -> bool:
-        journal.keep(run, item)
+        journal.keep(run)
         return not journal.wanted
 
     wait_for(kept)
@@ -80,9 +80,7 @@ def test_an_action_leaves_no_checkpoint_between_a_scan_and_its_step(drive: Path,
         if run.waiting is not None:
             run.step()
             continue
-        item = next(items)
-        run.admit(item)
-        station.admitted(item)
+        run.admit(next(items))
     station.logged(engine._control.obey, PutMark("note", 1.0, 2.0))
     station.keep()
     waits = journal.wanted, journal._writer.busy

@@ -102,8 +102,8 @@ def live(
         print(told(look()))
         return 0
     shown = checked(address, source, settings, OURS if station.publish else {}, link=station.link())
-    aboard = station.aboard(address, source_options(source, settings))
-    return _show(shown, settings, saved, page, partial(opened, source, settings), None, aboard)
+    options = station.options(address, source_options(source, settings))
+    return _show(shown, settings, saved, page, partial(opened, source, settings), None, options)
 
 
 def serve(

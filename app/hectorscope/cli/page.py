@@ -10,7 +10,7 @@ from hectorscope.cli.opening import demos, get_ready, reserved_folder
 from hectorscope.cli.options import MapFlags, SettingFlags
 from hectorscope.cli.page_flags import PageFlags
 from hectorscope.cli.publishing import published
-from hectorscope.cli.station_flags import NOTHING_ABOARD, Aboard
+from hectorscope.cli.station_flags import NO_STATION, StationOptions
 from hectorscope.common.recent import Recent, recent_file
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source
@@ -36,10 +36,10 @@ def show(
     page: PageFlags,
     opened: Opened,
     shown: Path | None = None,
-    aboard: Aboard = NOTHING_ABOARD,
+    station: StationOptions = NO_STATION,
 ) -> None:
     """Serve the page. opened: opens what it asks for. shown: where `source` lies, if it is a recording.
-    aboard: what there is beside the run of a stream.
+    station: what there is beside the run of a stream.
 
     The engine needs numba and the core, which take long to import: they come while a browser opens the page.
     """
@@ -51,12 +51,12 @@ def show(
         port=page.port,
         token=page.secret(),
         upload_limit=page.uploads(),
-        viewer_token=aboard.viewer_token,
+        viewer_token=station.viewer_token,
         certificate=page.proof(),
         public=page.public_url,
         teacher=secrets.token_urlsafe(KEY_BYTES) if page.classroom else None,
     )
-    with reserved_folder(page.out), published(aboard.publish, source) as observer:
+    with reserved_folder(page.out), published(station.publish, source) as observer:
         prior = saved.prior_map(chosen)
 
         def engine() -> "Engine":
@@ -74,8 +74,8 @@ def show(
             )
             made.offer(library)
             made.observe(observer)
-            if aboard.made is not None:
-                made.attach(aboard.made())
+            if station.made is not None:
+                made.attach(station.made())
             return made
 
         message = _serve(server, engine)

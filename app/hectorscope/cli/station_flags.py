@@ -26,7 +26,7 @@ class StationError(SlamError):
     """The flags of the station contradict each other."""
 
 
-class Aboard(NamedTuple):
+class StationOptions(NamedTuple):
     """made: makes the station of a stream, on which much is imported. viewer_token: of who may only look.
 
     publish: addresses at which the results are published.
@@ -37,7 +37,7 @@ class Aboard(NamedTuple):
     publish: tuple[str, ...] = ()
 
 
-NOTHING_ABOARD = Aboard()
+NO_STATION = StationOptions()
 
 
 @dataclass
@@ -87,12 +87,12 @@ class StationFlags:
             raise StationError(f"--header {wrong!r} is no header: give NAME=VALUE")
         return LinkOptions(str(self.ca) if self.ca else None, tuple((name, value) for name, _, value in pairs))
 
-    def aboard(self, address: str, options: SourceOptions) -> "Aboard":
+    def options(self, address: str, options: SourceOptions) -> StationOptions:
         """What the page needs of them; SlamError for flags that contradict each other."""
         if self.resume and self.journal == OFF:
             raise StationError("--resume needs a journal: leave --journal off out")
         made = partial(_made, self, address, options)
-        return Aboard(made, self.viewer_token or os.environ.get(VIEWER_TOKEN), self.publish)
+        return StationOptions(made, self.viewer_token or os.environ.get(VIEWER_TOKEN), self.publish)
 
 
 def _made(flags: StationFlags, address: str, options: SourceOptions) -> "Station":

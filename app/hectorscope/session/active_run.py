@@ -32,7 +32,7 @@ class ActiveRun:
     number: no other run has it. slot: its number in the list of the session. revision: grows with each change of
     settings. pipeline: what is shown. head: runs ahead of it; None for a stream, and before `run_ahead`.
     checkpoints: of both.
-    annotations: marks that a person set.
+    last: the last item that the pipeline had. annotations: marks that a person set.
     sought: whether it was said that the robot is not found in the map. folder: where it was saved.
     """
 
@@ -54,6 +54,7 @@ class ActiveRun:
         self.number, self.revision, self.slot = next(_numbers), 0, slot
         self.sought = False
         self.folder: Path | None = None
+        self.last: Item | None = None
         self.annotations = Annotations()
         self._ready: deque[Measurement] = deque()
         self._rework: Rework | None = None
@@ -86,6 +87,7 @@ class ActiveRun:
 
     def admit(self, item: Item) -> None:
         """Take in one item."""
+        self.last = item
         self._ready.extend(self._give(methodcaller("admit", item)))
 
     def flush(self) -> None:
@@ -161,7 +163,7 @@ class ActiveRun:
         """Go on from an instant that was passed, or from the beginning."""
         self.pipeline = checkpoint.pipeline(self.settings) if checkpoint else self._begun(self.settings)
         self._ready.clear()
-        self._rework, self._outdated = None, False
+        self._rework, self._outdated, self.last = None, False, None
 
     def process_again(self) -> bool:
         """Process the scan at which the run rested, if settings changed meanwhile; whether it was so."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from hectorscope.run.permalink import Permalink
 from hectorscope.run.readings import CellTarget
 from hectorscope.run.settings import Settings
-from hectorscope.session.station_commands import StationCommand
 from hectorscope.steering import Request
 
 if TYPE_CHECKING:
@@ -16,82 +15,87 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Play:
+class Command:
+    """Something that is asked of the engine."""
+
+
+@dataclass(frozen=True, slots=True)
+class Play(Command):
     """Go on from here; a run that ended or failed begins again."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
+class Pause(Command):
     """Stop after the next scan."""
 
 
 @dataclass(frozen=True, slots=True)
-class PlayPause:
+class PlayPause(Command):
     """Pause if it runs, else go on: decided where the state is known, not by a drawing that may be late."""
 
 
 @dataclass(frozen=True, slots=True)
-class StepScan:
+class StepScan(Command):
     """Process exactly one more scan, then pause."""
 
 
 @dataclass(frozen=True, slots=True)
-class StepBack:
+class StepBack(Command):
     """Pause at the scan before the shown one, with everything as it was then."""
 
 
 @dataclass(frozen=True, slots=True)
-class SetSpeed:
+class SetSpeed(Command):
     """Playback speed, times real time; inf for as fast as it goes."""
 
     speed: float
 
 
 @dataclass(frozen=True, slots=True)
-class ChangeSpeed:
+class ChangeSpeed(Command):
     """So many notches faster or slower: counted where the speed is known, not from a drawing that may be late."""
 
     notches: int
 
 
 @dataclass(frozen=True, slots=True)
-class Restart:
+class Restart(Command):
     """Begin the recording again with an empty map (a live stream keeps flowing, the map starts anew)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Undo:
+class Undo(Command):
     """Take back the last action that took something away, while it is offered."""
 
 
 @dataclass(frozen=True, slots=True)
-class Agree:
+class Agree(Command):
     """Carry out what the question of this number holds back."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
-class Decline:
+class Decline(Command):
     """Drop what the question of this number holds back."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
-class Seek:
+class Seek(Command):
     """Go to this time of the recording, or of what is kept of a stream, by running up to it."""
 
     time_ns: int
 
 
 @dataclass(frozen=True, slots=True)
-class GoLive:
+class GoLive(Command):
     """Show a stream as it is now, after an earlier time of it was shown."""
 
 
 @dataclass(frozen=True, slots=True)
-class Configure:
+class Configure(Command):
     """Change one setting, by its dotted name, from the scan that is shown on. throughout: for the whole run."""
 
     name: str
@@ -100,7 +104,7 @@ class Configure:
 
 
 @dataclass(frozen=True, slots=True)
-class ConfigureAll:
+class ConfigureAll(Command):
     """Change several settings at once, by their dotted names, as `Configure` does. title: for the log."""
 
     title: str
@@ -109,29 +113,29 @@ class ConfigureAll:
 
 
 @dataclass(frozen=True, slots=True)
-class Save:
+class Save(Command):
     """Leave the results so far in the folder that the program was started with."""
 
 
 @dataclass(frozen=True, slots=True)
-class Repair:
+class Repair(Command):
     """Open the source again with what the sensor check found put right, and begin again."""
 
 
 @dataclass(frozen=True, slots=True)
-class ListRecordings:
+class ListRecordings(Command):
     """Look again which recordings there are."""
 
 
 @dataclass(frozen=True, slots=True)
-class Open:
+class Open(Command):
     """Show another recording, by its key in the list; the present run is kept for a minute."""
 
     key: str
 
 
 @dataclass(frozen=True, slots=True)
-class OpenUploaded:
+class OpenUploaded(Command):
     """Show a recording that a browser sent. Sent by the server only. name: a label."""
 
     path: Path
@@ -139,14 +143,14 @@ class OpenUploaded:
 
 
 @dataclass(frozen=True, slots=True)
-class Follow:
+class Follow(Command):
     """Show what a permalink asks for."""
 
     link: Permalink
 
 
 @dataclass(frozen=True, slots=True)
-class SetUp:
+class SetUp(Command):
     """Show a recording that comes with the program, with these settings, at rest so long after its start.
 
     title: of the lesson that asks for it, for the list of runs.
@@ -159,7 +163,7 @@ class SetUp:
 
 
 @dataclass(frozen=True, slots=True)
-class RunCommand:
+class RunCommand(Command):
     """Of the runs of the session."""
 
 
@@ -210,17 +214,17 @@ class ComparePaper(RunCommand):
 
 
 @dataclass(frozen=True, slots=True)
-class Identified:
+class Identified(Command):
     """A recording is known by its content. Sent by the engine's own threads only."""
 
 
 @dataclass(frozen=True, slots=True)
-class Examine:
+class Examine(Command):
     """Read the whole recording beside the run, and find what is wrong with it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Export:
+class Export(Command):
     """Make an archive of the results so far for a browser, in these formats."""
 
     client: int
@@ -242,7 +246,7 @@ AHEAD = -1  # in place of the number of a beam: the middle one
 
 
 @dataclass(frozen=True, slots=True)
-class Inspect:
+class Inspect(Command):
     """A browser looks at the beam or cell under a point, at a beam by its number, or at nothing (None)."""
 
     client: int
@@ -250,14 +254,14 @@ class Inspect:
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class Drive(Command):
     """Ask something of a robot that is driven by hand."""
 
     request: Request
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(Command):
     """Work beside the engine has ended: a line for the log. Sent by the engine's own threads only."""
 
     text: str
@@ -265,40 +269,5 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Quit:
+class Quit(Command):
     """End the engine."""
-
-
-Command = (
-    Play
-    | Pause
-    | PlayPause
-    | StepScan
-    | StepBack
-    | SetSpeed
-    | ChangeSpeed
-    | Restart
-    | Undo
-    | Agree
-    | Decline
-    | Seek
-    | GoLive
-    | Configure
-    | ConfigureAll
-    | Save
-    | Repair
-    | ListRecordings
-    | Open
-    | OpenUploaded
-    | Follow
-    | SetUp
-    | RunCommand
-    | StationCommand
-    | Identified
-    | Inspect
-    | Examine
-    | Export
-    | Drive
-    | Answer
-    | Quit
-)

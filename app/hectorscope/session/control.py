@@ -64,7 +64,7 @@ SHOWN = (
 )  # fmt: skip
 
 
-class Beside(NamedTuple):
+class BackgroundWork(NamedTuple):
     """What works on threads of its own, beside the run."""
 
     saver: Saver
@@ -75,10 +75,12 @@ class Beside(NamedTuple):
 class Control:
     """Belongs to the engine's thread. opening: hears what is opened at this moment, and "" once it is."""
 
-    def __init__(self, session: Session, library: Library, beside: Beside, opening: Callable[[str], None]) -> None:
+    def __init__(
+        self, session: Session, library: Library, background: BackgroundWork, opening: Callable[[str], None]
+    ) -> None:
         self.questions = Questions()
         self.probes = Probes()
-        self.beside = beside
+        self.background = background
         self.station: Obeys | None = None
         self._session, self._library, self.opening = session, library, opening
         self._following = Following(session, library, opening)
@@ -107,10 +109,12 @@ class Control:
             command = Pause() if self._transport.running else Play()
         session = self._session
         if not isinstance(command, SHOWN):
-            session.go_live()
+            session.past.go_live()  # which is all that `GoLive` asks for
         would_lose = self._following.loss(command.link) if isinstance(command, Follow) else None
         if self._live and not would_lose:
-            would_lose = loss(command, session.run.pipeline, session.change, stopped=self._transport.stopped)
+            would_lose = loss(
+                command, session.run.pipeline, session.settings.planned, stopped=self._transport.stopped
+            )
         if self._transport.empty and isinstance(command, NEEDS_RECORDING):
             self._refuse("No recording is open: open one first")
         elif would_lose:
@@ -131,7 +135,7 @@ class Control:
             case Configure() | ConfigureAll():
                 self._configure(command)
             case Save() | Examine() | Export():
-                self._beside(command)
+                self._begin_work(command)
             case Restart() | Repair() | Seek():
                 self._begin_again(command)
             case Drive(request):
@@ -173,6 +177,7 @@ class Control:
                 self._session.seek(time_ns)
 
     def _show_other(self, command: ListRecordings | Open | OpenUploaded | Follow | SetUp | RunCommand) -> None:
+        source = self._session.source
         try:
             match command:
                 case ListRecordings():
@@ -191,6 +196,8 @@ class Control:
             self._refuse(str(error))
         finally:
             self.opening("")
+        if self._session.source is not source:
+            self.questions.withdraw()  # it was asked about the run of that
 
     def _open(self, key: str) -> None:
         if run := self._library.kept_run(key):
@@ -230,24 +237,24 @@ class Control:
 
     def _configure(self, command: Configure | ConfigureAll) -> None:
         try:
-            change = self._session.change(command)
+            change = self._session.settings.planned(command)
         except SlamError as error:
             self._refuse(str(error))
             return
         if change is not None:
-            self._session.configure(change)
+            self._session.settings.change(change)
 
-    def _beside(self, command: Save | Examine | Export) -> None:
+    def _begin_work(self, command: Save | Examine | Export) -> None:
         """Work that goes on beside the run."""
         try:
             session = self._session
             match command:
                 case Save():
-                    self.beside.saver.start(session.newest, session.report)
+                    self.background.saver.start(session.past.newest, session.report)
                 case Examine():
-                    self.beside.examiner.start(session.source)
+                    self.background.examiner.start(session.source)
                 case Export():
-                    self.beside.downloads.start(command, session.source, session.run, session.report)
+                    self.background.downloads.start(command, session.source, session.run, session.report)
         except SlamError as error:
             self._refuse(str(error))
 

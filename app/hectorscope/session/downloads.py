@@ -1,10 +1,9 @@
 """Makes the files that a browser downloads, on a thread of its own, in a folder that goes with them."""
 
-import logging
-import threading
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,14 +13,13 @@ from hectorscope.run.metrics import metrics
 from hectorscope.run.results import Run
 from hectorscope.run.settings import Settings
 from hectorscope.session.active_run import ActiveRun
+from hectorscope.session.background_task import BackgroundTask
 from hectorscope.session.commands import Answer, Export
 from hectorscope.session.snapshot import Download
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import LaserScan
-
-_logger = logging.getLogger("hectorscope")
 
 LARGEST = 1 << 28  # bytes of an archive: it is sent from memory
 AFTER_NS = 1_000_000_000  # of what comes behind the shown scan: the sequencer may wait for it
@@ -45,15 +43,16 @@ class Downloads:
 
     def __init__(self, prior_map: PriorMap | None, answer: Callable[[Answer], None]) -> None:
         self.ready: Mapping[int, Download] = {}
-        self._prior_map, self._answer = prior_map, answer
-        self._thread: threading.Thread | None = None
+        self._prior_map = prior_map
+        self._task = BackgroundTask(
+            "export", answer, busy="Another export is being made", failed="The export failed"
+        )
         self._made = 0
 
     def start(self, command: Export, source: Source, run: ActiveRun, report: SourceReport) -> None:
         """Begin with the results so far; SlamError if that cannot be."""
         pipeline = run.pipeline
-        if self._thread is not None and self._thread.is_alive():
-            raise SlamError("Another export is being made: wait for its end")
+        self._task.check_idle()
         if not pipeline.scans:
             raise SlamError("There is nothing to export, as no scan has been used yet: wait for the first")
         streams = [each.name for each in command.formats if each.stream]
@@ -65,26 +64,17 @@ class Downloads:
         last_ns = pipeline.last_scan_ns or 0
         pyramid = pipeline.slam.map.copy()
         task = _Task(command.client, command.formats, source, results, pyramid, run.settings, last_ns)
-        self._thread = threading.Thread(target=self._make, args=(task,), name="export", daemon=True)
-        self._thread.start()
+        self._task.start(partial(self._make, task))
 
-    def _make(self, task: _Task) -> None:
-        try:
-            with TemporaryDirectory(prefix="hectorscope-") as folder:
-                self._write(task, Path(folder))
-                content = packed(Path(folder))
-        except (SlamError, OSError) as error:
-            self._answer(Answer(f"Nothing was exported: {error}", failed=True))
-            return
-        except Exception as error:  # a bug must not leave the person without an answer
-            _logger.exception("an export failed")
-            self._answer(Answer(f"Nothing was exported: {type(error).__name__}: {error}", failed=True))
-            return
+    def _make(self, task: _Task) -> str:
+        with TemporaryDirectory(prefix="hectorscope-") as folder:
+            self._write(task, Path(folder))
+            content = packed(Path(folder))
         self._made += 1
         download = Download(self._made, f"{Path(task.source.name).stem or 'run'}.zip", content)
         self.ready = {task.client: download}  # in memory: one at a time
         names = ", ".join(each.name for each in task.formats)
-        self._answer(Answer(f"Exported {names} as {download.name}"))
+        return f"Exported {names} as {download.name}"
 
     def _write(self, task: _Task, folder: Path) -> None:
         whole = [each for each in task.formats if each.stream is None]

@@ -10,12 +10,12 @@ from queue import Empty
 from hectorscope.inputs import Repairable, Source
 from hectorscope.run.checkpoints import BUDGET_MB, MEBIBYTE
 from hectorscope.run.headless import Observer
-from hectorscope.run.pipeline import nothing_used
+from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from hectorscope.session.commands import Answer, Command, Identified, Quit, Repair
 from hectorscope.session.composed import composed
-from hectorscope.session.control import Beside, Control
+from hectorscope.session.control import BackgroundWork, Control
 from hectorscope.session.downloads import Downloads
 from hectorscope.session.examiner import Examiner
 from hectorscope.session.exchange import Exchange
@@ -23,21 +23,21 @@ from hectorscope.session.intake import Intake
 from hectorscope.session.library import Library
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.no_recording import NoRecording
-from hectorscope.session.publisher import SNAPSHOT_S, Publisher, change_of_tracking
+from hectorscope.session.publisher import SNAPSHOT_S, Publisher
 from hectorscope.session.saver import Saver
 from hectorscope.session.session import Session
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.spare_time import use_time
 from hectorscope.session.station import Station
-from hectorscope.session.transport import PAUSED, Transport
+from hectorscope.session.stepping import Stepping
+from hectorscope.session.transport import Transport
 from slam_core.errors import SlamError
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import LaserScan, Measurement
+from slam_core.results import StepResult
 
 ALIGNING_NS = 2_000_000_000  # of a recording: the initial alignment takes a quarter of it
 LOOK_BACK_S = 300.0
-FETCH_S = 0.02  # how long a command may wait while a source has nothing to give
-AT_ONCE = 20  # items before a look at everything else: a tenth of a second, where a stream has no scans
 
 _logger = logging.getLogger("hectorscope")
 
@@ -92,9 +92,10 @@ class Engine:
             look_back=look_back,
         )
         tell = self._commands.put
-        self._beside = Beside(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
+        self._background = BackgroundWork(Saver(out, tell), Examiner(tell), Downloads(prior_map, tell))
         self.offer(Library())
         self._is_ready = False
+        self._stepping = Stepping(self._session, lambda: not self._commands.empty(), self._show)
         self.attach(Station())
 
     @property
@@ -106,16 +107,22 @@ class Engine:
         """Let pages open what is in it; before the start. Its `shown` is where the source lies."""
         self._library, self._session.intake.path = library, library.shown
         library.identities.told = partial(self._commands.put, Identified())
-        self._control = Control(self._session, library, self._beside, self._show_opening)
+        self._control = Control(self._session, library, self._background, self._show_opening)
 
     def observe(self, observer: Observer) -> None:
-        """Call it with every result of the run as it is now, on the engine's thread; before the start."""
-        self._session.observe = observer
+        """Call it with every result of the run of this source, on the engine's thread; before the start."""
+        session, observed = self._session, self._session.source
+
+        def observe(pipeline: Pipeline, result: StepResult) -> None:
+            if session.source is observed:
+                observer(pipeline, result)
+
+        session.observe = observe
 
     def attach(self, station: Station) -> None:
         """Keep on the disk what it says; before the start."""
-        self._station = station
-        station.board(self._session)
+        self._station = self._stepping.station = station
+        station.attach(self._session)
 
     def start(self, prepare: Callable[[Report], None] | None = None) -> None:
         """Begin to read and to step.
@@ -149,11 +156,11 @@ class Engine:
     @property
     def saves(self) -> bool:
         """Whether there is something to save, and a folder for it."""
-        return self.started and self._beside.saver.out is not None and not self._transport.empty
+        return self.started and self._background.saver.out is not None and not self._transport.empty
 
     def save(self) -> str:
         """Save the results so far; the sentence for the log. SlamError if that fails. Only once it has stopped."""
-        return self._beside.saver.finish(self._session.newest, self._session.source.report)
+        return self._background.saver.finish(self._session.past.newest, self._session.source.report)
 
     # ------------------------------------------------------------------------------------ the engine's thread
 
@@ -163,7 +170,7 @@ class Engine:
         self._guard(partial(self._station.begin, self._control))
         while not isinstance(command := self._next_command(), Quit):
             if command is None:
-                self._guard(self._advance)
+                self._guard(self._stepping.advance)
             elif isinstance(command, Answer):
                 self._session.log(command.text, "warning" if command.failed else "info", answer=True)
             elif isinstance(command, Identified):
@@ -173,13 +180,17 @@ class Engine:
                 self._obeyed += 1
                 self._publisher.touch()
                 if self._commands.empty():
-                    self._guard(self._session.process_again)
-        self._session.close()
-        self._station.close()
+                    self._guard(self._session.settings.process_again)
+        self._guard(self._session.close)
+        self._guard(self._station.close)
 
     def _show_opening(self, text: str) -> None:
         """What a command opens at this moment, which may take a while; empty once it has."""
         self._transport.opening = text
+        self._show()
+
+    def _show(self) -> None:
+        """Show at once how things are."""
         self._publisher.touch()
         self._publish(resting=True)
 
@@ -211,13 +222,14 @@ class Engine:
         while True:
             if self._control.lapse():
                 self._publisher.touch()
+            self._guard(self._station.keep)
             waiting = self._session.run.waiting
             patience = self._transport.patience(waiting.stamp_ns if waiting and self._is_paced(waiting) else None)
             self._guard(partial(self._publish, resting=patience is None or patience > SNAPSHOT_S))
             if patience == 0.0 and self._commands.empty():
                 return None
             turn = use_time(self._session, patience, self._guard) if self._commands.empty() else None
-            left = (patience, self._control.patience, turn)
+            left = (patience, self._control.patience, self._station.patience, turn)
             sooner = min((seconds for seconds in left if seconds is not None), default=None)
             try:
                 return self._commands.get(timeout=sooner)
@@ -233,88 +245,10 @@ class Engine:
         aligning = not pipeline.scans and waiting.stamp_ns - (pipeline.start_ns or 0) < ALIGNING_NS
         return not (aligning and self._transport.running)
 
-    def _advance(self) -> None:
-        """One scan, or what comes before it, as long as nobody asks for anything and nothing is to be shown."""
-        self._session.step_front()
-        run = self._session.run
-        if isinstance(run.waiting, LaserScan):
-            self._scan(run.waiting.stamp_ns)
-            return
-        for _ in range(AT_ONCE):
-            if run.waiting is not None:
-                run.step()
-            elif not self._fetch():
-                return
-            if isinstance(run.waiting, LaserScan) or not self._commands.empty() or self._publisher.due():
-                return
-
-    def _fetch(self) -> bool:
-        """Read one item; whether there was one at hand."""
-        self._session.keep()
-        self._station.keep()
-        run, intake = self._session.run, self._session.intake
-        item = intake.get(FETCH_S)
-        if item is not None:
-            run.admit(item)
-            self._station.admitted(item)
-        elif intake.done:
-            run.flush()
-            if run.waiting is None:
-                self._end()
-        return item is not None
-
-    def _scan(self, stamp_ns: int) -> None:
-        self._publisher.touch()
-        if self._transport.arrives(stamp_ns):
-            self._session.named.arrived()
-            self._seek_on()
-            return
-        if self._transport.unwanted:
-            self._session.run.skip(PAUSED)
-        else:
-            self._step(stamp_ns)
-        self._transport.passed(stamp_ns)
-
-    def _seek_on(self) -> None:
-        """A seek has arrived: show that, and go on to where somebody wants to be by now."""
-        wanted_ns = self._transport.wanted_ns
-        if wanted_ns is not None:
-            self._publisher.touch()
-            self._publish(resting=True)
-            self._transport.wanted_ns = None
-            self._session.seek(wanted_ns)
-
-    def _step(self, stamp_ns: int) -> None:
-        run, before = self._session.run, self._session.run.pipeline.result
-        result = run.step_scan(rests=self._transport.may_rest_after(stamp_ns))
-        if result is None and run.pipeline.searching and not run.sought:
-            run.sought = True
-            self._session.log(f"The robot is not found in the map yet: {run.pipeline.searching}", "warning")
-        if self._session.past.front:
-            return
-        if result is not None:
-            self._session.observe(run.pipeline, result)
-        if change := change_of_tracking(before, result):
-            self._session.log(*change)
-
-    def _end(self) -> None:
-        session = self._session
-        session.intake.check()
-        if session.past.front:
-            session.go_live()
-            return
-        if not (pipeline := session.run.pipeline).scans:
-            raise nothing_used(session.source.name, session.report.skipped, pipeline.slam)
-        session.named.arrived()
-        self._transport.end()
-        self._publisher.touch()
-        self._publisher.log_once(session.entry(f"The recording ended after {pipeline.scans} scans"))
-        self._seek_on()
-
     def _fail(self, reason: str) -> None:
         self._session.log(reason, "error")
         if self._session.past.front:  # if it is the run itself that fails, it will again
-            self._session.go_live()
+            self._session.past.go_live()
             return
         self._transport.fail(reason)
         source = self._session.source
@@ -324,5 +258,6 @@ class Engine:
     def _publish(self, resting: bool) -> None:
         if self._transport.hurries or not self._publisher.due(resting=resting, live=self._session.source.live):
             return
-        run = composed(self._session, self._library, self._control, self._obeyed, self._station.state)
-        self._publisher.publish(run, complete=resting)
+        session = self._session
+        snapshot = composed(session, self._library, self._control, self._obeyed, self._station.state)
+        self._publisher.publish(snapshot, session.run.pipeline, complete=resting)

@@ -1,15 +1,14 @@
 """Examines the whole recording on a thread of its own, while the run goes on."""
 
-import logging
-import threading
 from collections.abc import Callable
+from contextlib import closing
+from functools import partial
 
 from hectorscope.checks.recording_check import examine
 from hectorscope.inputs import Examinable, Finding, Reopenable, Source
+from hectorscope.session.background_task import BackgroundTask
 from hectorscope.session.commands import Answer
 from slam_core.errors import SlamError
-
-_logger = logging.getLogger("hectorscope")
 
 ABSENT = "Only a recording of ROS messages or a log can be examined as a whole"
 
@@ -18,8 +17,9 @@ class Examiner:
     """answer: hears from any thread how an examination ended."""
 
     def __init__(self, answer: Callable[[Answer], None]) -> None:
-        self._answer = answer
-        self._thread: threading.Thread | None = None
+        self._task = BackgroundTask(
+            "examine", answer, busy="A recording is being examined already", failed="The examination failed"
+        )
         self._examined: tuple[Source, tuple[Finding, ...]] | None = None
 
     def found(self, source: Source) -> tuple[Finding, ...] | None:
@@ -30,27 +30,16 @@ class Examiner:
         """Begin; SlamError if that cannot be."""
         if source.live or not isinstance(source, Reopenable):
             raise SlamError(ABSENT)
-        if self._thread is None or not self._thread.is_alive():
-            self._thread = threading.Thread(target=self._examine, args=[source], name="examine", daemon=True)
-            self._thread.start()
+        self._task.check_idle()
+        self._task.start(partial(self._examine, source))
 
-    def _examine(self, source: Reopenable) -> None:
-        try:
-            opened = source.reopened()
-            try:
-                if not isinstance(opened, Examinable):
-                    raise SlamError(ABSENT)
-                found = tuple(examine(opened))
-            finally:
-                opened.close()
-        except SlamError as error:
-            self._answer(Answer(str(error), failed=True))
-        except Exception as error:  # a bug must not leave the person without an answer
-            _logger.exception("an examination failed")
-            self._answer(Answer(f"The recording was not examined: {type(error).__name__}: {error}", failed=True))
-        else:
-            self._examined = source, found
-            self._answer(Answer(f"Examined the whole recording: {counted(len(found))}"))
+    def _examine(self, source: Reopenable) -> str:
+        with closing(source.reopened()) as opened:
+            if not isinstance(opened, Examinable):
+                raise SlamError(ABSENT)
+            found = tuple(examine(opened))
+        self._examined = source, found
+        return f"Examined the whole recording: {counted(len(found))}"
 
 
 def counted(findings: int) -> str:

@@ -74,7 +74,7 @@ class Following:
         if session.intake.path != self._library.path(key):
             self._opening(f"Opening {wanted.demo}")
             source, path = self._library.open(key)
-            session.open(source, path, wanted.settings, session.named.new_slot(wanted.title))
+            session.open(source, path, wanted.settings, name=wanted.title)
         elif session.run.settings != wanted.settings:
             session.begin(wanted.settings, "the scene of a lesson", session.named.new_slot(wanted.title))
         session.given = wanted.settings
@@ -92,7 +92,7 @@ class Following:
             )
         self._opening(f"Opening {self._library.name(key)}")
         session, (source, path) = self._session, self._library.open(key, sensors or {})
-        session.open(source, path, link.settings, session.named.new_slot(link.name) if slot is None else slot)
+        session.open(source, path, link.settings, slot, link.name)
 
     def _check_prior(self, link: Permalink) -> None:
         """PermalinkError unless the run of the link begins with the prior map of this program, if with any."""

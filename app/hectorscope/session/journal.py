@@ -7,7 +7,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from hectorscope.inputs import Item, Source, Tappable
+from hectorscope.inputs import Source, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
 from hectorscope.run.annotations import Annotations
 from hectorscope.run.checkpoints import Checkpoint, Place
@@ -82,18 +82,22 @@ class Journal:
         if isinstance(source, Tappable) and self._recorder is not None:
             source.tap(self._recorder)
 
-    def keep(self, run: ActiveRun, last: Item, *, paused: bool = False) -> None:
-        """Write a checkpoint beside the run if it is time; last: the item that it had last.
-
-        paused: whether its scans are let go by.
-        """
+    def keep(self, run: ActiveRun, *, paused: bool = False) -> None:
+        """Write a checkpoint beside the run if it is time. paused: whether its scans are let go by."""
         updates = run.pipeline.slam.map.updates
-        if not run.pipeline.scans or self._writer.busy or not self._is_due(updates):
+        if run.last is None or run.waiting is not None or not run.pipeline.scans:
+            return
+        if self._writer.busy or not self._is_due(updates):
             return
         self._kept_at, self._kept_updates, self.wanted = time.monotonic(), updates, False
         self._last = Checkpoint(run.pipeline, NOWHERE, self._last)
-        saved = Saved(self._last, run.settings, Position.of(last), run.annotations, paused)
+        saved = Saved(self._last, run.settings, Position.of(run.last), run.annotations, paused)
         self._writer.write(saved, self._close_replaced if self._replaced else lambda: None)
+
+    @property
+    def patience(self) -> float | None:
+        """Seconds until a checkpoint may be due that does not wait for items; None for ever."""
+        return WANTED_S if self.wanted or self._writer.failed else None
 
     def _is_due(self, updates: int) -> bool:
         age = time.monotonic() - self._kept_at

@@ -3,12 +3,16 @@
 import threading
 from collections import deque
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from hectorscope.inputs import Item, SourceReport
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.intake import Intake
 from slam_core.measurements import LaserScan
 from slam_core.results import StepResult
+
+if TYPE_CHECKING:
+    from hectorscope.session.session import Session
 
 MOST_BYTES = 2**28  # of items, whatever their age
 OVERHEAD = 500  # bytes that an item takes besides the ranges of a scan
@@ -86,21 +90,48 @@ class LookBack:
     it is shown as it is now.
     """
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, session: "Session", seconds: float) -> None:
         self.items = KeptItems(seconds) if seconds else None
         self.front: tuple[ActiveRun, Intake] | None = None
+        self._session = session
 
-    def span_ns(self, run: ActiveRun) -> tuple[int, int] | None:
-        """First and last time of a run that can be shown; None without any."""
-        first = run.checkpoints.first(self.items.begin) if self.items else None
-        newest_ns = run.pipeline.time_ns
+    @property
+    def newest(self) -> ActiveRun:
+        """The run as it is now, whatever time of it is shown."""
+        return self.front[0] if self.front else self._session.run
+
+    @property
+    def kept_ns(self) -> tuple[int, int] | None:
+        """First and last time of a stream that can be shown; None without any."""
+        first = self.newest.checkpoints.first(self.items.begin) if self.items else None
+        newest_ns = self.newest.pipeline.time_ns
         return (min(first.serves_ns, newest_ns), newest_ns) if first else None
 
-    def leave_now(self, run: ActiveRun, intake: Intake) -> tuple[ActiveRun, Intake]:
-        """The same run to be shown at an earlier time, and what is kept to be read for it."""
+    @property
+    def lag(self) -> float | None:
+        """Seconds from what is shown to the run as it is now; None if it is shown as it is now."""
+        behind_ns = self.newest.pipeline.time_ns - self._session.run.pipeline.time_ns
+        return behind_ns / 1e9 if self.front else None
+
+    def leave_now(self) -> None:
+        """Show the same run at an earlier time, by what is kept."""
+        session = self._session
+        if self.front is not None:
+            return
         assert self.items is not None
-        self.front = run, intake
-        return run.twin(), Intake(KeptSource(self.items))
+        self.front = session.run, session.intake
+        session.run, session.intake = session.run.twin(), Intake(KeptSource(self.items))
+        session.transport.look_back()
+
+    def go_live(self) -> None:
+        """Show the run as it is now."""
+        session = self._session
+        if self.front is None:
+            return
+        session.intake.close()
+        (session.run, session.intake), self.front = self.front, None
+        session.transport.go_live()
+        session.show_anew()
 
     def keep(self, run: ActiveRun, intake: Intake) -> None:
         """Keep a checkpoint if the run is at a place where it can be gone on from."""
@@ -109,18 +140,21 @@ class LookBack:
             if self.items is not None:
                 run.checkpoints.forget_before(self.items.begin)
 
-    def advance(self) -> tuple[StepResult | None, StepResult | None]:
-        """Let the run go on up to its next scan, as far as items are there; the results before and of that."""
+    def step_front(self) -> None:
+        """Let the run go on by a scan, if there is one, while an earlier time is shown."""
         if self.front is None:
-            return None, None
+            return
         run, intake = self.front
-        before = run.pipeline.result
+        self._session.tell(run.pipeline.result, self._step(run, intake))
+
+    def _step(self, run: ActiveRun, intake: Intake) -> StepResult | None:
+        """Up to the next scan, as far as items are there."""
         while not isinstance(waiting := run.waiting, LaserScan):
             if waiting is not None:
                 run.step()
                 continue
             self.keep(run, intake)
             if (item := intake.get(0.0)) is None:
-                return before, None
+                return None
             run.admit(item)
-        return before, run.step_scan(rests=False)
+        return run.step_scan(rests=False)

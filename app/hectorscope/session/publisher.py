@@ -1,38 +1,16 @@
-"""Composes snapshots of a pipeline and leaves them in the mailbox, no more often than anybody can look."""
+"""Leaves snapshots in the mailbox, with log and map images, no more often than anybody can look."""
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Literal
 
-from hectorscope.inputs import Finding, Source, SourceReport
-from hectorscope.run.fingerprint import Identity
 from hectorscope.run.map_image import MapImage
 from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
-from hectorscope.run.readings import View
-from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.mailbox import Mailbox
-from hectorscope.session.other_scans import OtherScans
-from hectorscope.session.rework import Rework
-from hectorscope.session.snapshot import (
-    Ahead,
-    Compared,
-    Download,
-    Listed,
-    ListedRun,
-    LogEntry,
-    PlaybackStatus,
-    Question,
-    Snapshot,
-    UndoOffer,
-)
-from hectorscope.session.station_state import StationState
-from hectorscope.session.transport import Transport
-from hectorscope.steering import DriveState
-from slam_core.config import SlamConfig
+from hectorscope.session.snapshot import LogEntry, Snapshot
 from slam_core.results import StepResult
 
 SNAPSHOT_S = 1 / 60
@@ -41,43 +19,6 @@ SHARE = 20  # times as long as a map took to draw it stays: one of kilometres is
 STREAM_S = 1 / 2  # a stream's counters are shown this often even when no scan comes
 
 LogLevel = Literal["info", "warning", "error"]
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """What a snapshot is composed of. config: the one in force now. behind: scans of a stream to catch up with.
-
-    lag, kept_ns: as in a `PlaybackStatus`. The others: as in a `Snapshot`.
-    """
-
-    source: Source
-    pipeline: Pipeline
-    transport: Transport
-    config: SlamConfig
-    report: SourceReport
-    epoch: int
-    saves: bool
-    obeyed: int
-    question: Question | None
-    undo: UndoOffer | None
-    ahead: Ahead
-    behind: int
-    lag: float | None
-    kept_ns: tuple[int, int] | None
-    library: tuple[Listed, ...]
-    recording: Identity | None
-    map_sha256: str
-    views: Mapping[int, View | None]
-    examined: tuple[Finding, ...] | None
-    runs: tuple[ListedRun, ...]
-    shown_run: int
-    keeps: bool
-    compared: Compared | None
-    downloads: Mapping[int, Download]
-    station: StationState
-    drive: DriveState | None
-    rework: Rework | None
-    other_scans: OtherScans | None
 
 
 class Publisher:
@@ -114,65 +55,25 @@ class Publisher:
         waited = self._news and (resting or self.age >= SNAPSHOT_S)
         return waited or (live and self.age >= STREAM_S)
 
-    def publish(self, run: Run, *, complete: bool) -> None:
-        """Put a snapshot into the mailbox. complete: show the map as it is now, however recently it was drawn."""
-        pipeline = run.pipeline
-        warnings = (*run.report.warnings, *pipeline.warnings())
-        self._log_notes(run)
+    def publish(self, snapshot: Snapshot, pipeline: Pipeline, *, complete: bool) -> None:
+        """Put a snapshot of a run into the mailbox, with its number, map images and log.
+
+        complete: show the map as it is now, however recently it was drawn.
+        """
+        self._log_notes(snapshot, pipeline)
         self._published = time.monotonic()
         self._news = False
         self._sequence += 1
-        self._draw_maps(pipeline, run.epoch, complete)
-        snapshot = Snapshot(
-            sequence=self._sequence,
-            epoch=run.epoch,
-            source=run.source.name,
-            playback=status(run),
-            config=run.config,
-            result=pipeline.result,
-            trajectory=pipeline.trajectory,
-            navigation=pipeline.navigation,
-            truth=pipeline.truth,
-            truth_in_map=pipeline.truth_in_map,
-            series=pipeline.series.view(SERIES_DTYPE).reshape(-1),
-            maps=self._maps,
-            map_updates=pipeline.slam.map.updates,
-            scans=pipeline.scans,
-            report=run.report,
-            log=self.event_log.entries,
-            mode=pipeline.mode,
-            searching=pipeline.searching,
-            warnings=warnings,
-            unused=dict(pipeline.slam.status.unused),
-            saves=run.saves,
-            obeyed=run.obeyed,
-            question=run.question,
-            undo=run.undo,
-            library=run.library,
-            recording=run.recording,
-            map_sha256=run.map_sha256,
-            runs=run.runs,
-            shown_run=run.shown_run,
-            keeps=run.keeps,
-            compared=run.compared,
-            ahead=run.ahead,
-            views=run.views,
-            examined=run.examined,
-            downloads=run.downloads,
-            station=run.station,
-            drive=run.drive,
-            rework=run.rework,
-            other_scans=run.other_scans,
-        )
-        self._mailbox.put(snapshot)
+        self._draw_maps(pipeline, snapshot.epoch, complete)
+        log = self.event_log.entries
+        self._mailbox.put(replace(snapshot, sequence=self._sequence, maps=self._maps, log=log))
 
-    def _log_notes(self, run: Run) -> None:
+    def _log_notes(self, snapshot: Snapshot, pipeline: Pipeline) -> None:
         """What the source and the pipeline found, and what holds the pipeline back, each once."""
-        pipeline = run.pipeline
         now_ns, now_scans = pipeline.time_ns, pipeline.scans
-        for note in (*run.report.notes, *pipeline.notes):
+        for note in (*snapshot.report.notes, *pipeline.notes):
             self.log_once(LogEntry(now_ns, note, "info", now_scans))
-        for warning in (*run.report.warnings, *run.station.warnings):
+        for warning in (*snapshot.report.warnings, *snapshot.station.warnings):
             self.log_once(LogEntry(now_ns, warning, "warning", now_scans))
         for warning, (time_ns, scans) in pipeline.warned.items():
             self.log_once(LogEntry(time_ns, warning, "warning", scans))
@@ -191,38 +92,6 @@ class Publisher:
         self._revision += 1
         self._maps = map_images(pipeline.slam.map, self._revision)
         self._maps_s = max(MAPS_S, SHARE * (time.monotonic() - self._published))
-
-
-def status(run: Run) -> PlaybackStatus:
-    """Where the run is."""
-    source, pipeline, transport = run.source, run.pipeline, run.transport
-    span, start_ns, time_ns = source.span_ns, pipeline.start_ns or 0, pipeline.time_ns
-    detail = transport.opening or transport.failure or run.report.waiting
-    if run.behind:
-        detail = detail or f"catching up with the stream: {run.behind} scans behind"
-    if run.lag is not None:
-        detail = f"behind by {run.lag:.0f} s"
-    if transport.processed_again:
-        detail = detail or "scan processed again"
-    if transport.target_ns is not None:
-        whole_ns = max(1, transport.target_ns - start_ns)
-        detail = f"running up to {whole_ns / 1e9:.1f} s: {100 * (time_ns - start_ns) // whole_ns} %"
-    return PlaybackStatus(
-        state=transport.state(pipeline.scans),
-        live=source.live,
-        time_ns=time_ns,
-        start_ns=start_ns,
-        end_ns=span[1] if span else None,
-        speed=transport.speed,
-        realtime_factor=transport.meter.realtime_factor,
-        scan_rate=transport.meter.scan_rate,
-        detail=detail,
-        kept_ns=run.kept_ns,
-        lag=run.lag,
-        seeks=transport.seeks,
-        preparing=transport.preparing,
-        prepared=transport.prepared,
-    )
 
 
 def change_of_tracking(before: StepResult | None, result: StepResult | None) -> tuple[str, LogLevel] | None:

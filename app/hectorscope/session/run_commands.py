@@ -49,28 +49,28 @@ class RunCommands:
                 self._remove(number)
             case KeepRun():
                 self._keep()
+            case CompareRun(0):
+                session.named.end_comparison()
             case CompareRun(number):
-                session.named.compare(number)
+                session.named.compare(session.named.runs[number])
             case ComparePaper():
                 self._compare_paper()
 
     def _compare_paper(self) -> None:
-        """By a run of the list with that name, which is made if there is none of this recording."""
-        named = self._session.named
-        shown, number = named.runs[self._session.run.slot], named.runs.named(PAPER)
-        paper = Settings(preset("paper"))
-        if number is None or named.runs[number].path != shown.path or named.runs[number].settings != paper:
-            number = named.runs.new(PAPER)
-        named.runs.put(replace(shown, number=number, name=named.runs[number].name, settings=paper))
-        named.compare(number)
+        """By a run of the list with its settings, which is made if there is none of this recording."""
+        named, paper = self._session.named, Settings(preset("paper"))
+        shown = named.runs[self._session.run.slot]
+        run = named.runs.find(shown.path, paper) or named.runs.copied(replace(shown, settings=paper), PAPER)
+        named.compare(run)
+        named.runs.put(run)
 
     def _fork(self, name: str) -> None:
-        session = self._session
-        before = session.named.runs[session.run.slot]
-        number = session.named.runs.new(name)
-        session.named.runs.put(replace(before, number=number, name=session.named.runs[number].name))
-        session.run.slot = number
-        session.log(f"Forked: {before.name} stays as it is here, {session.named.runs[number].name} goes on")
+        session, runs = self._session, self._session.named.runs
+        before = runs[session.run.slot]
+        fork = runs.copied(before, name)
+        runs.put(fork)
+        session.run.slot = fork.number
+        session.log(f"Forked: {before.name} stays as it is here, {fork.name} goes on")
 
     def _show(self, number: int) -> None:
         session = self._session
@@ -89,7 +89,7 @@ class RunCommands:
         if number == session.run.slot:
             raise RunsError("The run that is shown cannot be removed: show another one first")
         if session.named.compared_with == number:
-            session.named.compare(0)
+            session.named.end_comparison()
         session.named.keep_removed(session.named.runs.remove(number))
 
     def _keep(self) -> None:

@@ -40,11 +40,20 @@ class Runs:
 
     def new(self, name: str = "") -> int:
         """The number of one more run; RunsError if there are too many. Without a name it is called by that."""
+        run = self.copied(NamedRun(0, ""), name)
+        self.put(run)
+        return run.number
+
+    def copied(self, run: NamedRun, name: str = "") -> NamedRun:
+        """The same with a number of its own, to be `put` into the list; RunsError if there are too many."""
         if len(self._runs) >= MOST:
             raise RunsError(f"There are {MOST} runs already: remove one")
-        self._last += 1
-        self.put(NamedRun(self._last, self._free(name or f"run {self._last}")))
-        return self._last
+        number = self._last + 1
+        return replace(run, number=number, name=self._free(name or f"run {number}"))
+
+    def find(self, path: Path | None, settings: Settings) -> NamedRun | None:
+        """A run of this recording with these settings."""
+        return next((run for run in self._runs.values() if (run.path, run.settings) == (path, settings)), None)
 
     def put(self, run: NamedRun) -> None:
         """The run of this number is that from now on, also if it was removed."""

@@ -1,14 +1,13 @@
 """Writes the results of runs on a thread of its own, each run to a place of its own."""
 
-import threading
 from collections.abc import Callable
 from pathlib import Path
 
 from hectorscope.exporters import prepare, saving
 from hectorscope.inputs import SourceReport
 from hectorscope.session.active_run import ActiveRun
+from hectorscope.session.background_task import BackgroundTask
 from hectorscope.session.commands import Answer
-from slam_core.errors import SlamError
 
 
 class Saver:
@@ -19,22 +18,19 @@ class Saver:
 
     def __init__(self, out: Path | None, answer: Callable[[Answer], None]) -> None:
         self.out = out
-        self._answer = answer
-        self._thread: threading.Thread | None = None
+        self._task = BackgroundTask(
+            "save", answer, busy="The results are being saved already", failed="Saving failed", daemon=False
+        )
         self._runs = 0
 
     def start(self, run: ActiveRun, report: SourceReport) -> None:
         """Collect the results and write them beside the run; SlamError if that cannot be."""
-        if self._thread is not None and self._thread.is_alive():
-            raise SlamError("The results are being saved already: wait for the end")
-        write = self._saving(run, report)
-        self._thread = threading.Thread(target=self._write, args=(write,), name="save")
-        self._thread.start()
+        self._task.check_idle()
+        self._task.start(self._saving(run, report))
 
     def finish(self, run: ActiveRun, report: SourceReport) -> str:
         """Save now, after what is being written; the sentence for the log. SlamError if that fails."""
-        if self._thread is not None:
-            self._thread.join()
+        self._task.wait()
         return self._saving(run, report)()
 
     def _saving(self, run: ActiveRun, report: SourceReport) -> Callable[[], str]:
@@ -46,9 +42,3 @@ class Saver:
             self._runs, run.folder = self._runs + 1, folder
             return write
         return saving(run.pipeline, report, run.folder, run.annotations.marks)
-
-    def _write(self, write: Callable[[], str]) -> None:
-        try:
-            self._answer(Answer(write()))
-        except SlamError as error:
-            self._answer(Answer(str(error), failed=True))

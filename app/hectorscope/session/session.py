@@ -1,6 +1,6 @@
-"""The run that is shown and those put aside: begun again, sought in, configured, taken back."""
+"""The run that is shown and those put aside: begun again, sought in, taken back."""
 
-from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 from hectorscope.inputs import Repairable, Source, SourceReport, merged
@@ -8,11 +8,9 @@ from hectorscope.run.checkpoints import Checkpoint, Checkpoints
 from hectorscope.run.fingerprint import map_sha256
 from hectorscope.run.headless import Observer
 from hectorscope.run.pipeline import Pipeline
-from hectorscope.run.settings import Setting, Settings
+from hectorscope.run.settings import Settings
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.ahead import RunsAhead
-from hectorscope.session.changes import SettingsChange, settings_change
-from hectorscope.session.commands import Configure, ConfigureAll
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.intake import Intake
 from hectorscope.session.look_back import LookBack
@@ -20,10 +18,12 @@ from hectorscope.session.no_recording import NoRecording
 from hectorscope.session.publisher import LogLevel, Publisher, change_of_tracking
 from hectorscope.session.runs import first_difference
 from hectorscope.session.session_runs import SessionRuns
+from hectorscope.session.session_settings import SessionSettings
 from hectorscope.session.snapshot import LogEntry
 from hectorscope.session.transport import Transport
-from hectorscope.session.undo import Kept, KeptMarks, KeptName, KeptRun, KeptValues, UndoStack
+from hectorscope.session.undo import Kept, KeptRun, UndoStack
 from slam_core.localization.prior_map import PriorMap
+from slam_core.results import StepResult
 
 COMPARED_SHARE = 4  # of the budget of the checkpoints one such part more goes to a compared run
 NOW_NS = 500_000_000  # of a stream: so near to its end somebody wants to see it as it is
@@ -35,7 +35,7 @@ class Session:
 
     observe: called with every result of the run as it is now.
     given: the settings that the recording was opened with; others were set by hand since.
-    named: the runs of the list, of which this is one.
+    named: the runs of the list, of which this is one. settings: changes those of the shown run.
     """
 
     def __init__(
@@ -61,11 +61,12 @@ class Session:
         self._read(intake)
         self.undone = UndoStack(self._drop)
         self.epoch = 0
-        self.prior_map, self._publisher = prior_map, publisher
+        self.prior_map, self.publisher = prior_map, publisher
         self.map_sha256 = map_sha256(prior_map)
         self._budget = budget
         self.given = settings
         self.named = SessionRuns(self, budget // COMPARED_SHARE)
+        self.settings = SessionSettings(self)
         self.run = self._new_run(intake.source, settings, None, self.named.runs.new())
 
     def _new_run(self, source: Source, settings: Settings, now_ns: int | None, slot: int) -> ActiveRun:
@@ -91,16 +92,23 @@ class Session:
     @property
     def report(self) -> SourceReport:
         """Counters of the source, the queue and the core."""
-        return merged(self.source.report, self.newest.pipeline.skipped, self.shown_intake.dropped)
+        return merged(self.source.report, self.past.newest.pipeline.skipped, self.shown_intake.dropped)
 
     def log(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> None:
         """A line for the page, at the present time of the recording."""
-        self._publisher.log(self.entry(text, level, answer=answer))
+        self.publisher.log(self.entry(text, level, answer=answer))
 
     def entry(self, text: str, level: LogLevel = "info", *, answer: bool = False) -> LogEntry:
         """The same, to be logged later."""
-        pipeline = self.newest.pipeline
+        pipeline = self.past.newest.pipeline
         return LogEntry(pipeline.time_ns, text, level, pipeline.scans, answer)
+
+    def tell(self, before: StepResult | None, result: StepResult | None) -> None:
+        """Of the run as it is now, after a scan: observe the result, and log a pose that was lost or found."""
+        if result is not None:
+            self.observe(self.past.newest.pipeline, result)
+        if change := change_of_tracking(before, result):
+            self.log(*change)
 
     # ---------------------------------------------------------------------------------------------- beginning
 
@@ -148,36 +156,46 @@ class Session:
         self.undone.forget_values()
         self._begin(run)
         if self.named.compared_with == slot:
-            self.named.compare(0)
+            self.named.end_comparison()
 
     def _begin(self, run: ActiveRun) -> None:
         self.run = run
         self.intake.begin()
         self.transport.begin()
-        self._show_anew()
+        self.show_anew()
 
-    def open(self, source: Source, path: Path, settings: Settings | None = None, slot: int | None = None) -> None:
+    def open(
+        self,
+        source: Source,
+        path: Path,
+        settings: Settings | None = None,
+        slot: int | None = None,
+        name: str = "",
+    ) -> None:
         """Another recording, with the settings of now from its start, or others; the run is kept for a minute.
 
-        slot: its number in the list of runs; None for one more.
+        slot: its number in the list of runs; None for one more, of this name.
         """
-        slot = self.named.new_slot() if slot is None else slot
         given = settings or Settings(self.run.settings.at(self.now_ns))
-        run = self._new_run(source, given, None, slot)
+        with ExitStack() as refused:
+            refused.callback(source.close)
+            slot = self.named.new_slot(name) if slot is None else slot
+            run = self._new_run(source, given, None, slot)
+            refused.pop_all()
         self.given = given
-        self.named.compare(0)
+        self.named.end_comparison()
         self._put_aside(f"opening {source.name}")
-        before, self.run, self._publisher.event_log = self.intake, run, EventLog()
+        before, self.run, self.publisher.event_log = self.intake, run, EventLog()
         before.begin()
         self._read(Intake(source, path))
         self._let_go(before)
         self.transport.begin()
-        self._show_anew()
+        self.show_anew()
 
     def _read(self, intake: Intake) -> None:
         self.intake = intake
         self.transport.live, self.transport.empty = intake.source.live, isinstance(intake.source, NoRecording)
-        self.past = LookBack(self._look_back if intake.source.live else 0.0)
+        self.past = LookBack(self, self._look_back if intake.source.live else 0.0)
         intake.keeps = self.past.items
         self._ahead = RunsAhead(intake, self._ahead_after)
 
@@ -185,7 +203,7 @@ class Session:
         """Another run is shown from now on; keep the present one for a minute if `what` says why."""
         self.run.put_aside()
         if what and self.run.pipeline.scans:
-            aside, log = self.intake.put_aside(), self._publisher.event_log
+            aside, log = self.intake.put_aside(), self.publisher.event_log
             self.undone.push(what, KeptRun(self.run, self.intake, aside, self.transport.stand, log))
 
     def _let_go(self, intake: Intake) -> None:
@@ -195,58 +213,53 @@ class Session:
 
     def close(self) -> None:
         """Close what is read, and what is kept for an undo."""
-        self.go_live()
-        self.named.compare(0)
+        self.past.go_live()
+        self.named.end_comparison()
         self.run.put_aside()
         self.undone.clear()
         self.intake.end()
 
     def undo(self) -> None:
-        """The last run, or the last values, that something else took the place of."""
+        """Bring back what the last action took away."""
         kept = self.undone.pop()
         if kept is None:
             self.log("There is nothing to undo any more: a minute has passed", "warning", answer=True)
             return
         what, before = kept
-        if isinstance(before, KeptName):
-            self.named.runs.put(before.run)
-        elif isinstance(before, KeptMarks):
-            before.run.annotations = before.annotations
-            self.log(f"Undone: {what}")
-        elif isinstance(before, KeptRun):
-            self.named.note()
-            self.run.put_aside()
-            self.run, self._publisher.event_log = before.run, before.event_log
-            left = self.intake
-            if left is not before.intake:
-                self._read(before.intake)
-            if left is not before.intake or self.named.compared_with == self.run.slot:
-                self.named.compare(0)
-            self._let_go(left)
-            self.named.note()
-            self.intake.resume(before.aside)
-            self.transport.resume(before.stand)
-            self._show_anew()
-            self.log(f"Undone: {what}. The run goes on with its map of {before.scans} scans")
-        elif change := self.change(ConfigureAll(what, before.values)):
-            self.run.configure(change.after, self.now_ns)
-            self.log(f"Undone: {what}. {len(change.old)} settings are as before")
+        before.restore(self, what)
+
+    def bring_back(self, kept: KeptRun) -> None:
+        """Show a run again that was put aside."""
+        self.named.note()
+        self.run.put_aside()
+        self.run, self.publisher.event_log = kept.run, kept.event_log
+        left = self.intake
+        if left is not kept.intake:
+            self._read(kept.intake)
+        if left is not kept.intake or self.named.compared_with == self.run.slot:
+            self.named.end_comparison()
+        self._let_go(left)
+        self.named.note()
+        self.intake.resume(kept.aside)
+        self.transport.resume(kept.stand)
+        self.show_anew()
 
     def _drop(self, kept: Kept) -> None:
         if isinstance(kept, KeptRun):
             kept.intake.forget(kept.aside)
             self._let_go(kept.intake)
 
-    def _show_anew(self) -> None:
+    def show_anew(self) -> None:
+        """What was drawn is no longer true."""
         self.epoch += 1
-        self._publisher.touch()
+        self.publisher.touch()
 
     def seek(self, time_ns: int) -> None:
         """Go to a time of a recording, from the last checkpoint before it if that is nearer than the run.
 
         While a seek is about to arrive, the newest wanted time waits for it: each drag of a hand shows something.
         """
-        span = self.source.span_ns or self.kept_ns
+        span = self.source.span_ns or self.past.kept_ns
         if span is None:
             self.log("Nothing of the stream is kept yet: nothing was sought", "warning", answer=True)
             return
@@ -257,11 +270,9 @@ class Session:
             return
         if self.source.live:
             if time_ns > span[1] - NOW_NS:
-                self.go_live()
+                self.past.go_live()
                 return
-            if self.past.front is None:
-                self.run, self.intake = self.past.leave_now(self.run, self.intake)
-                self.transport.look_back()
+            self.past.leave_now()
         checkpoint = self.run.checkpoints.before(time_ns)
         now_ns = self.run.pipeline.time_ns
         back = bool(self.transport.failure) or time_ns < now_ns
@@ -271,39 +282,6 @@ class Session:
             if rests:  # a jump from the end is to look there, not to go on to the end again
                 self.transport.pause()
         self.transport.seek(time_ns)
-
-    @property
-    def newest(self) -> ActiveRun:
-        """The run as it is now, whatever time of it is shown."""
-        return self.past.front[0] if self.past.front else self.run
-
-    @property
-    def kept_ns(self) -> tuple[int, int] | None:
-        """First and last time of a stream that can be shown; None without any."""
-        return self.past.span_ns(self.newest)
-
-    @property
-    def lag(self) -> float | None:
-        """Seconds from what is shown to the run as it is now; None if it is shown as it is now."""
-        behind_ns = self.newest.pipeline.time_ns - self.run.pipeline.time_ns
-        return behind_ns / 1e9 if self.past.front else None
-
-    def step_front(self) -> None:
-        """Let the run of a stream go on by a scan, if there is one, while an earlier time is shown."""
-        before, result = self.past.advance()
-        if result is not None:
-            self.observe(self.newest.pipeline, result)
-        if change := change_of_tracking(before, result):
-            self.log(*change)
-
-    def go_live(self) -> None:
-        """Show the run of a stream as it is now."""
-        if self.past.front is None:
-            return
-        self.intake.close()
-        (self.run, self.intake), self.past.front = self.past.front, None
-        self.transport.go_live()
-        self._show_anew()
 
     def step_back(self) -> None:
         """Go to the scan before the last one, if there is one."""
@@ -320,7 +298,7 @@ class Session:
         else:
             self.intake.go_to(checkpoint.place)
         self.transport.begin()
-        self._show_anew()
+        self.show_anew()
 
     def keep(self) -> None:
         """Keep a checkpoint if the run is at a place where it can be gone on from."""
@@ -333,54 +311,9 @@ class Session:
         In how many seconds there is more to do; None if never.
         """
         if self.named.advance(seconds):
-            self._publisher.touch()
+            self.publisher.touch()
             return 0.0
         turn = self._ahead.advance(self.run, seconds)
-        if turn == 0.0 and (self._publisher.age >= PROGRESS_S or (self.run.head and self.run.head.done)):
-            self._publisher.touch()
+        if turn == 0.0 and (self.publisher.age >= PROGRESS_S or (self.run.head and self.run.head.done)):
+            self.publisher.touch()
         return turn
-
-    # ----------------------------------------------------------------------------------------------- settings
-
-    def change(self, command: Configure | ConfigureAll) -> SettingsChange | None:
-        """What a command makes of the settings; None if nothing. SlamError if it is to be refused."""
-        values: Mapping[str, Setting]
-        match command:
-            case Configure(name, value, throughout):
-                title, values = "", {name: value}
-            case ConfigureAll(title, values, throughout):
-                pass
-        return settings_change(
-            self.run.settings,
-            values,
-            title,
-            self.now_ns,
-            throughout=throughout and not self.source.live,
-            prior_map=self.prior_map,
-        )
-
-    def configure(self, change: SettingsChange) -> None:
-        """Change settings; one line of the log has the change of the one, or how many changed."""
-        entry = self.entry(change.text)
-        if change.begins_again:
-            self._rebuild(change)
-        else:
-            if change.by_hand:
-                self.undone.push(change.text.split(":")[0], KeptValues(change.old))
-            self.run.configure(change.after, self.now_ns)
-        self._publisher.log(entry)
-
-    def _rebuild(self, change: SettingsChange) -> None:
-        """The same instant with another map; a stream cannot go back, so its map begins anew."""
-        target_ns = self.transport.target_ns or self.run.pipeline.time_ns
-        self.begin(change.after, change.text)
-        if self.source.live:
-            self.log("A new map was begun: a live stream cannot be run again", "warning")
-        else:
-            self.transport.seek(target_ns)
-
-    def process_again(self) -> None:
-        """Process the scan at which the run rested, with the settings that changed meanwhile."""
-        if self.run.process_again():
-            self.transport.processed_again = True
-            self.epoch += 1

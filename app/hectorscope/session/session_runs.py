@@ -68,20 +68,21 @@ class SessionRuns:
         """The number of the run that is compared; 0 for none."""
         return self.comparison.run.number if self.comparison else 0
 
-    def compare(self, number: int) -> None:
-        """Compare with the run of this number, of the shown recording; 0 for none. RunsError if that cannot be."""
-        if number == 0:
-            if self.comparison:
-                self.comparison.close()
-            self.comparison = None
-            return
-        session, run, shown = self._session, self.runs[number], self._session.run
-        if number == shown.slot or run.path != session.intake.path or not shown.pipeline.scans:
+    def compare(self, run: NamedRun) -> None:
+        """Compare with a run of the shown recording; RunsError if that cannot be."""
+        session, shown = self._session, self._session.run
+        if run.number == shown.slot or run.path != session.intake.path or not shown.pipeline.scans:
             raise RunsError(f"{run.name} cannot be compared: choose another run of the recording that is shown")
         known = shown.checkpoints.until(first_difference(shown.settings, run.settings), self._budget)
         made = Comparison(run, session.source, shown.pipeline.start_ns, session.prior_map, known)
-        self.compare(0)
+        self.end_comparison()
         self.comparison = made
+
+    def end_comparison(self) -> None:
+        """Compare with no run."""
+        if self.comparison:
+            self.comparison.close()
+        self.comparison = None
 
     def advance(self, seconds: float) -> bool:
         """Run on with the compared run for about so long; whether there was something to do."""

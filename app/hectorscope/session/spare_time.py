@@ -17,7 +17,7 @@ def use_time(session: Session, patience: float | None, guard: Guard) -> float | 
     guard: calls what may fail.
     """
     if session.past.front:
-        guard(session.step_front)
+        guard(session.past.step_front)
         return FRONT_S
     slice_s = AHEAD_S if patience is None else min(AHEAD_S, patience)
     turn = session.run_ahead(slice_s) if slice_s >= BREAK_S else None

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hectorscope.inputs import Item, Source, Tappable
+from hectorscope.inputs import Source, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
 from hectorscope.run.annotations import AnnotationError
 from hectorscope.run.pictures import picture_of
@@ -58,10 +58,9 @@ class Station:
         self._folder, self._journal, self._resumes = record, journal, resume
         self._recorder = StreamRecorder(record) if record else None
         self._tapped: Tappable | None = None
-        self._last: Item | None = None
         self._way_back = WayBack()
 
-    def board(self, session: Session) -> None:
+    def attach(self, session: Session) -> None:
         """Belong to a session."""
         self._session = session
 
@@ -103,21 +102,20 @@ class Station:
             records=records,
             recorded=self._recorder.written if self._recorder else 0,
             warnings=tuple(filter(None, told)),
-            past=self._journal is not None and self._journal.past is not None,
+            past=self._session.source.live and self._journal is not None and self._journal.past is not None,
         )
 
     def keep(self) -> None:
         """Between two items: leave a checkpoint if it is time."""
         session = self._session
-        self._way_back.follow(session.newest.pipeline)
-        if self._journal is None or session.past.front or not session.source.live:
-            self._last = None
-        elif self._last is not None and session.run.waiting is None:
-            self._journal.keep(session.run, self._last, paused=session.transport.unwanted)
+        self._way_back.follow(session.past.newest.pipeline)
+        if self._journal is not None and session.source.live and not session.past.front:
+            self._journal.keep(session.run, paused=session.transport.unwanted)
 
-    def admitted(self, item: Item) -> None:
-        """The run has had this item."""
-        self._last = item
+    @property
+    def patience(self) -> float | None:
+        """Seconds until `keep` may have more to do, also if nothing comes any more; None for ever."""
+        return self._journal.patience if self._journal else None
 
     def logged(self, act: Callable[[Command], None], command: Command) -> None:
         """Carry a command out, and log it with what it changed."""
@@ -154,7 +152,7 @@ class Station:
 
     def _pose(self) -> list[float] | None:
         """x, y [m] and heading [rad] in the map, as known now; None before the first scan."""
-        slam = self._session.newest.pipeline.slam
+        slam = self._session.past.newest.pipeline.slam
         if slam.now_ns is None:
             return None
         motion = slam.motion_at([slam.now_ns])[0]
@@ -199,7 +197,7 @@ class Station:
                 what = f"picture of mark {number}"
             case RemoveMark(number):
                 run.annotations, what = before.removed(number), f"removed mark {number}"
-        self._session.undone.push(what, KeptMarks(run, before))
+        self._session.undone.push(what, KeptMarks(before))
         self._session.log(f"{what[:1].upper()}{what[1:]}: {sentence(command)}")
 
     def _set_pose(self, command: SetPose) -> None:
@@ -235,6 +233,8 @@ class Station:
     def _resume(self) -> None:
         if self._journal is None:
             raise SlamError("There is no journal: start the program without --journal off")
+        if not self._session.source.live:
+            raise SlamError("Only a stream can go on with the run before: go back to it first")
         session, told = self._session, self._control.opening
         told("Processing the run before again")
         try:

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
+from hectorscope.session.commands import Command
+
 
 @dataclass(frozen=True, slots=True)
-class StationCommand:
+class StationCommand(Command):
     """Of the operator's station."""
 
 

@@ -3,18 +3,34 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 from hectorscope.run.annotations import Annotations
 from hectorscope.run.settings import Setting
 from hectorscope.session.active_run import ActiveRun
+from hectorscope.session.commands import ConfigureAll
 from hectorscope.session.event_log import EventLog
 from hectorscope.session.intake import Aside, Intake
 from hectorscope.session.runs import NamedRun
 from hectorscope.session.snapshot import UndoOffer
 from hectorscope.session.transport import Stand
 
+if TYPE_CHECKING:
+    from hectorscope.session.session import Session
+
 UNDO_S = 60.0
 MOST = 4  # each has a map of its own in memory
+
+
+class Kept(Protocol):
+    """Something that can come back."""
+
+    @property
+    def scans(self) -> int:
+        """How much it is worth."""
+
+    def restore(self, session: "Session", what: str) -> None:
+        """Bring it back. what: the action that took it away."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +48,11 @@ class KeptRun:
         """How much it is worth."""
         return self.run.pipeline.scans
 
+    def restore(self, session: "Session", what: str) -> None:
+        """The run goes on where it was."""
+        session.bring_back(self)
+        session.log(f"Undone: {what}. The run goes on with its map of {self.scans} scans")
+
 
 @dataclass(frozen=True, slots=True)
 class KeptValues:
@@ -39,6 +60,12 @@ class KeptValues:
 
     values: Mapping[str, Setting]
     scans: int = 0
+
+    def restore(self, session: "Session", what: str) -> None:
+        """They hold from now on."""
+        if change := session.settings.planned(ConfigureAll(what, self.values)):
+            session.run.configure(change.after, session.now_ns)
+            session.log(f"Undone: {what}. {len(change.old)} settings are as before")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,17 +75,22 @@ class KeptName:
     run: NamedRun
     scans: int = 0
 
+    def restore(self, session: "Session", what: str) -> None:
+        """It is in the list again, which shows that."""
+        session.named.runs.put(self.run)
+
 
 @dataclass(frozen=True, slots=True)
 class KeptMarks:
-    """Marks of a run before one was changed or removed."""
+    """Marks before one was changed or removed."""
 
-    run: ActiveRun
     annotations: Annotations
     scans: int = 0
 
-
-Kept = KeptRun | KeptValues | KeptName | KeptMarks
+    def restore(self, session: "Session", what: str) -> None:
+        """They stay with a recording, so the run that is shown by now gets them."""
+        session.run.annotations = self.annotations
+        session.log(f"Undone: {what}")
 
 
 class UndoStack:
