@@ -202,10 +202,9 @@ class Station:
 
     def _set_pose(self, command: SetPose) -> None:
         session = self._session
-        if not session.source.live or session.run.pipeline.result is None:
-            raise SlamError("The pose can be set of a stream only, once it has a map")
-        pose = np.array([command.x, command.y, command.yaw])
-        session.run.pipeline.slam.reset_pose(PlanarGaussian(pose, np.diag(np.square(POSE_SIGMAS))))
+        pose = PlanarGaussian(np.array([command.x, command.y, command.yaw]), np.diag(np.square(POSE_SIGMAS)))
+        if not (session.source.live and session.run.pipeline.slam.reset_pose(pose)):
+            raise SlamError("The pose can be set of a stream only, once it has a map and a scan came")
         session.run.checkpoints.forget_from(0)  # what was kept would lead past it
         degrees = math.degrees(command.yaw)
         session.log(f"The pose was set to x {command.x:.2f} m, y {command.y:.2f} m, {degrees:.0f}°")
