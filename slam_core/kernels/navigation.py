@@ -24,6 +24,7 @@ ERRORS = 15
 NEAR_GRAVITY = 0.1
 CONSTRAINED = 1e-12  # variance of what the platform cannot do
 SLIP_SIGMA = 0.005  # m/s, of wheels that do not slip sideways
+UNMEASURED = 1.0  # m/s, standard deviation of the vertical velocity where nothing measures the height
 
 get, _ = alias_scope(0)
 _, put = alias_scope(1)
@@ -177,10 +178,15 @@ def _add_noise(P: Float64s, dt: float, density: Float64s) -> None:
 def bound(x: Float64s, P: Float64s, gravity: float, bounds: Float64s) -> tuple[Float64s, Float64s]:
     """A pseudo measurement for every error whose variance passes bounds[i, 0], with noise variance bounds[i, 1].
 
-    Tilt is measured by the smoothed specific force; height, velocity and biases are pulled to zero.
+    Tilt is measured by the smoothed specific force; height, velocity and biases are pulled to zero. Where nothing
+    measures the height, the vertical velocity is no better known than UNMEASURED: accelerations that the noise of
+    the accelerometers does not cover, as of a base that shakes, would carry the height off for good.
     """
     if P[0, 0] > bounds[0, 0] or P[1, 1] > bounds[0, 0]:
         x, P = level(x, P, gravity, bounds[0, 1])
+    if P[5, 5] > bounds[5, 0] and P[8, 8] < UNMEASURED**2:
+        P = P.copy()
+        P[8, 8] = UNMEASURED**2
     for i in range(5, ERRORS):
         if P[i, i] > bounds[i, 0]:
             P, row, error = P.copy(), P[i].copy(), np.empty(ERRORS)

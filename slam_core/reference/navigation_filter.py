@@ -5,7 +5,7 @@ rotation about the axes of the map. So the state has 16 numbers, and P is (15, 1
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from slam_core.measurements import Float64s
 from slam_core.reference.covariance_intersection import kalman_update
 
 ATTITUDE, POSITION, VELOCITY, GYRO_BIAS, ACCEL_BIAS = (slice(i, i + 3) for i in range(0, 15, 3))  # of the errors
+UNMEASURED = 1.0  # m/s, standard deviation of the vertical velocity where nothing measures the height
 SMOOTHING = 0.5  # s, of the specific force that shows where down is
 NEAR_GRAVITY = 0.1  # share of gravity by which its size may differ
 # Standard deviations of samples below which the base stands still at the start: rad/s, m/s^2.
@@ -91,6 +92,10 @@ def bounded(state: State, config: NavigationConfig) -> State:
     """Pseudo measurements of what is less certain than its threshold: gravity, zero velocity, height and bias."""
     if max(state.P[0, 0], state.P[1, 1]) > config.tilt_threshold**2:
         state = levelled(state, config.gravity, config.gravity_sigma**2)
+    if state.P[5, 5] > config.height_threshold**2:  # nothing measures the height
+        P = state.P.copy()
+        P[8, 8] = max(P[8, 8], UNMEASURED**2)
+        state = replace(state, P=P)
     thresholds = np.repeat([np.inf, np.inf, config.zero_velocity_threshold, config.gyro_bias_sigma,
                             config.accel_bias_sigma], 3)  # fmt: skip
     sigmas = thresholds.copy()

@@ -51,8 +51,8 @@ def figures(run: Run) -> Iterator[tuple[str, str]]:
         yield from (("Skipped", f"{count} × {reason}") for reason, count in scans["skipped"].items())
     if tracking := told.get("tracking"):
         yield "Tracking", ", ".join(f"{count} {state}" for state, count in tracking.items())
-    steps = np.linalg.norm(np.diff(run.trajectory[:, 1:4], axis=0), axis=1)
-    yield "Path", f"{steps.sum():.2f} m in {run.trajectory[-1, 0] - run.trajectory[0, 0]:.1f} s"
+    steps = np.linalg.norm(np.diff(run.trajectory[:, 1:3], axis=0), axis=1)  # a height may be unmeasured
+    yield "Path in the plane", f"{steps.sum():.2f} m in {run.trajectory[-1, 0] - run.trajectory[0, 0]:.1f} s"
     if "map_updates" in told:
         yield "Map", f"{told['map_updates']} updates, {told['occupied_cells']} occupied cells"
     if "realtime_factor" in told:

@@ -11,7 +11,8 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "no_gravity": "the accelerometers measure no gravity: only the yaw rate of the IMU is used; its driver must"
     " publish the specific force in m/s², gravity included",
     "no_attitude": "the inertial data does not show the attitude: it stops, or has gaps of over 0.2 s, before"
-    " navigation.level_time is over; the motion is predicted from the matches alone; check the rate of the IMU",
+    " navigation.level_time is over; the motion is predicted from the matches alone;"
+    " check the IMU, or leave it out by --imu-topic none",
     "imu_silent": "no inertial data comes: the motion is predicted from the matches alone; check the IMU",
     "gyro_clipped": "the gyro was clipped: turn slower, or set a wider range in the IMU and in"
     " navigation.gyro_range",

@@ -89,10 +89,11 @@ class Journal:
             return
         if self._writer.busy or not self._is_due(updates):
             return
-        self._kept_at, self._kept_updates, self.wanted = time.monotonic(), updates, False
+        self._kept_at, self._kept_updates = time.monotonic(), updates
         self._last = Checkpoint(run.pipeline, NOWHERE, self._last)
         saved = Saved(self._last, run.settings, Position.of(run.last), run.annotations, paused)
         self._writer.write(saved, self._close_replaced if self._replaced else lambda: None)
+        self.wanted = False
 
     @property
     def patience(self) -> float | None:

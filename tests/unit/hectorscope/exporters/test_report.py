@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hectorscope.exporters._charts import BINS, HEIGHT, LEFT, TOP, WIDTH, chart
-from hectorscope.exporters.report import charts, page
+from hectorscope.exporters.report import charts, figures, page
 from hectorscope.inputs import Finding, SourceReport
 from hectorscope.run.fingerprint import fingerprints
 from hectorscope.run.map_image import MapImage
@@ -52,6 +52,12 @@ def run(tmp_path: Path) -> Run:
 def points(path: str) -> np.ndarray:
     """(n, 2) of the path of an SVG."""
     return np.array(re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path), np.float64)
+
+
+def test_the_path_is_that_in_the_plane(run: Run):
+    """A height that nothing measured makes it no longer."""
+    run.trajectory[:, 3] = np.sin(np.arange(101.0))
+    assert dict(figures(run))["Path in the plane"].startswith("1.00 m in 10.0 s")
 
 
 def test_everything_that_is_known_is_in_it(run: Run):

@@ -61,6 +61,20 @@ def test_nothing_grows_without_end_when_only_matches_come() -> None:
     assert abs(estimator.state.T_map_base.translation[2]) < 1.0
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_base_that_shakes_keeps_its_height_without_a_source(seed: int) -> None:
+    """Vertical accelerations that the configured noise does not cover do not carry it off."""
+    rng, estimator, shake, heights = np.random.default_rng(seed), NavigationFilter(CONFIG), 0.0, []
+    for k, sample in enumerate(still().samples(60.0, noise=1.0, seed=seed)):
+        shake += -0.01 * shake + 0.1 * rng.normal() if k > 200 else 0.0  # 0.7 m/s^2, for about a second each
+        force = sample.linear_acceleration + np.array([0.0, 0.0, shake])
+        estimator.predict(replace(sample, linear_acceleration=force))
+        if estimator.ready and k % 5 == 0:
+            estimator.fuse_planar(sample.stamp_ns, np.zeros(3), R, OMEGA)
+            heights.append(estimator.state.T_map_base.translation[2])
+    assert np.abs(heights).max() < 1.5
+
+
 def test_without_any_aid_velocity_and_tilt_stay_bounded() -> None:
     """Pseudo measurements alone keep a biased filter level and slow for a minute."""
     estimator = NavigationFilter(NavigationConfig(zero_velocity_threshold=2.0))
