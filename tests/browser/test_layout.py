@@ -85,6 +85,18 @@ def test_small_screens_have_the_scene_on_top_and_the_state_in_sight(
     assert track["width"] > 0.3 * size["width"] and track["y"] + track["height"] <= size["height"]
 
 
+@pytest.mark.parametrize("width", [320, 360])
+def test_nothing_lies_over_anything_else_on_a_small_phone(show: Show, open_page: Open, width: int) -> None:
+    """The figures of the bar stand above the scene, the clock beside the buttons."""
+    page = open_page(show.url, size={"width": width, "height": 640})
+    losses = box_of(page.locator(".hs-losses >> visible=true"))
+    assert losses["y"] + losses["height"] <= box_of(page.locator("canvas[data-engine]"))["y"] + 1
+    clock = box_of(page.locator(".hs-clock b >> visible=true"))
+    on_buttons = f"""document.elementsFromPoint({clock["x"] + 1}, {clock["y"] + clock["height"] / 2})
+      .some((e) => e.closest("button"))"""
+    assert not page.evaluate(on_buttons)
+
+
 @pytest.mark.parametrize("name", quick_first(["phone", "tall tablet"]))
 def test_the_sheet_folds(show: Show, open_page: Open, name: str) -> None:
     """A click on its handle leaves the tabs alone and gives the room to the scene; another brings it back."""

@@ -123,6 +123,17 @@ def test_a_click_on_a_row_opens_that_run_on_the_bench(page: Page):
     expect(page.locator("#message")).to_contain_text("cannot be opened: /nowhere/x.bag does not exist")
 
 
+def test_a_long_path_stays_in_its_button(page: Page):
+    """It wraps there, and leaves the columns beside it readable."""
+    cut = """[...document.querySelectorAll("td button")].filter((e) => {
+      e.textContent = "/a/very/long/path/of/a/recording".repeat(4) + ".bag";
+      const [box, cell] = [e, e.parentElement].map((each) => each.getBoundingClientRect());
+      return e.scrollWidth > e.clientWidth + 1 || box.right > cell.right + 1;
+    }).length"""
+    expect(page.locator("#runs tbody tr")).to_have_count(7)
+    assert page.evaluate(cut) == 0
+
+
 def test_the_page_fits_a_phone(page: Page):
     """Tables scroll within their own boxes."""
     page.set_viewport_size({"width": 390, "height": 800})
