@@ -99,6 +99,19 @@ def test_export_all_leaves_every_format(bag: Path, tmp_path: Path):
     assert hashlib.sha256(bag.read_bytes()).hexdigest() in (tmp_path / "report.html").read_text()
 
 
+def test_a_folder_holds_the_newest_run_and_earlier_ones_below(bag: Path, tmp_path: Path):
+    """Its map can be the start of the next run, which moves all of its files and says where to."""
+    first = called("run", bag, "--out", tmp_path, "--export", "default,html,report")
+    assert first.returncode == 0, first.stderr
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    again = called("run", bag, "--out", tmp_path, "--map", tmp_path, "--export", "tum")
+    assert again.returncode == 0, again.stderr
+    (place,) = (tmp_path / "earlier").iterdir()
+    assert f"The results of an earlier run are now in {place}" in again.stdout
+    assert {path.name: path.read_bytes() for path in place.iterdir()} == before
+    assert {path.name for path in tmp_path.iterdir()} == {"trajectory.tum", "earlier"}
+
+
 def test_a_wrong_note_is_refused_before_the_work(bag: Path, tmp_path: Path):
     """With the form of one; no folder is made."""
     assert "give TIME=TEXT" in refused("run", bag, "--out", tmp_path / "out", "--export", "html", "--note", "soon")

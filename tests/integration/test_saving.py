@@ -58,6 +58,26 @@ def test_save_leaves_what_a_run_leaves(drive: list[Item], tmp_path: Path):
     assert "realtime_factor" not in figures
 
 
+def test_a_save_sets_an_earlier_program_aside_and_replaces_its_own(drive: list[Item], tmp_path: Path):
+    """Once, at the first save: until then the earlier map is where it was; the log says where it went."""
+    (tmp_path / "map.npz").write_text("earlier")
+    (tmp_path / "report.html").write_text("earlier")
+    with running(MemoryRecording(drive), autoplay=False, out=tmp_path) as engine:
+        until(engine, state("paused"))
+        after(engine, Save())
+        assert {path.name for path in tmp_path.iterdir()} == {"map.npz", "report.html"}
+        after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        engine.send(Save())
+        told = until(engine, lambda now: now.log[-1].text.startswith("Saved"))
+        assert "an earlier run are now in" in told.log[-1].text
+        engine.send(Save())
+        again = until(engine, lambda now: len(now.log) > len(told.log))
+        assert "an earlier run" not in again.log[-1].text
+    assert {path.name for path in tmp_path.iterdir()} == FILES | {"earlier"}
+    (place,) = (tmp_path / "earlier").iterdir()
+    assert {path.name for path in place.iterdir()} == {"map.npz", "report.html"}
+
+
 def test_save_without_a_folder_or_a_scan_says_so(drive: list[Item], tmp_path: Path):
     """A warning in the log with the remedy, no file, and the run goes on."""
     with running(MemoryRecording(drive), autoplay=False) as engine:
