@@ -187,6 +187,29 @@ def test_the_end_of_the_program_saves(
     assert str(out) in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("ending", ENDING)
+@pytest.mark.parametrize("command", ["live", "serve"])
+def test_an_end_before_the_first_scan_is_no_mistake(
+    command: str, ending: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """A robot that is not there: the interruption counts as such, the end says that nothing was saved."""
+
+    def interrupted(*_: object) -> None:
+        signal.raise_signal(ending)
+
+    def serve(_: PageServer, up: Callable[[], None]) -> None:
+        up()
+        interrupted()
+
+    monkeypatch.setattr("hectorscope.cli.page.serve", serve)
+    monkeypatch.setattr("hectorscope.cli.node._told", interrupted)
+    journal = ["--journal", "off"] if command == "live" else []
+    assert main([command, "ws://127.0.0.1:9", "--out", str(tmp_path), *journal]) == 130
+    assert "Nothing was saved, as no scan was used" in capsys.readouterr().out
+    assert not any(tmp_path.iterdir())
+
+
 def test_a_page_that_cannot_be_served_says_so_with_out_too(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -33,6 +33,8 @@ class Saver:
     def finish(self, run: ActiveRun, report: SourceReport) -> str:
         """Save now, after what is being written; the sentence for the log. SlamError if that fails."""
         self._task.wait()
+        if not run.pipeline.scans:
+            return "Nothing was saved, as no scan was used"
         return self._saving(run, report)()
 
     def _saving(self, run: ActiveRun, report: SourceReport) -> Callable[[], str]:
