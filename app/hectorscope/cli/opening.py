@@ -71,11 +71,11 @@ def demo_bag(scene: Scene) -> Path:
     return path
 
 
-def get_ready(*report: Report) -> None:
-    """Load or compile the kernels of the first scan; what is compiled is told to a `report`, if there is one."""
+def get_ready(*report: Report, live: bool = False) -> None:
+    """Load or compile the kernels of the first scan, of a stream all; what is compiled is told to a `report`."""
     from hectorscope.run.warmup import warm_up  # noqa: PLC0415
 
-    warm_up(*report)
+    warm_up(*report, everything=live)
     gc.enable()
 
 
