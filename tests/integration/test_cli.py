@@ -280,6 +280,13 @@ def test_a_value_out_of_range_is_refused_before_any_work(bag: Path, tmp_path: Pa
     assert not (tmp_path / "out").exists()
 
 
+def test_a_seed_below_nothing_is_refused(bag: Path, tmp_path: Path):
+    """By all who take one: the value and what is possible."""
+    assert "seed is -1: give 0 to" in refused("drive", "--seed", "-1")
+    searched = ("sweep", bag, "--out", tmp_path / "out", "--search", "2", "--vary", "matcher.sigma=0.1:0.4")
+    assert "--seed -1 is less than nothing: give" in refused(*searched, "--seed", "-1")
+
+
 def test_a_bad_settings_file_is_refused(bag: Path, tmp_path: Path):
     """The file and the place in it; what a terminal would obey is replaced."""
     path = tmp_path / "bad.toml"

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from hectorscope.cli.interruption import ended_by_interruption
+from hectorscope.cli.interruption import INTERRUPTED, ended_by_interruption
 from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, opened
 from hectorscope.cli.options import (
     ExportArg,
@@ -48,7 +48,6 @@ ADDRESS = (
 )
 
 MISTAKE = 2
-INTERRUPTED = 130
 
 
 class EmptyArgumentError(SlamError):
