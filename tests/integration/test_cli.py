@@ -287,6 +287,21 @@ def test_a_seed_below_nothing_is_refused(bag: Path, tmp_path: Path):
     assert "--seed -1 is less than nothing: give" in refused(*searched, "--seed", "-1")
 
 
+@pytest.mark.parametrize("address", ["ws://127.0.0.1:9", "-", "dds://0"])
+def test_a_stream_in_the_place_of_a_recording_is_refused(address: str, tmp_path: Path):
+    """As it was written, with the command that takes it."""
+    for command in (["view"], ["inspect"], ["run", "--out", tmp_path / "out"]):
+        told = refused(command[0], address, *command[1:])
+        assert told.endswith(f"{address} is a stream and no recording: use `hectorscope live {address}`")
+
+
+@pytest.mark.parametrize(("host", "address"), [("robot:9090", "ws://robot:9090"), ("robot", "ws://robot:8765")])
+@pytest.mark.parametrize("command", [("live",), ("serve", "--out", "out")])
+def test_a_host_in_the_place_of_an_address_is_refused(command: tuple[str, ...], host: str, address: str):
+    """With the address that is meant."""
+    assert refused(command[0], host, *command[1:]).endswith(f"{host} is no address: write {address}")
+
+
 def test_a_bad_settings_file_is_refused(bag: Path, tmp_path: Path):
     """The file and the place in it; what a terminal would obey is replaced."""
     path = tmp_path / "bad.toml"
