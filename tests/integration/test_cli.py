@@ -323,9 +323,14 @@ def test_an_output_folder_that_cannot_be_is_refused(bag: Path, tmp_path: Path):
 def test_names_that_are_too_long_are_refused(bag: Path, tmp_path: Path):
     """Of the folder of kept runs, of a certificate and of a sweep: with the name."""
     name, proof = "x" * 300, tmp_path / "key.pem"
-    assert f"--runs {name} cannot be reached" in refused("view", bag, "--runs", name)
+    assert f"--runs {name} cannot be written to" in refused("view", bag, "--runs", name)
     assert f"{name} is no file" in refused("view", bag, "--certificate", name, "--key", proof)
     assert f"{name} has no runs.csv" in refused("sweep", "--show", name)
+
+
+def test_a_folder_that_takes_no_runs_is_refused_at_the_start(bag: Path):
+    """As that for the results is: a file."""
+    assert f"--runs {bag} cannot be written to (File exists)" in refused("view", bag, "--runs", bag)
 
 
 def test_a_port_in_use_is_refused(bag: Path):
