@@ -1,5 +1,6 @@
 """The operator's page: marks and the pose by hand, the sound, viewers, and who is in control."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from playwright.sync_api import Page, ViewportSize, expect
 from hectorscope.run.annotations import Annotation
 from hectorscope.run.pictures import picture_of
 from hectorscope.session.commands import Command
-from hectorscope.session.snapshot import Snapshot
+from hectorscope.session.snapshot import LogEntry, Snapshot
 from hectorscope.session.station_commands import HandOver, PutMark, PutPicture, Resume, SetPose
 from hectorscope.session.station_state import StationState
 from hectorscope.web.server import PageServer
@@ -56,6 +57,23 @@ def test_the_run_before_is_offered_by_a_button(show: Show, open_page: Open) -> N
     show.engine.show(replace(live(past=True), sequence=9))
     button.click()
     assert sent(page, show.engine, Resume) == Resume()
+
+
+def test_what_failed_comes_up_in_red(show: Show, open_page: Open) -> None:
+    """And what somebody asked for and was done, in the colour of the page."""
+    show.engine.show(live())
+    page = above(open_page(show.url))
+    entries = (LogEntry(0, "Kept it", answer=True), LogEntry(0, "It cannot be kept", "warning", answer=True))
+    show.engine.show(replace(live(), sequence=9, log=entries))
+    colours = [
+        page.locator(".mantine-Notification-root", has_text=text).evaluate(
+            "notice => getComputedStyle(notice, '::before').backgroundColor"
+        )
+        for text in ("Kept it", "It cannot be kept")
+    ]
+    done, failed = ([int(part) for part in re.findall(r"\d+", colour)[:3]] for colour in colours)
+    assert failed.index(max(failed)) == 0
+    assert done.index(max(done)) != 0
 
 
 def lost() -> Snapshot:

@@ -99,6 +99,19 @@ def test_export_all_leaves_every_format(bag: Path, tmp_path: Path):
     assert hashlib.sha256(bag.read_bytes()).hexdigest() in (tmp_path / "report.html").read_text()
 
 
+def test_a_folder_holds_the_newest_run_and_earlier_ones_below(bag: Path, tmp_path: Path):
+    """Its map can be the start of the next run, which moves all of its files and says where to."""
+    first = called("run", bag, "--out", tmp_path, "--export", "default,html,report")
+    assert first.returncode == 0, first.stderr
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    again = called("run", bag, "--out", tmp_path, "--map", tmp_path, "--export", "tum")
+    assert again.returncode == 0, again.stderr
+    (place,) = (tmp_path / "earlier").iterdir()
+    assert f"The results of an earlier run are now in {place}" in again.stdout
+    assert {path.name: path.read_bytes() for path in place.iterdir()} == before
+    assert {path.name for path in tmp_path.iterdir()} == {"trajectory.tum", "earlier"}
+
+
 def test_a_wrong_note_is_refused_before_the_work(bag: Path, tmp_path: Path):
     """With the form of one; no folder is made."""
     assert "give TIME=TEXT" in refused("run", bag, "--out", tmp_path / "out", "--export", "html", "--note", "soon")
@@ -267,6 +280,28 @@ def test_a_value_out_of_range_is_refused_before_any_work(bag: Path, tmp_path: Pa
     assert not (tmp_path / "out").exists()
 
 
+def test_a_seed_below_nothing_is_refused(bag: Path, tmp_path: Path):
+    """By all who take one: the value and what is possible."""
+    assert "seed is -1: give 0 to" in refused("drive", "--seed", "-1")
+    searched = ("sweep", bag, "--out", tmp_path / "out", "--search", "2", "--vary", "matcher.sigma=0.1:0.4")
+    assert "--seed -1 is less than nothing: give" in refused(*searched, "--seed", "-1")
+
+
+@pytest.mark.parametrize("address", ["ws://127.0.0.1:9", "-", "dds://0"])
+def test_a_stream_in_the_place_of_a_recording_is_refused(address: str, tmp_path: Path):
+    """As it was written, with the command that takes it."""
+    for command in (["view"], ["inspect"], ["run", "--out", tmp_path / "out"]):
+        told = refused(command[0], address, *command[1:])
+        assert told.endswith(f"{address} is a stream and no recording: use `hectorscope live {address}`")
+
+
+@pytest.mark.parametrize(("host", "address"), [("robot:9090", "ws://robot:9090"), ("robot", "ws://robot:8765")])
+@pytest.mark.parametrize("command", [("live",), ("serve", "--out", "out")])
+def test_a_host_in_the_place_of_an_address_is_refused(command: tuple[str, ...], host: str, address: str):
+    """With the address that is meant."""
+    assert refused(command[0], host, *command[1:]).endswith(f"{host} is no address: write {address}")
+
+
 def test_a_bad_settings_file_is_refused(bag: Path, tmp_path: Path):
     """The file and the place in it; what a terminal would obey is replaced."""
     path = tmp_path / "bad.toml"
@@ -288,9 +323,14 @@ def test_an_output_folder_that_cannot_be_is_refused(bag: Path, tmp_path: Path):
 def test_names_that_are_too_long_are_refused(bag: Path, tmp_path: Path):
     """Of the folder of kept runs, of a certificate and of a sweep: with the name."""
     name, proof = "x" * 300, tmp_path / "key.pem"
-    assert f"--runs {name} cannot be reached" in refused("view", bag, "--runs", name)
+    assert f"--runs {name} cannot be written to" in refused("view", bag, "--runs", name)
     assert f"{name} is no file" in refused("view", bag, "--certificate", name, "--key", proof)
     assert f"{name} has no runs.csv" in refused("sweep", "--show", name)
+
+
+def test_a_folder_that_takes_no_runs_is_refused_at_the_start(bag: Path):
+    """As that for the results is: a file."""
+    assert f"--runs {bag} cannot be written to (File exists)" in refused("view", bag, "--runs", bag)
 
 
 def test_a_port_in_use_is_refused(bag: Path):

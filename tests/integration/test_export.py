@@ -102,11 +102,14 @@ def test_a_killed_run_leaves_the_rows_it_had(drive: list[Item], tmp_path: Path):
     np.testing.assert_array_equal(read["x"], table(tmp_path / "whole" / "series.csv")["x"][: len(read)])
 
 
-def test_the_next_run_takes_the_place_of_a_killed_one(drive: list[Item], tmp_path: Path):
-    """One file with the whole run, and no half one beside it."""
-    (tmp_path / "series.unfinished.csv").write_text("half")
+def test_the_next_run_sets_a_killed_one_aside(drive: list[Item], tmp_path: Path):
+    """One file with the whole run, and no half one beside it; the half one is kept, of any format."""
+    half = tmp_path / "trajectory.unfinished.tum"
+    half.write_text("half")
+    os.utime(half, (0, 0))
     exported(drive, tmp_path, "csv")
-    assert [path.name for path in tmp_path.iterdir()] == ["series.csv"]
+    assert {path.name for path in tmp_path.iterdir()} == {"series.csv", "earlier"}
+    assert (tmp_path / "earlier" / "19700101T000000Z" / half.name).read_text() == "half"
 
 
 def test_an_interrupted_run_leaves_the_rows_it_had(drive: list[Item], tmp_path: Path):

@@ -58,6 +58,26 @@ def test_save_leaves_what_a_run_leaves(drive: list[Item], tmp_path: Path):
     assert "realtime_factor" not in figures
 
 
+def test_a_save_sets_an_earlier_program_aside_and_replaces_its_own(drive: list[Item], tmp_path: Path):
+    """Once, at the first save: until then the earlier map is where it was; the log says where it went."""
+    (tmp_path / "map.npz").write_text("earlier")
+    (tmp_path / "report.html").write_text("earlier")
+    with running(MemoryRecording(drive), autoplay=False, out=tmp_path) as engine:
+        until(engine, state("paused"))
+        after(engine, Save())
+        assert {path.name for path in tmp_path.iterdir()} == {"map.npz", "report.html"}
+        after(engine, Seek(drive[0].stamp_ns + 2 * 10**9))
+        engine.send(Save())
+        told = until(engine, lambda now: now.log[-1].text.startswith("Saved"))
+        assert "an earlier run are now in" in told.log[-1].text
+        engine.send(Save())
+        again = until(engine, lambda now: len(now.log) > len(told.log))
+        assert "an earlier run" not in again.log[-1].text
+    assert {path.name for path in tmp_path.iterdir()} == FILES | {"earlier"}
+    (place,) = (tmp_path / "earlier").iterdir()
+    assert {path.name for path in place.iterdir()} == {"map.npz", "report.html"}
+
+
 def test_save_without_a_folder_or_a_scan_says_so(drive: list[Item], tmp_path: Path):
     """A warning in the log with the remedy, no file, and the run goes on."""
     with running(MemoryRecording(drive), autoplay=False) as engine:
@@ -165,6 +185,29 @@ def test_the_end_of_the_program_saves(
     assert main(["view", str(bag), "--out", str(out), "--map.size", "512"]) == 130
     assert {path.name for path in out.iterdir()} == FILES
     assert str(out) in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("ending", ENDING)
+@pytest.mark.parametrize("command", ["live", "serve"])
+def test_an_end_before_the_first_scan_is_no_mistake(
+    command: str, ending: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """A robot that is not there: the interruption counts as such, the end says that nothing was saved."""
+
+    def interrupted(*_: object) -> None:
+        signal.raise_signal(ending)
+
+    def serve(_: PageServer, up: Callable[[], None]) -> None:
+        up()
+        interrupted()
+
+    monkeypatch.setattr("hectorscope.cli.page.serve", serve)
+    monkeypatch.setattr("hectorscope.cli.node._told", interrupted)
+    journal = ["--journal", "off"] if command == "live" else []
+    assert main([command, "ws://127.0.0.1:9", "--out", str(tmp_path), *journal]) == 130
+    assert "Nothing was saved, as no scan was used" in capsys.readouterr().out
+    assert not any(tmp_path.iterdir())
 
 
 def test_a_page_that_cannot_be_served_says_so_with_out_too(

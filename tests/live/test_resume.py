@@ -2,6 +2,8 @@
 
 import json
 import random
+import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,7 +16,7 @@ from hectorscope.session import journal_files
 from hectorscope.session.checkpoint_file import read_checkpoint
 from hectorscope.session.commands import Agree, Configure, Decline, Pause
 from hectorscope.session.journal import Journal, resumed
-from hectorscope.session.journal_files import CLOSED
+from hectorscope.session.journal_files import CLOSED, STAMP, begun
 from hectorscope.session.mailbox import Mailbox
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.session.station import Station
@@ -136,6 +138,24 @@ def test_a_run_is_offered_until_somebody_answers(tmp_path: Path) -> None:
     again.give_up_past()
     again.close()
     assert Journal(tmp_path, "a", reopen).past is None
+
+
+def test_the_question_names_the_run_by_the_clock_on_the_wall(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the day where that is another one, and says what either answer does."""
+    with monkeypatch.context() as patch:
+        patch.setenv("TZ", "EAST-9")
+        time.tzset()
+        left(tmp_path, "20200101T160000Z-1")
+        with running(MemoryStream(), station=Station(journal=Journal(tmp_path, "a", reopen))) as engine:
+            asked = until(engine, lambda now: now.question is not None).question
+        today = begun(Path(time.strftime(STAMP, time.gmtime())))
+    time.tzset()
+    assert asked is not None
+    assert asked.text.startswith("The run of 02 Jan 01:00 ended without being closed.")
+    assert (asked.agree, asked.decline) == ("Go on with the map of 02 Jan 01:00", "Begin a new map")
+    assert re.fullmatch(r"\d\d:\d\d", today)
 
 
 def test_who_declines_is_not_asked_again(tmp_path: Path) -> None:

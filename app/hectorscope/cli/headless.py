@@ -35,6 +35,7 @@ def process(
     wanted = settings.settings()
     prior_map = saved.prior_map(wanted)
     recording = _ready(bag, source, settings)
+    moved: list[str] = []
     with show_progress(recording) as progress:
         figures = run(
             recording,
@@ -46,8 +47,11 @@ def process(
             formats=formats,
             recording=bag,
             relations=motions,
+            tell=moved.append,
         )
     summary(recording.name, figures, out)
+    for line in filter(None, moved):
+        print(printable(line))
     if not is_lost(figures):
         return 0
     print("hectorscope: the pose was lost, so the map cannot be trusted: see tracking above", file=sys.stderr)

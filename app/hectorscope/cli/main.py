@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from hectorscope.cli.interruption import ended_by_interruption
-from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, opened
+from hectorscope.cli.interruption import INTERRUPTED, ended_by_interruption
+from hectorscope.cli.opening import OURS, Scene, checked, demo_bag, opened, recorded, streamed
 from hectorscope.cli.options import (
     ExportArg,
     MapArgs,
@@ -48,7 +48,6 @@ ADDRESS = (
 )
 
 MISTAKE = 2
-INTERRUPTED = 130
 
 
 class EmptyArgumentError(SlamError):
@@ -79,7 +78,7 @@ def view(
 ) -> int:
     """Show a recording in the browser; the page can open others."""
     by_path = partial(opened, source, settings)
-    return _show(by_path(bag, {}) if bag else None, settings, saved, page, by_path, bag)
+    return _show(by_path(recorded(bag), {}) if bag else None, settings, saved, page, by_path, bag)
 
 
 def live(
@@ -101,7 +100,7 @@ def live(
 
         print(told(look()))
         return 0
-    shown = checked(address, source, settings, OURS if station.publish else {}, link=station.link())
+    shown = checked(streamed(address), source, settings, OURS if station.publish else {}, link=station.link())
     options = station.options(address, source_options(source, settings))
     return _show(shown, settings, saved, page, partial(opened, source, settings), None, options)
 
@@ -118,7 +117,7 @@ def serve(
     """Follow a running robot without a page, as a node: its results are published, and saved at the end."""
     from hectorscope.cli.node import follow  # noqa: PLC0415
 
-    return follow(checked(address, source, settings, OURS), settings, saved, publish, out)
+    return follow(checked(streamed(address), source, settings, OURS), settings, saved, publish, out)
 
 
 def drive(
@@ -157,7 +156,7 @@ def run(
     """
     from hectorscope.cli.headless import process  # noqa: PLC0415
 
-    return process(bag, out, export, relations, note, settings, saved, source)
+    return process(recorded(bag), out, export, relations, note, settings, saved, source)
 
 
 def sweep(
@@ -190,7 +189,7 @@ def inspect(bag: Bag, *, source: SourceArgs) -> None:
     """List what a recording contains and what each topic would be used for."""
     from hectorscope.checks.inspect import inspect_bag  # noqa: PLC0415
 
-    print(inspect_bag(bag, source_options(source), repair=source.repair))
+    print(inspect_bag(recorded(bag), source_options(source), repair=source.repair))
 
 
 def _show(*what: Any) -> int:

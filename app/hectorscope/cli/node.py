@@ -1,6 +1,7 @@
 """Follows a stream without a page, until the program is interrupted or the stream ends."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from hectorscope.cli.interruption import undisturbed
@@ -37,7 +38,7 @@ def follow(
         engine.observe(observer)
         for address in publish:
             print(printable(f"Results are published at {address}"), flush=True)
-        engine.start(get_ready)
+        engine.start(partial(get_ready, live=True))
         try:
             is_sound = _told(engine)
         finally:

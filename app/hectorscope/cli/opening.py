@@ -10,10 +10,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from hectorscope.cli.options import SettingFlags, source_options
+from hectorscope.common.paths import exists
 from hectorscope.common.resources import resource_folder
-from hectorscope.inputs import LinkOptions, OptionValue, Source, SourceOptions
+from hectorscope.inputs import LinkOptions, OptionValue, Source, SourceError, SourceOptions
 from hectorscope.run.report import Report
-from hectorscope.sources import open_source
+from hectorscope.sources import addresses, open_source, scheme, suffix_of
 from slam_core.errors import SlamError
 
 if TYPE_CHECKING:
@@ -46,6 +47,23 @@ def checked(
     return CheckedSource(partial(open_source, uri), options, repairs=flags.repair)
 
 
+def streamed(address: str) -> str:
+    """The address of a stream; SourceError for a host without a scheme, with the address that is meant."""
+    if scheme(address) or "/" in address or suffix_of(address) or exists(Path(address)):
+        return address
+    raise SourceError(f"{address} is no address: write ws://{address}{'' if ':' in address else ':8765'}")
+
+
+def recorded(bag: Path) -> Path:
+    """The path of a recording; SourceError for the address of a stream, which lost a slash as a path."""
+    kind, _, rest = str(bag).partition(":/")
+    kinds = {scheme(address) for address in addresses()}
+    if kind not in kinds or exists(bag):
+        return bag
+    address = f"{kind}://{'/' if kind == 'file' and not exists(Path(rest)) else ''}{rest}" if rest else kind
+    raise SourceError(f"{address} is a stream and no recording: use `hectorscope live {address}`")
+
+
 def opened(flags: Any, settings: SettingFlags, path: Path, sensors: Mapping[str, OptionValue]) -> Source:
     """A recording by the flags about the sensors; those that come with the program need none.
 
@@ -71,11 +89,11 @@ def demo_bag(scene: Scene) -> Path:
     return path
 
 
-def get_ready(*report: Report) -> None:
-    """Load or compile the kernels of the first scan; what is compiled is told to a `report`, if there is one."""
+def get_ready(*report: Report, live: bool = False) -> None:
+    """Load or compile the kernels of the first scan, of a stream all; what is compiled is told to a `report`."""
     from hectorscope.run.warmup import warm_up  # noqa: PLC0415
 
-    warm_up(*report)
+    warm_up(*report, everything=live)
     gc.enable()
 
 

@@ -2,6 +2,7 @@
 
 import secrets
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from hectorscope.cli.station_flags import NO_STATION, StationOptions
 from hectorscope.common.recent import Recent, recent_file
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Source
+from hectorscope.run.report import Report
 from hectorscope.session.exchange import Exchange
 from hectorscope.session.kept_runs import KeptRuns
 from hectorscope.session.library import Library, Opened, check_folders
@@ -78,18 +80,19 @@ def show(
                 made.attach(station.made())
             return made
 
-        message = _serve(server, engine)
+        ready = partial(get_ready, live=source is not None and source.live)
+        message = _serve(server, engine, ready)
     if message:
         print(printable(message))
 
 
-def _serve(server: PageServer, made: Callable[[], "Engine"]) -> str:
+def _serve(server: PageServer, made: Callable[[], "Engine"], ready: Callable[[Report], None]) -> str:
     """Serve until interrupted; what to say of the results that were saved then."""
     engines: list[Engine] = []
 
     def begin() -> None:
         engines.append(made())
-        engines[0].start(get_ready)
+        engines[0].start(ready)
 
     message = ""
     try:

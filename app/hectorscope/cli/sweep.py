@@ -95,6 +95,8 @@ def _check(flags: SweepFlags, bags: Bags) -> None:
         raise VaryError("--runs lists the runs itself: leave --vary and --search out")
     if flags.search < 0:
         raise VaryError(f"--search {flags.search} is less than nothing: give a number of settings")
+    if flags.seed < 0:
+        raise VaryError(f"--seed {flags.seed} is less than nothing: give a whole number from 0 on")
     if flags.halving and not flags.search:
         raise VaryError("--halving is a way to search: give --search N too")
     if not bags and not flags.runs:

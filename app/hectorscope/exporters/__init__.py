@@ -12,8 +12,8 @@ from typing import Any
 
 from hectorscope.common.registry import members
 from hectorscope.exporters._exporter import Exporter, Stream
-from hectorscope.exporters._files import GrowingFile
-from hectorscope.exporters._folder import OutputError, locked, make
+from hectorscope.exporters._files import GrowingFile, unfinished
+from hectorscope.exporters._folder import OutputError, locked, make, set_aside
 from hectorscope.exporters._streams import Streams, reason
 from hectorscope.inputs import Source, SourceError, SourceReport
 from hectorscope.run.annotations import Annotation
@@ -31,11 +31,13 @@ from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.pyramid import Pyramid
 
 __all__ = [
+    "REPLAY",
     "Exporter",
     "GrowingFile",
     "OutputError",
     "Stream",
     "chosen",
+    "clear",
     "collected",
     "export",
     "exporters",
@@ -49,6 +51,7 @@ __all__ = [
 ]
 
 DEFAULT, ALL = "default", "all"
+REPLAY = "replay.html"  # of the format that `web` adds
 
 
 class FormatError(SlamError):
@@ -97,6 +100,16 @@ def reserved(folder: Path, formats: Iterable[Exporter] | None = None) -> Iterato
 def prepare(folder: Path, formats: Iterable[Exporter] | None = None) -> None:
     """Make the folder for the results, and try it, before the work is done; OutputError if it is of no use."""
     make(folder, _names(chosen() if formats is None else formats))
+
+
+def clear(folder: Path) -> str:
+    """Set the results of an earlier run aside before those of another come; a sentence if there were any."""
+    return set_aside(folder, [*_names(exporters()), REPLAY])
+
+
+def _clear_unfinished(folder: Path) -> str:
+    """Likewise what a run left that did not come to its end."""
+    return set_aside(folder, [unfinished(folder / name).name for name in [*_names(exporters()), REPLAY]])
 
 
 def _names(formats: Iterable[Exporter]) -> list[str]:
@@ -208,20 +221,24 @@ def run(
     formats: Iterable[Exporter] | None = None,
     recording: Path | None = None,
     relations: Relations | None = None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
     """All of it; the metrics.
 
     truth: a topic that was asked for by name and so must be there. formats: as in `write`. recording: the file or
-    folder that `source` reads, for what names it. relations: true motions, which the metrics score it by.
+    folder that `source` reads, for what names it. relations: true motions, which the metrics score it by. tell:
+    hears where the results of an earlier run are.
     """
     formats = chosen() if formats is None else list(formats)
     with reserved(folder, formats), Streams(formats, folder) as streams:
+        moved = _clear_unfinished(folder)
         pipeline, effort = run_headless(source, settings, progress, prior_map, streams.add)
         figures = run_metrics(pipeline, source.report, effort)
         if truth is not None and figures["truth"] is None:
             raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
         if relations is not None:
             figures["relations"] = relation_figures(pipeline.trajectory, pipeline.start_ns or 0, relations)
+        tell(clear(folder) or moved)
         streams.finish(pipeline)
         results = replace(collected(pipeline, figures, source.report), recording=recording)
         write(with_map(results, pipeline.slam.map), folder, formats, streams.missing)

@@ -118,10 +118,10 @@ class Scene:
         if mode in get_args(Camera):
             self.run(f"window.hectorscope?.camera('{mode}')", client)
 
-    def notify(self, sentence: str, client: viser.ClientHandle | None = None) -> None:
-        """Show a sentence in a corner of one page, or of every open one, for some seconds."""
+    def notify(self, sentence: str, client: viser.ClientHandle | None = None, *, failed: bool = False) -> None:
+        """Show a sentence in a corner of one page, or of every open one, for some seconds; in red what failed."""
         for target in [client] if client is not None else list(self.server.get_clients().values()):
-            target.add_notification("", sentence, auto_close_seconds=NOTICE_S)
+            target.add_notification("", sentence, auto_close_seconds=NOTICE_S, color="red" if failed else None)
 
     def run(self, script: str, client: viser.ClientHandle | None = None) -> None:
         """Run JavaScript once in one browser, or in all that are connected now; late joiners never see it.

@@ -33,7 +33,7 @@ class LogPanel:
             return
         if self._source in {"", snapshot.source}:  # else it is the log of another recording
             for answer in answers(snapshot.log, self._drawn):
-                self._scene.notify(answer.text)
+                self._scene.notify(answer.text, failed=answer.level != "info")
         self._drawn, self._source = snapshot.log, snapshot.source
         playback = snapshot.playback
         self._list.content = log_html(snapshot.log, playback.start_ns, jumps=playback.end_ns is not None)

@@ -43,7 +43,7 @@ class PermalinkPanel:
         try:
             self._scene.send(Follow(from_text(text)))
         except PermalinkError as error:
-            self._scene.notify(str(error), event.client)
+            self._scene.notify(str(error), event.client, failed=True)
 
 
 def link_of(snapshot: Snapshot) -> dict[str, str]:

@@ -1,4 +1,5 @@
 """Loads the kernels of the first scan, or compiles them on the first start; the others follow during the run.
+A stream does not wait for a kernel: all of them are there before it begins.
 
 numba compiles one kernel after the other, so another process compiles those of the filter meanwhile, and then the
 rest. Both find what is compiled where it is kept.
@@ -22,12 +23,13 @@ from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.landscape import costs
-from slam_core.measurements import Height, Imu, LaserScan, Measurement, Odometry
+from slam_core.measurements import GroundDistance, Height, Imu, LaserScan, Measurement, Odometry
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.results import ACCEPTED
+from slam_core.results import ACCEPTED, PlanarGaussian
 from slam_core.scan.stabilise import stabilise
 
 FIRST = 50  # functions of ours that the first scan has compiled, with those that they call
+ALL = 112  # that every kernel has
 # Objects made before the collector looks for cycles among them: a step makes many, and no cycle.
 GARBAGE = 20_000
 PERIOD_S = 0.25
@@ -42,14 +44,16 @@ def _untold(text: str, share: float | None = None) -> None:
     """Nobody wants to know."""
 
 
-def warm_up(report: Report = _untold) -> None:
-    """Load or compile what the first scan needs.
+def warm_up(report: Report = _untold, *, everything: bool = False) -> None:
+    """Load or compile what the first scan needs, or everything that a run can need.
 
     What is compiled then or later is told to `report` and on stderr; a start that compiles nothing says nothing.
     """
     _compiler.report = report
-    with _compiler.first_scan():
+    with _compiler.preparing(ALL if everything else FIRST):
         _first_map()
+    if everything:
+        load_everything()  # what the helper has compiled, and here what an earlier start did not come to
     _spare_collector()
 
 
@@ -62,10 +66,12 @@ class _Compiler(event.Listener):
         self._helper: subprocess.Popen[str] | None = None
         self._ready = threading.Event()
         self._depth = self._done = 0
+        self._wanted = FIRST
         listen("numba:compile", self)
 
-    def first_scan(self) -> "_Compiler":
-        """A context: within it the first scan is prepared, and at its end that is so."""
+    def preparing(self, wanted: int) -> "_Compiler":
+        """A context: within it so many functions are prepared, and at its end that is so."""
+        self._wanted = wanted
         return self
 
     def __enter__(self) -> None:
@@ -74,8 +80,8 @@ class _Compiler(event.Listener):
     def __exit__(self, *_: object) -> None:
         while self._helper is not None and not self._ready.wait(PERIOD_S):
             self._tell()
-        if 0 < self._done < FIRST:  # some were loaded, as the other process had compiled them
-            self._done = FIRST
+        if 0 < self._done < self._wanted:  # some were loaded, as the other process had compiled them
+            self._done = self._wanted
             self._tell()
         self._is_first = False
         if self._done:
@@ -110,16 +116,17 @@ class _Compiler(event.Listener):
         """Until the helper ends, which it does alone, or as this process does."""
         assert process.stdout is not None
         for line in process.stdout:
-            if line.strip() == READY:
-                self._ready.set()
-            else:
+            if line.strip() != READY:
                 self._done += 1
+            elif self._wanted == FIRST:
+                self._ready.set()
         self._ready.set()
         process.wait()
 
     def _tell(self) -> None:
-        done = min(self._done, FIRST)
-        self._say(f"Compiling for the first scan: {done} of {FIRST} functions (first start only)", done / FIRST)
+        done, what = min(self._done, self._wanted), "first scan" if self._wanted == FIRST else "stream"
+        text = f"Compiling for the {what}: {done} of {self._wanted} functions (first start only)"
+        self._say(text, done / self._wanted)
 
     def _say(self, text: str, share: float | None) -> None:
         self.report(text, share)
@@ -232,6 +239,8 @@ def _everything(inertial: bool) -> None:
                 pipeline.step(ready)
         for ready in pipeline.flush():
             pipeline.step(ready)
+        pipeline.slam.reset_pose(PlanarGaussian(np.zeros(3), np.eye(3)))  # as where it was found again
+        pipeline.step(_scan(END_NS + 1))
         inside = pipeline.slam.map.levels[0]
         costs(inside, np.zeros((1, 2), np.float32), np.zeros((1, 3)))
         prior_map = PriorMap("the room", saved_levels(pipeline.slam.map))  # the second run seeks its place there
@@ -245,6 +254,7 @@ def _room(inertial: bool) -> list[Measurement]:
         if inertial:
             measurements.append(Imu(stamp_ns, np.zeros(3), np.array([0.0, 0.0, 9.80665])))
             measurements.append(Height(stamp_ns, 0.0))
+            measurements.append(GroundDistance(stamp_ns, 0.5, np.zeros(3), np.array([0.0, 0.0, -1.0])))
         if tick % 10 == 0:
             measurements.append(Odometry(stamp_ns, np.zeros(2), 0.0))
             # The last one fits nowhere: it is searched for.

@@ -8,6 +8,7 @@ import json
 import os
 import tempfile
 import time
+from calendar import timegm
 from pathlib import Path
 
 from hectorscope.common.paths import FolderLock, exists, write_whole
@@ -15,6 +16,7 @@ from hectorscope.ros.stream_recorder import parts
 from slam_core.errors import SlamError
 
 ABOUT, CHECKPOINT, CLOSED, ACTIONS = "about.json", "checkpoint", "closed", "actions.jsonl"
+STAMP = "%Y%m%dT%H%M%SZ"  # of the beginning of a run: UTC
 ROWS = "rows_{}.f64"  # of the run, by number
 KEPT, KEPT_BYTES = 5, 4 * 2**30  # journals of runs, and all together; the oldest ones are removed
 
@@ -45,7 +47,7 @@ class Hold(FolderLock):
 
 def begin(root: Path, address: str) -> Path:
     """A new folder for a run; older ones are removed. JournalError if it cannot be made."""
-    stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
+    stamp = time.strftime(STAMP, time.gmtime())
     try:
         root.mkdir(parents=True, exist_ok=True, mode=0o700)
         folder = Path(tempfile.mkdtemp(prefix=f"{stamp}-", dir=root))  # for its owner alone
@@ -55,6 +57,15 @@ def begin(root: Path, address: str) -> Path:
             f"the journal cannot be kept in {root} ({error.strerror}): give another --journal, or off"
         ) from error
     return folder
+
+
+def begun(folder: Path) -> str:
+    """When the run of a journal began, by the clock on the wall, with the date unless that is today's."""
+    try:
+        then = time.localtime(timegm(time.strptime(folder.name.split("-")[0], STAMP)))
+    except ValueError:  # a name that somebody gave
+        return folder.name
+    return time.strftime("%H:%M" if then[:3] == time.localtime()[:3] else "%d %b %H:%M", then)
 
 
 def ended_badly(root: Path, address: str) -> Path | None:

@@ -1,9 +1,10 @@
 """Runs that are kept in a folder, each in one of its own with a RUN.toml, and opened again from there."""
 
 import re
+import tempfile
 from pathlib import Path
 
-from hectorscope.common.paths import absence, exists, write_whole
+from hectorscope.common.paths import exists, write_whole
 from hectorscope.run.run_file import FILE, RunFile, RunFileError, read_run, write_text
 from hectorscope.session.snapshot import Listed
 
@@ -16,11 +17,16 @@ class KeptRuns:
     """folder: None keeps nothing. What a page calls a run is a label: its letters and digits name a folder."""
 
     def __init__(self, folder: Path | None) -> None:
-        """RunFileError if nothing can be kept there, as below a file or by a name that is too long."""
-        why = absence(folder) if folder else ""
-        if why.startswith("cannot"):
-            raise RunFileError(f"--runs {folder} {why}: give another folder")
+        """RunFileError where there is no run and none can be kept. The folder is made if it is missing."""
         self.folder = folder
+        if folder is not None and not self.listed():
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                tempfile.TemporaryFile(dir=folder).close()
+            except OSError as error:
+                raise RunFileError(
+                    f"--runs {folder} cannot be written to ({error.strerror}): give another folder"
+                ) from error
 
     def listed(self) -> tuple[Listed, ...]:
         """The name of each folder with a run, which is its key too."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from hectorscope.exporters import prepare, saving
+from hectorscope.exporters import clear, prepare, saving
 from hectorscope.inputs import SourceReport
 from hectorscope.session.active_run import ActiveRun
 from hectorscope.session.background_task import BackgroundTask
@@ -12,6 +12,8 @@ from hectorscope.session.commands import Answer
 
 class Saver:
     """The first run that is saved goes to `out`, those that began later to folders in it: none replaces another.
+
+    What an earlier program left in such a folder is set aside first.
 
     answer: hears from any thread how a saving ended.
     """
@@ -31,6 +33,8 @@ class Saver:
     def finish(self, run: ActiveRun, report: SourceReport) -> str:
         """Save now, after what is being written; the sentence for the log. SlamError if that fails."""
         self._task.wait()
+        if not run.pipeline.scans:
+            return "Nothing was saved, as no scan was used"
         return self._saving(run, report)()
 
     def _saving(self, run: ActiveRun, report: SourceReport) -> Callable[[], str]:
@@ -39,6 +43,7 @@ class Saver:
             write = saving(run.pipeline, report, folder, run.annotations.marks)
             if folder != self.out:
                 prepare(folder)
+            moved = clear(folder)
             self._runs, run.folder = self._runs + 1, folder
-            return write
+            return (lambda: f"{write()}. {moved}") if moved else write
         return saving(run.pipeline, report, run.folder, run.annotations.marks)

@@ -13,6 +13,7 @@ from hectorscope.inputs import Source, Tappable
 from hectorscope.ros.stream_recorder import RecordError, StreamRecorder
 from hectorscope.run.annotations import AnnotationError
 from hectorscope.run.pictures import picture_of
+from hectorscope.session import journal_files
 from hectorscope.session.commands import Command, Export, GoLive, Inspect, ListRecordings, Seek
 from hectorscope.session.control import Control
 from hectorscope.session.journal import Journal
@@ -80,12 +81,12 @@ class Station:
         if self._resumes:
             self.obey(Resume())
         else:
-            text = f"The run before ended without being closed ({self._journal.past.name[:16]}, UTC)."
+            begun = journal_files.begun(self._journal.past)
             control.questions.ask(
                 Resume(),
-                f"{text} Its map is kept: go on with it?",
-                "Go on with the map",
-                "Keep the new map",
+                f"The run of {begun} ended without being closed. Its map is kept: go on with it?",
+                f"Go on with the map of {begun}",
+                "Begin a new map",
                 patience_s=OFFERED_S,
                 otherwise=GiveUpPast(),
             )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from hectorscope.inputs import Item, SourceReport
 from hectorscope.simulation.driven import DrivenRobot, DriveWorld
 from hectorscope.simulation.motion import STEP
+from hectorscope.simulation.options import SceneOptions
 from hectorscope.steering import DriveState, Request, Steer
 
 DEAD_MAN_S = 0.6  # without another word of the hand the robot stops: its browser may be gone
@@ -20,7 +21,8 @@ class DriveSource:
     report = SourceReport(connected=True, notes=("The robot is simulated, and driven from the page.",))
 
     def __init__(self, world: DriveWorld, seed: int = 1) -> None:
-        """SimulationError for an unknown world."""
+        """SimulationError for an unknown world, or a seed that is none."""
+        SceneOptions(seed=seed)
         self.name = f"drive {world}"
         self._robot = DrivenRobot(world, seed)
         self._closed = threading.Event()

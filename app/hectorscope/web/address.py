@@ -95,10 +95,32 @@ class Address:
 
     def url(self, port: int, token: str | None) -> str:
         """What to open in a browser. port: the one that was got."""
-        name = f"[{self.host}]" if ":" in self.host else self.host
+        host = reached_by(self.host)
+        name = f"[{host}]" if ":" in host else host
         scheme = "https" if self.certificate else "http"
         start = self.public.rstrip("/") if self.public else f"{scheme}://{name}:{port}"
         return f"{start}/" + (f"?token={token}" if token else "")
+
+
+# Addresses for documentation, which no machine has (RFC 5737, RFC 3849): packets to them leave it.
+ELSEWHERE = {"0.0.0.0": (socket.AF_INET, "192.0.2.1"), "::": (socket.AF_INET6, "2001:db8::1")}
+
+
+def reached_by(host: str) -> str:
+    """The address by which others open what is served at `host`, or where that is all, the name of this machine.
+
+    The system is asked which address packets to the network would have; none is sent.
+    """
+    if host not in ELSEWHERE:
+        return host
+    family, elsewhere = ELSEWHERE[host]
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as asked:
+            asked.connect((elsewhere, 9))
+            found: str = asked.getsockname()[0]
+            return found
+    except OSError:  # no network
+        return socket.gethostname()
 
 
 def listen(host: str, port: int) -> socket.socket:

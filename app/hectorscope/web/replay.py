@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from hectorscope.common.resources import resource_folder
-from hectorscope.exporters import GrowingFile
+from hectorscope.exporters import REPLAY, GrowingFile
 from hectorscope.page import viser_private
 from hectorscope.page.ellipse_scale import fitted
 from hectorscope.page.marks import layers_mark, levels_mark
@@ -29,7 +29,6 @@ from hectorscope.web.access_control import AccessControl
 from hectorscope.web.address import listen
 from hectorscope.web.guarded_server import open_server, stop_server
 from hectorscope.web.server import made
-from hectorscope.web.shared_replay import NAME
 from slam_core.results import StepResult
 
 FRAME_S, MAP_S = 0.1, 0.5  # between pictures of the scan, and of the map
@@ -44,7 +43,7 @@ class ReplayStream:
     """The file that `Exporter.stream` promises: all of it is written at the end of the run."""
 
     def __init__(self, folder: Path, notes: Sequence[Note], source: str) -> None:
-        self._file = GrowingFile(folder / NAME)
+        self._file = GrowingFile(folder / REPLAY)
         self._notes, self._source = notes, source
         # A viewer's server that nobody can enter: its messages are recorded, not sent.
         self._server = open_server(listen("127.0.0.1", 0), AccessControl({}, secrets.token_urlsafe()))

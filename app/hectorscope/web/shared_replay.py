@@ -13,14 +13,12 @@ from hectorscope.run.notes import Note
 if TYPE_CHECKING:
     from hectorscope.exporters import Exporter, Stream
 
-NAME = "replay.html"
-
 
 def exporter(notes: Sequence[Note] = (), source: str = "") -> "Exporter":
     """The format, with these notes pinned to their moments. source: the name of what was run."""
-    from hectorscope.exporters import Exporter  # noqa: PLC0415 - it needs numba
+    from hectorscope.exporters import REPLAY, Exporter  # noqa: PLC0415 - it needs numba
 
-    return Exporter("html", (NAME,), order=95, stream=partial(_stream, tuple(notes), source))
+    return Exporter("html", (REPLAY,), order=95, stream=partial(_stream, tuple(notes), source))
 
 
 def _stream(notes: tuple[Note, ...], source: str, folder: Path) -> "Stream":

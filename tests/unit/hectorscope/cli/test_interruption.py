@@ -3,6 +3,7 @@
 import ctypes
 import gc
 import signal
+import subprocess
 import sys
 import time
 
@@ -67,3 +68,23 @@ def test_a_signal_that_is_ignored_stays_ignored(ending: signal.Signals):
         assert signal.getsignal(ending) == signal.SIG_IGN
     finally:
         signal.signal(ending, before)
+
+
+WHILE_LOADED = """
+import signal, sys
+
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "tyro":
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+from hectorscope.cli.start import main
+sys.exit(main())
+"""
+
+
+def test_an_interruption_while_the_program_is_loaded_is_one_too():
+    """Ctrl-C in the first moments, while a library comes: one word, and the exit code of an interruption."""
+    done = subprocess.run([sys.executable, "-c", WHILE_LOADED], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")

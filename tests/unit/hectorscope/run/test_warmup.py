@@ -37,6 +37,32 @@ slam = HectorSlam()
 for stamp_ns in (0, 100_000_000):
     slam.step(warmup._scan(stamp_ns))
 """
+# Prints what became of the pose, and every signature of a kernel that Python calls that the start did not load.
+LOSES = """
+import sys
+from tests import conftest
+from hectorscope.run import warmup
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
+from numba.core.dispatcher import Dispatcher
+from tests.integration.test_recovery import kidnapped
+
+def loaded():
+    modules = [module for name, module in sys.modules.items() if name.startswith("slam_core.")]
+    kernels = {each for module in modules for each in vars(module).values() if isinstance(each, Dispatcher)}
+    return {(kernel.py_func.__qualname__, signature) for kernel in kernels for signature in kernel.signatures}
+
+warmup.warm_up(everything=True)
+before, states = loaded(), []
+for inertial in (True, False):
+    pipeline = Pipeline(Settings())
+    for item in kidnapped(inertial):
+        for measurement in pipeline.admit(item):
+            pipeline.step(measurement)
+            if pipeline.result is not None:
+                states.append(pipeline.result.tracking)
+print(*(state for state in ("lost", "recovered") if state in states), *map(str, loaded() - before), sep="\\n")
+"""
 COLD_S = 900  # of a busy machine
 
 
@@ -93,3 +119,10 @@ def test_the_second_start_compiles_nothing() -> None:
     """Every kernel that Python calls is kept; one that is not would be compiled at each start."""
     output(WATCHED + EVERYTHING)
     assert not output(WATCHED + EVERYTHING).stdout
+
+
+def test_a_stream_that_loses_its_pose_compiles_nothing() -> None:
+    """All is there before it begins: a robot that is carried away is lost and found with no new signature."""
+    done = output(LOSES).stdout.splitlines()
+    assert done[:2] == ["lost", "recovered"]
+    assert not done[2:]

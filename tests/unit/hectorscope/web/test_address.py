@@ -1,15 +1,27 @@
 """Addresses: which are refused, and what is to be opened in a browser."""
 
+import socket
 import subprocess
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
 from hectorscope.web.access_control import AccessControl
-from hectorscope.web.address import Address, Certificate, ServerError
+from hectorscope.web.address import ELSEWHERE, Address, Certificate, ServerError
 from tests.certificates import self_signed
 
 TOKEN = "open-sesame"
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::"])
+def test_all_addresses_are_told_as_one_that_others_can_open(host: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of this machine in its network; without a network its name."""
+    url = urlsplit(Address(host, token=TOKEN).url(8080, TOKEN))
+    assert url.hostname not in {None, host}
+    assert (url.port, url.query) == (8080, f"token={TOKEN}")
+    monkeypatch.setitem(ELSEWHERE, host, (ELSEWHERE[host][0], "255.255.255.255"))  # which the system refuses
+    assert urlsplit(Address(host, token=TOKEN).url(8080, None)).hostname == socket.gethostname().lower()
 
 
 @pytest.mark.parametrize(
