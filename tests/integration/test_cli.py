@@ -18,8 +18,9 @@ from hectorscope.run.settings_file import read_toml
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, leaves, with_values
 from slam_core.measurements import Imu, LaserScan
+from tests.bags import small_run
 from tests.commands import MISTAKE, PATIENCE_S, called, hectorscope, refused
-from tests.ros_messages import Messages, write_bag
+from tests.ros_messages import SECOND, Messages, write_bag
 
 LOST, INTERRUPTED = 3, 130
 
@@ -154,6 +155,19 @@ def test_a_run_that_ends_lost_says_so(tmp_path: Path):
     assert figures["tracking_at_end"] == "lost"
     assert f"{figures['tracking']['lost']} lost" in done.stdout
     assert (tmp_path / "out" / "map.npz").exists()
+
+
+def test_a_truth_that_scores_nothing_costs_the_score_alone(tmp_path: Path):
+    """Whether tf joins two frames shows at the end: the results are there, and the message says what is not."""
+    ros = Messages("ros1")
+    moved = [("/tf", ros.tf(k * SECOND, "odom", "base_link", (0.0, 0.0, 0.0)), k * SECOND) for k in range(3)]
+    path = write_bag(tmp_path / "run.bag", [*small_run(ros), *moved])
+    out = tmp_path / "out"
+    told = refused("run", path, "--out", out, "--truth", "tf:a>b", "--imu-topic", "none")
+    assert f"tf:a>b holds no truth at the times of the scans, so {out} has no score" in told
+    assert (out / "map.npz").exists()
+    assert json.loads((out / "metrics.json").read_text())["truth"] is None
+    assert called("run", path, "--out", out, "--truth", "none", "--imu-topic", "none").returncode == 0
 
 
 def test_one_folder_takes_the_results_of_one_run(bag: Path, tmp_path: Path):
