@@ -129,7 +129,7 @@ def _drift(topic: str, drift: float, span_s: float) -> Finding:
     return Finding(
         f"the clock of {topic} runs {100.0 * abs(drift):.2g} % too {way}: by {abs(drift) * span_s:.2g} s in"
         f" {span_s:.0f} s",
-        remedy="no fixed delay repairs it: keep that clock by PTP, or let the computer that records stamp",
+        remedy="a fixed delay repairs its mean alone: keep that clock by PTP, or let the recording computer stamp",
     )
 
 
