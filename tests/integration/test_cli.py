@@ -241,7 +241,7 @@ def lying_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path: Path):
-    """`run` names --repair first, then the flags; with either it runs, to the same trajectory."""
+    """`run` names --repair first, then the flags. Either gives the same trajectory; a repair is told once."""
     flags = ["--imu-accel-unit", "mg", "--imu-gyro-unit", "deg/s"]
     line = refused("run", lying_bag, "--out", tmp_path / "out")
     assert "so in milli-g and not in m/s²" in line
@@ -249,9 +249,10 @@ def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path:
     assert not (tmp_path / "out").exists()
     done = called("run", lying_bag, "--out", tmp_path / "out", *flags)
     assert done.returncode == 0, done.stderr
-    mended = called("run", lying_bag, "--out", tmp_path / "mended", "--repair")
+    mended = called("run", lying_bag, "--out", tmp_path / "mended", "--repair", "--export", "default,report")
     assert mended.returncode == 0, mended.stderr
-    assert "(--imu-accel-unit mg)" in mended.stdout
+    told = (mended.stdout, (tmp_path / "mended" / "report.html").read_text())
+    assert [text.lower().count("repaired: the accelerometer shows gravity") for text in told] == [1, 1]
     again = ("--config", tmp_path / "mended/config.toml")
     assert called("run", lying_bag, "--out", tmp_path / "again", *again).returncode == 0
     first, *others = ((tmp_path / name / "trajectory.tum").read_bytes() for name in ("out", "mended", "again"))

@@ -8,7 +8,6 @@ from typing import Any
 from hectorscope.cli.opening import checked, get_ready
 from hectorscope.cli.options import MapFlags, SettingFlags
 from hectorscope.cli.report import show_progress, summary
-from hectorscope.common.terminal import printable
 from hectorscope.exporters import chosen, run
 from hectorscope.inputs import Source
 from hectorscope.run.metrics import is_lost
@@ -55,10 +54,8 @@ def process(
 
 
 def _ready(bag: Path, source: Any, settings: SettingFlags) -> Source:
-    """The recording, whose sensors were checked, with the kernels compiled; what was repaired is printed."""
+    """The recording, whose sensors were checked, with the kernels compiled."""
     recording = checked(str(bag), source, settings)
     get_ready()
     recording.check()
-    for finding in recording.report.repaired:
-        print(printable(f"repaired: {finding.fact} ({finding.repair})"))
     return recording
