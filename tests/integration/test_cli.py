@@ -157,6 +157,18 @@ def test_a_run_that_ends_lost_says_so(tmp_path: Path):
     assert (tmp_path / "out" / "map.npz").exists()
 
 
+def test_a_run_that_could_use_few_scans_says_so(tmp_path: Path):
+    """Its map is of no use, so the exit code is that of a lost run; the files are there."""
+    ros = Messages("ros1")
+    backwards = (1.0, 0.5, 0.2)
+    scans = [ros.scan(round(t * SECOND), ranges=np.full(100, 2.0), angle_increment=0.01) for t in backwards]
+    bag = write_bag(tmp_path / "run.bag", [("/scan", scan, k * SECOND) for k, scan in enumerate(scans)])
+    done = called("run", bag, "--out", tmp_path / "out")
+    assert done.returncode == LOST, done.stderr
+    assert "hectorscope: 1 of 3 scans could be used, so the map cannot be trusted" in done.stderr
+    assert (tmp_path / "out" / "map.npz").exists()
+
+
 def test_a_truth_that_scores_nothing_costs_the_score_alone(tmp_path: Path):
     """Whether tf joins two frames shows at the end: the results are there, and the message says what is not."""
     ros = Messages("ros1")

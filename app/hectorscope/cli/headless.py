@@ -10,7 +10,7 @@ from hectorscope.cli.options import MapFlags, SettingFlags
 from hectorscope.cli.report import show_progress, summary
 from hectorscope.exporters import chosen, run
 from hectorscope.inputs import Source
-from hectorscope.run.metrics import is_lost
+from hectorscope.run.metrics import failure
 from hectorscope.run.notes import note
 from hectorscope.run.relations import read_relations
 from hectorscope.web import shared_replay
@@ -47,10 +47,10 @@ def process(
             relations=motions,
         )
     summary(recording.name, figures, out)
-    if not is_lost(figures):
-        return 0
-    print("hectorscope: the pose was lost, so the map cannot be trusted: see tracking above", file=sys.stderr)
-    return LOST
+    if why := failure(figures):
+        print(f"hectorscope: {why}", file=sys.stderr)
+        return LOST
+    return 0
 
 
 def _ready(bag: Path, source: Any, settings: SettingFlags) -> Source:

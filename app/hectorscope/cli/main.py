@@ -153,7 +153,7 @@ def run(
 ) -> int:
     """Process a recording as fast as it goes; leave trajectory, map, settings and figures.
 
-    Exits with 3 when the pose is lost at the end, or in more than half of the scans.
+    Exits with 3 when the pose is lost at the end or in half of the scans, or half of the scans cannot be used.
     """
     from hectorscope.cli.headless import process  # noqa: PLC0415
 

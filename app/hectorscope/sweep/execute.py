@@ -18,7 +18,7 @@ from hectorscope.inputs import Item, Source, SourceReport
 from hectorscope.run.headless import run_headless
 from hectorscope.run.map_image import PALETTE, MapImage
 from hectorscope.run.map_images import level_image
-from hectorscope.run.metrics import is_lost, metrics
+from hectorscope.run.metrics import failure, metrics
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.relations import read_relations, relation_figures
 from hectorscope.sources import open_source
@@ -98,7 +98,7 @@ def _run(spec: RunSpec) -> dict[str, Any]:
     image = None if pyramid.empty else level_image(pyramid, 0)
     figures[SCORE] = round(sampler.score(image), 6)
     return {
-        "status": "lost" if is_lost(figures) else "ok",
+        "status": "lost" if failure(figures) else "ok",
         "figures": dict(flat(figures)),
         "picture": picture(image) if image else "",
         "extent": _extent(image) if image else (),
