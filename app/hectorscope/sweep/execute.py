@@ -28,6 +28,7 @@ from hectorscope.sweep.limits import resident_mb
 from hectorscope.sweep.sampler import Sampler
 from hectorscope.sweep.spec import RunSpec, RunSummary
 from slam_core.errors import SlamError
+from slam_core.measurements import LaserScan
 
 PICTURE = 160  # pixels, of its longer side at most
 POSES = 300  # of the path that is kept
@@ -51,10 +52,16 @@ class Beginning:
         return self._source.report
 
     def items(self) -> Iterator[Item]:
-        """Those up to the end of the part."""
+        """Those up to the end of the part: the same scans with whatever delay, which moves their stamps."""
         end_ns = self.span_ns[1] if self.span_ns and self._share < 1.0 else None
         items = self._source.items()
-        return items if end_ns is None else takewhile(lambda item: item.stamp_ns <= end_ns, items)
+        sensors: dict[str, Any] = dict(self.report.sensors)
+        delay_ns: int = round(1e9 * sensors.get("scan_delay", 0.0))
+
+        def within(item: Item) -> bool:
+            return item.stamp_ns + delay_ns * isinstance(item, LaserScan) <= (end_ns or 0)
+
+        return items if end_ns is None else takewhile(within, items)
 
     def close(self) -> None:
         """Let go of the source."""
