@@ -106,6 +106,15 @@ def test_a_wrong_note_is_refused_before_the_work(bag: Path, tmp_path: Path):
     assert not (tmp_path / "out").exists()
 
 
+def test_a_note_that_nobody_would_see_is_refused_before_the_work(bag: Path, tmp_path: Path):
+    """Without the replay, or behind the end of the recording."""
+    out = ["--out", tmp_path / "out"]
+    assert "add html to --export" in refused("run", bag, *out, "--note", "1=door")
+    late = refused("run", bag, *out, "--export", "html", "--note", "9999=door")
+    assert "at 9999 s is behind the end of short.bag: give 0 to" in late
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_wrong_format_is_refused_before_the_work(bag: Path, tmp_path: Path):
     """With the nearest one; no folder is made."""
     assert "did you mean kitti?" in refused("run", bag, "--out", tmp_path / "out", "--export", "tum,kity")
@@ -224,7 +233,10 @@ def test_a_map_that_cannot_be_used_is_refused_before_any_work(bag: Path, tmp_pat
     assert "nowhere does not exist" in refused("run", bag, *out, "--map", tmp_path / "nowhere")
     assert "makes a new map" in refused("run", bag, *out, "--map", tmp_path, "--mode", "map")
     assert "needs a saved map" in refused("view", bag, "--mode", "continue", by=hectorscope)
-    assert "is no pose" in refused("run", bag, *out, "--map", tmp_path, "--start", "nan", "0", "-1")
+    for x in ("nan", "1e300"):
+        assert "is no pose" in refused("run", bag, *out, "--map", tmp_path, "--start", x, "0", "-1")
+    for start in (["1", "2", "3"], ["nan", "0", "0"], ["origin"]):
+        assert "is a place in a saved map" in refused("run", bag, *out, "--start", *start)
     assert not (tmp_path / "out").exists()
 
 

@@ -55,6 +55,10 @@ class EmptyArgumentError(SlamError):
     """A flag without its value."""
 
 
+class SweepError(SlamError):
+    """A sweep is to be run and to be shown."""
+
+
 def demo(
     scene: Annotated[Scene, tyro.conf.Positional, tyro.conf.arg(help="Which of the paper's scenarios.")] = "arena",
     *,
@@ -181,6 +185,8 @@ def sweep(
     from hectorscope.cli import sweep as sweeps  # noqa: PLC0415
 
     if show is not None:
+        if bags or out is not None:
+            raise SweepError("--show looks at a sweep and runs nothing: leave recordings and --out out")
         sweeps.show(show, address)
     else:
         sweeps.do(bags, out, flags, settings, source)

@@ -35,6 +35,7 @@ class _Words(NamedTuple):
     metavar: str = "TOPIC"
 
 
+FARTHEST = 1e5  # metres from the origin of a saved map
 _BY_NAME = "found by type and name"
 _SOURCE = {
     "scan_topic": _Words("Topic of the laser scans."),
@@ -204,23 +205,34 @@ class MapFlags:
 
     def prior_map(self, settings: Settings) -> "PriorMap | None":
         """The saved map, if there is one; SlamError if it cannot be used, or the flags contradict each other."""
-        if self.map is None and self.mode in {None, "map"}:
-            return None
         if self.map is None:
-            raise StartError(f"--mode {self.mode} needs a saved map: give --map DIR")
+            self._check_new()
+            return None
         if self.mode == "map":
             raise StartError(f"--mode map makes a new map, {self.map} is a saved one: choose localise or continue")
         from hectorscope.maps.saved_map import load_map  # noqa: PLC0415
 
         return load_map(self.map, settings.start.map, write=self.mode == "continue", start=self._start())
 
+    def _check_new(self) -> None:
+        """StartError for what only a saved map can give."""
+        if self.mode not in {None, "map"}:
+            raise StartError(f"--mode {self.mode} needs a saved map: give --map DIR")
+        if self.start != "search":
+            raise StartError(f"--start {self._words()} is a place in a saved map: give --map DIR, or leave it out")
+
     def _start(self) -> Float64s | None:
         if self.start == "search":
             return None
         start = np.zeros(3) if isinstance(self.start, str) else np.array(self.start)
-        if not np.isfinite(start).all():
-            raise StartError(f"--start {self.start} is no pose: give X Y YAW in metres and radians")
+        if not (np.abs(start) <= FARTHEST).all():  # so, too, where one is no number
+            raise StartError(
+                f"--start {self._words()} is no pose: give X Y YAW in metres and radians, {FARTHEST:g} at most"
+            )
         return start
+
+    def _words(self) -> str:
+        return self.start if isinstance(self.start, str) else " ".join(f"{part:g}" for part in self.start)
 
 
 SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor_factory=setting_flags)]
