@@ -102,7 +102,9 @@ def test_export_all_leaves_every_format(bag: Path, tmp_path: Path):
 
 def test_a_wrong_note_is_refused_before_the_work(bag: Path, tmp_path: Path):
     """With the form of one; no folder is made."""
-    assert "give TIME=TEXT" in refused("run", bag, "--out", tmp_path / "out", "--export", "html", "--note", "soon")
+    for words in ("soon", "5="):
+        line = refused("run", bag, "--out", tmp_path / "out", "--export", "html", "--note", words)
+        assert f"'{words}' is no note: give TIME=TEXT" in line
     assert not (tmp_path / "out").exists()
 
 
@@ -196,6 +198,14 @@ def test_one_folder_takes_the_results_of_one_run(bag: Path, tmp_path: Path):
     with reserved(tmp_path):
         assert f"another run writes into {tmp_path}" in refused("run", bag, "--out", tmp_path, by=hectorscope)
     assert called("run", bag, "--out", tmp_path).returncode == 0
+
+
+def test_a_word_that_is_no_choice_gets_the_choices(bag: Path, tmp_path: Path):
+    """In the order of the help, and none that is refused."""
+    for flag, words in (("--scan-mirrored", "('true', 'false')"), ("--imu-accel-unit", "('m/s2', 'g', 'mg')")):
+        done = called("run", bag, "--out", tmp_path / "out", flag, "maybe")
+        assert done.returncode == MISTAKE
+        assert words in " ".join(done.stderr.replace("│", " ").split())
 
 
 @pytest.mark.parametrize("flag", [["--out", ""], ["--out="]])

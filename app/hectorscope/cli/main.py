@@ -260,7 +260,7 @@ def _exit_code(arguments: Sequence[str]) -> int:
 def _refuse_empty(arguments: Sequence[str]) -> None:
     """An empty value is a variable of a script that was not set; as a path it would be the present folder."""
     for at, argument in enumerate(arguments):
-        if not argument or argument.endswith("="):
+        if not argument or (argument.startswith("--") and argument.endswith("=")):
             name = argument or arguments[max(0, at - 1)]
             raise EmptyArgumentError(f"the value of {name.rstrip('=')} is empty: give one, or leave the flag out")
 

@@ -129,7 +129,7 @@ def _recognise(path: Path) -> str:
     if not begin:
         raise SourceError(f"{path} is an empty file: record it again")
     if begin != magic:
-        raise SourceError(f"{path} is not a {container}: it begins with {begin!r} in place of {magic!r}")
+        raise SourceError(f"{path} is not a {container}: it begins with {begin!r} in place of {magic!r}: give one")
     return container
 
 
