@@ -205,6 +205,8 @@
       any ||= there;
     }
     nothing.hidden = any;
+    const there = new Set(figures.filter(({ element }) => !element.hidden).map(({ chart }) => chart));
+    for (const tab of tabs.children) tab.classList.toggle("hs-bare", !pages.pages[tab.textContent].some((chart) => there.has(chart)));
     if (own.get("plots") === "off" || !stretch) return;
     const visible = figures.filter(({ element }) => !element.hidden);
     const sizes = visible.map(({ canvas }) => plot.size(canvas));

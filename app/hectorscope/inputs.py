@@ -106,8 +106,9 @@ class SourceReport:
     """Counters of a source: nothing is lost in silence.
 
     skipped: reason (with the topic's name and the remedy) -> how often. dropped: scans given up to keep up with a
-    live stream. scans: how many a recording holds, if that is known. waiting: why nothing flows at this moment,
-    and the remedy; empty while all is well. connected: whether there is a link to the robot; None for a recording.
+    live stream. scans: how many a recording holds, if that is known. unusable: how many of its scans were left out
+    by the source. waiting: why nothing flows at this moment, and the remedy; empty while all is well. connected:
+    whether there is a link to the robot; None for a recording.
     scan_topic: where its scans are expected from.
     findings: what the sensor check found and nobody has repaired. repaired: what was found and repaired.
     sensors: the `SENSOR_OPTIONS` that are stated by now, for whoever runs it again.
@@ -121,6 +122,7 @@ class SourceReport:
     skipped: Mapping[str, int] = field(default_factory=dict)
     dropped: int = 0
     scans: int | None = None
+    unusable: int = 0
     waiting: str = ""
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()

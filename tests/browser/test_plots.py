@@ -20,6 +20,7 @@ ROWS, END_S = 400, 60.0
 EVERY = ["Covariance", "Match", "Error against truth", "Attitude", "Biases", "Motion", "Time spent"]
 FIGURE = ".hs-plots figure:visible"
 PATIENCE_S = 60.0
+DARK = "rgba(0, 0, 0, 0)"
 # Of our own values only: viser's parts look at the page too, whenever they like.
 COUNT_LOOKS = """() => {
   const styles = CSSStyleDeclaration.prototype, look = styles.getPropertyValue;
@@ -81,6 +82,18 @@ def test_new_rows_are_drawn_without_a_look_at_the_style_sheet(show: Show, open_p
         page.wait_for_function(f"(before) => ({PICTURES}).every((each, i) => each !== before[i])", arg=before)
         looks.append(page.evaluate("window.read"))
     assert looks[-1] == 0 or looks[-2] == 0
+
+
+def test_the_tab_of_charts_without_data_is_not_lit(show: Show, open_page: Open) -> None:
+    """As of the error on a recording without truth; it stays chosen for the next one."""
+    show.engine.show(replace(driven(), truth=np.empty((0, 8))))
+    page = open_page(show.url, size=DESK, own={"plots": "below"})
+    expect(page.locator(FIGURE).first).to_be_visible()
+    tab = page.locator(".hs-pages button", has_text="Error against truth")
+    expect(tab).to_have_css("background-color", DARK)
+    expect(tab).to_have_attribute("aria-pressed", "true")
+    lit = opened(show, open_page).locator(".hs-pages button", has_text="Error against truth")
+    expect(lit).not_to_have_css("background-color", DARK)
 
 
 def test_charts_lie_side_by_side_below_the_scene(show: Show, open_page: Open) -> None:

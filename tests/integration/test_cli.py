@@ -18,8 +18,9 @@ from hectorscope.run.settings_file import read_toml
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, leaves, with_values
 from slam_core.measurements import Imu, LaserScan
+from tests.bags import small_run
 from tests.commands import MISTAKE, PATIENCE_S, called, hectorscope, refused
-from tests.ros_messages import Messages, write_bag
+from tests.ros_messages import SECOND, Messages, write_bag
 
 LOST, INTERRUPTED = 3, 130
 
@@ -114,7 +115,18 @@ def test_a_folder_holds_the_newest_run_and_earlier_ones_below(bag: Path, tmp_pat
 
 def test_a_wrong_note_is_refused_before_the_work(bag: Path, tmp_path: Path):
     """With the form of one; no folder is made."""
-    assert "give TIME=TEXT" in refused("run", bag, "--out", tmp_path / "out", "--export", "html", "--note", "soon")
+    for words in ("soon", "5="):
+        line = refused("run", bag, "--out", tmp_path / "out", "--export", "html", "--note", words)
+        assert f"'{words}' is no note: give TIME=TEXT" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_note_that_nobody_would_see_is_refused_before_the_work(bag: Path, tmp_path: Path):
+    """Without the replay, or behind the end of the recording."""
+    out = ["--out", tmp_path / "out"]
+    assert "add html to --export" in refused("run", bag, *out, "--note", "1=door")
+    late = refused("run", bag, *out, "--export", "html", "--note", "9999=door")
+    assert "at 9999 s is behind the end of short.bag: give 0 to" in late
     assert not (tmp_path / "out").exists()
 
 
@@ -169,11 +181,44 @@ def test_a_run_that_ends_lost_says_so(tmp_path: Path):
     assert (tmp_path / "out" / "map.npz").exists()
 
 
+def test_a_run_that_could_use_few_scans_says_so(tmp_path: Path):
+    """Its map is of no use, so the exit code is that of a lost run; the files are there."""
+    ros = Messages("ros1")
+    backwards = (1.0, 0.5, 0.2)
+    scans = [ros.scan(round(t * SECOND), ranges=np.full(100, 2.0), angle_increment=0.01) for t in backwards]
+    bag = write_bag(tmp_path / "run.bag", [("/scan", scan, k * SECOND) for k, scan in enumerate(scans)])
+    done = called("run", bag, "--out", tmp_path / "out")
+    assert done.returncode == LOST, done.stderr
+    assert "hectorscope: 1 of 3 scans could be used, so the map cannot be trusted" in done.stderr
+    assert (tmp_path / "out" / "map.npz").exists()
+
+
+def test_a_truth_that_scores_nothing_costs_the_score_alone(tmp_path: Path):
+    """Whether tf joins two frames shows at the end: the results are there, and the message says what is not."""
+    ros = Messages("ros1")
+    moved = [("/tf", ros.tf(k * SECOND, "odom", "base_link", (0.0, 0.0, 0.0)), k * SECOND) for k in range(3)]
+    path = write_bag(tmp_path / "run.bag", [*small_run(ros), *moved])
+    out = tmp_path / "out"
+    told = refused("run", path, "--out", out, "--truth", "tf:a>b", "--imu-topic", "none")
+    assert f"tf:a>b holds no truth at the times of the scans, so {out} has no score" in told
+    assert (out / "map.npz").exists()
+    assert json.loads((out / "metrics.json").read_text())["truth"] is None
+    assert called("run", path, "--out", out, "--truth", "none", "--imu-topic", "none").returncode == 0
+
+
 def test_one_folder_takes_the_results_of_one_run(bag: Path, tmp_path: Path):
     """A second program is told; the lock goes with the first one."""
     with reserved(tmp_path):
         assert f"another run writes into {tmp_path}" in refused("run", bag, "--out", tmp_path, by=hectorscope)
     assert called("run", bag, "--out", tmp_path).returncode == 0
+
+
+def test_a_word_that_is_no_choice_gets_the_choices(bag: Path, tmp_path: Path):
+    """In the order of the help, and none that is refused."""
+    for flag, words in (("--scan-mirrored", "('true', 'false')"), ("--imu-accel-unit", "('m/s2', 'g', 'mg')")):
+        done = called("run", bag, "--out", tmp_path / "out", flag, "maybe")
+        assert done.returncode == MISTAKE
+        assert words in " ".join(done.stderr.replace("│", " ").split())
 
 
 @pytest.mark.parametrize("flag", [["--out", ""], ["--out="]])
@@ -211,7 +256,10 @@ def test_a_map_that_cannot_be_used_is_refused_before_any_work(bag: Path, tmp_pat
     assert "nowhere does not exist" in refused("run", bag, *out, "--map", tmp_path / "nowhere")
     assert "makes a new map" in refused("run", bag, *out, "--map", tmp_path, "--mode", "map")
     assert "needs a saved map" in refused("view", bag, "--mode", "continue", by=hectorscope)
-    assert "is no pose" in refused("run", bag, *out, "--map", tmp_path, "--start", "nan", "0", "-1")
+    for x in ("nan", "1e300"):
+        assert "is no pose" in refused("run", bag, *out, "--map", tmp_path, "--start", x, "0", "-1")
+    for start in (["1", "2", "3"], ["nan", "0", "0"], ["origin"]):
+        assert "is a place in a saved map" in refused("run", bag, *out, "--start", *start)
     assert not (tmp_path / "out").exists()
 
 
@@ -240,7 +288,7 @@ def lying_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path: Path):
-    """`run` names --repair first, then the flags; with either it runs, to the same trajectory."""
+    """`run` names --repair first, then the flags. Either gives the same trajectory; a repair is told once."""
     flags = ["--imu-accel-unit", "mg", "--imu-gyro-unit", "deg/s"]
     line = refused("run", lying_bag, "--out", tmp_path / "out")
     assert "so in milli-g and not in m/s²" in line
@@ -248,9 +296,10 @@ def test_devices_that_lie_are_refused_with_the_remedy(lying_bag: Path, tmp_path:
     assert not (tmp_path / "out").exists()
     done = called("run", lying_bag, "--out", tmp_path / "out", *flags)
     assert done.returncode == 0, done.stderr
-    mended = called("run", lying_bag, "--out", tmp_path / "mended", "--repair")
+    mended = called("run", lying_bag, "--out", tmp_path / "mended", "--repair", "--export", "default,report")
     assert mended.returncode == 0, mended.stderr
-    assert "(--imu-accel-unit mg)" in mended.stdout
+    told = (mended.stdout, (tmp_path / "mended" / "report.html").read_text())
+    assert [text.lower().count("repaired: the accelerometer shows gravity") for text in told] == [1, 1]
     again = ("--config", tmp_path / "mended/config.toml")
     assert called("run", lying_bag, "--out", tmp_path / "again", *again).returncode == 0
     first, *others = ((tmp_path / name / "trajectory.tum").read_bytes() for name in ("out", "mended", "again"))

@@ -6,17 +6,19 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hectorscope.checks.sensor_check import CheckedSource
 from hectorscope.exporters import OutputError
 from hectorscope.run.headless import run_headless
 from hectorscope.run.metrics import metrics
 from hectorscope.run.settings import Settings
 from hectorscope.sources import open_source
-from hectorscope.sweep.execute import execute
+from hectorscope.sweep.execute import Beginning, execute
 from hectorscope.sweep.executors import ClusterError, executor
 from hectorscope.sweep.guard import guarded, stop
 from hectorscope.sweep.limits import LimitError, Limits
@@ -24,6 +26,8 @@ from hectorscope.sweep.spec import RunSpec, RunSummary
 from hectorscope.sweep.sweep import sweep
 from hectorscope.sweep.table import Table, read
 from slam_core.config import SlamConfig, with_values
+from tests.bags import small_run
+from tests.ros_messages import Messages, write_bag
 from tests.sweeps import SIGMAS, WITH_TRUTH, children, specs_of, timeless, until
 
 USUAL = Limits()
@@ -67,6 +71,15 @@ def test_the_beginning_of_a_recording_is_run_alone(short_bag: Path):
     half = execute(RunSpec("short.bag", str(short_bag), share=0.5))
     assert whole.figures["scans.read"] == 60
     assert 28 <= float(str(half.figures["scans.read"])) <= 32
+
+
+def test_the_beginning_has_the_same_scans_with_whatever_delay(tmp_path: Path):
+    """Settings are compared on the same part of a recording: a delay moves stamps, and not the end."""
+    path = write_bag(tmp_path / "run.bag", [entry for entry in small_run(Messages("ros1")) if entry[0] == "/scan"])
+    for delay in (0.0, 0.3):
+        options = RunSpec("", "", options={"scan_delay": delay}).source_options()
+        part = Beginning(CheckedSource(partial(open_source, str(path)), options), 0.5)
+        assert len(list(part.items())) == 25
 
 
 def test_every_executor_gives_the_same_table(short_bag: Path, tmp_path: Path):

@@ -11,7 +11,7 @@ import pytest
 from hectorscope.simulation.sensors import START_NS
 from hectorscope.sweep import executors
 from hectorscope.sweep.table import read
-from tests.commands import MISTAKE, called, hectorscope
+from tests.commands import MISTAKE, called, hectorscope, refused
 from tests.sweeps import PATIENCE_S, WITH_TRUTH, children, until
 
 
@@ -31,6 +31,12 @@ def test_the_command_makes_the_product_and_goes_on(short_bag: Path, tmp_path: Pa
     assert (tmp_path / "runs.parquet").exists()
     spec = json.loads(next((tmp_path / "details").iterdir()).read_text())["spec"]
     assert spec["settings"]["fusion.omega"] == 0.05
+
+
+def test_a_sweep_is_shown_or_run(tmp_path: Path):
+    """Not both by one command."""
+    for flags in (["--out", tmp_path], ["some.bag"]):
+        assert "looks at a sweep and runs nothing" in refused("sweep", *flags, "--show", tmp_path)
 
 
 def test_a_search_by_halving_ends_with_whole_runs_of_the_best(short_bag: Path, tmp_path: Path):

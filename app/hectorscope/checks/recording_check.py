@@ -23,6 +23,10 @@ STEP_S = 0.02
 DRIFT, DRIFTED_S = 5e-4, 0.02  # two quartz clocks differ by 1e-4 at most
 OUTSIDE_SHARE = 0.01
 VALID_SHARE = 0.5
+PLACED_BY = {
+    "scan": ", or give --laser-pose X Y Z ROLL PITCH YAW",
+    "imu": ", or give --imu-rotation ROLL PITCH YAW",
+}
 GAPS_SHOWN = 3  # of one topic, the longest
 
 
@@ -54,7 +58,11 @@ class RecordingCheck:
         found = [
             *_clocks(measured, topics),
             *(one for role, topic in topics.items() for one in _rhythm(role, topic, measured[topic])),
-            *_frames({topic: self.times[topic].frames for topic in measured}, unplaced),
+            *(
+                one
+                for role, topic in topics.items()
+                for one in _frames(role, topic, self.times[topic].frames, unplaced)
+            ),
             *(one for topic in measured if topic in self.returns for one in _beams(topic, self.returns[topic])),
         ]
         unique = {one.fact: one for one in found}  # a topic may play two roles
@@ -110,8 +118,8 @@ def _ahead(topic: str, times: TopicTimes) -> Finding:
         )
     return Finding(
         f"{topic} is recorded up to {-times.delay_s:.3g} s before its last beam can have been measured",
-        remedy="its stamps are those of the end of the sweep, for which --scan-delay is made, or time_increment is"
-        " too large",
+        remedy=f"if its stamps are those of the end of the sweep, give --scan-delay {times.lasts_s:.3g}; else its"
+        " time_increment is too large",
     )
 
 
@@ -129,7 +137,7 @@ def _drift(topic: str, drift: float, span_s: float) -> Finding:
     return Finding(
         f"the clock of {topic} runs {100.0 * abs(drift):.2g} % too {way}: by {abs(drift) * span_s:.2g} s in"
         f" {span_s:.0f} s",
-        remedy="no fixed delay repairs it: keep that clock by PTP, or let the computer that records stamp",
+        remedy="a fixed delay repairs its mean alone: keep that clock by PTP, or let the recording computer stamp",
     )
 
 
@@ -154,18 +162,17 @@ def _is_set(times: TopicTimes) -> bool:
     return times.step is not None and abs(times.step[1]) > STEP_S
 
 
-def _frames(frames: Mapping[str, set[str]], unplaced: Sequence[str]) -> Iterator[Finding]:
-    for topic, seen in frames.items():
-        if len(seen) > 1:
-            yield Finding(
-                f"{topic} has messages of {len(seen)} frames ({', '.join(sorted(seen)[:4])})",
-                remedy="one topic is for one device: give each its own, and choose by --scan-topic or --imu-topic",
-            )
-        for frame in sorted(seen.intersection(unplaced)):
-            yield Finding(
-                f"tf does not place {frame}, the frame of {topic}: it is taken to be at the base",
-                remedy="record /tf_static too; or give --laser-pose X Y Z ROLL PITCH YAW, or --imu-rotation",
-            )
+def _frames(role: str, topic: str, seen: set[str], unplaced: Sequence[str]) -> Iterator[Finding]:
+    if len(seen) > 1:
+        yield Finding(
+            f"{topic} has messages of {len(seen)} frames ({', '.join(sorted(seen)[:4])})",
+            remedy=f"one topic is for one device: give each its own; --{role.replace('_', '-')}-topic chooses one",
+        )
+    for frame in sorted(seen.intersection(unplaced)):
+        yield Finding(
+            f"tf does not place {frame}, the frame of {topic}: it is taken to be at the base",
+            remedy=f"record /tf_static too{PLACED_BY.get(role, '')}",
+        )
 
 
 def _beams(topic: str, returns: LaserReturns) -> Iterator[Finding]:

@@ -37,17 +37,17 @@ class SensorCheck:
     """Takes the items from the beginning of a source; settled: it has seen enough and found nothing wrong.
 
     found: what contradicts the messages. warnings: the same as a sentence, where it does not spoil the run, or not
-    surely. live: do not wait for a turn with what can be judged before.
+    surely. live: do not wait for a turn with what can be judged before. thorough: look as far as `inspect` does.
     """
 
-    def __init__(self, name: str, options: SourceOptions, *, live: bool = False) -> None:
+    def __init__(self, name: str, options: SourceOptions, *, live: bool = False, thorough: bool = False) -> None:
         self.settled = False
         self.found: tuple[Finding, ...] = ()
         self.warnings: tuple[str, ...] = ()
         self._live = self._glance = live
         self._name, self._options = name, options
         self._statistics = SensorStatistics()
-        self._asked_s = STEP_S
+        self._asked_s = LONGEST_S if thorough else STEP_S
 
     def take(self, item: Item) -> None:
         """One more item; SensorError once it is clear that something is wrong."""
@@ -89,8 +89,8 @@ class SensorCheck:
 class CheckedSource:
     """A source with checked sensors: a recording by its beginning, before its items come; a stream as it flows.
 
-    opened: opens the source with options. repairs: put right what is found, instead of a SensorError; of a stream,
-    whoever reads it does, as what flowed until then was wrong.
+    opened: opens the source with options. repairs: put right what `inspect` finds, instead of a SensorError; of a
+    stream, whoever reads it does, as what flowed until then was wrong.
     """
 
     def __init__(
@@ -172,7 +172,7 @@ class CheckedSource:
             self._checking = False
 
     def _examine(self) -> None:
-        check = self._check = SensorCheck(self.name, self._options)
+        check = self._check = SensorCheck(self.name, self._options, thorough=self.repairs)
         for item in self._source.items():
             check.take(item)
             if check.settled:

@@ -108,6 +108,11 @@ class TopicTimes:
         return float(self.delays[1].min()) if len(self.stamped) >= FEWEST else float("nan")
 
     @property
+    def lasts_s(self) -> float:
+        """How long a measurement lasts, in the median."""
+        return float(np.median(self.stamped[:, 2])) * 1e-9 if len(self.stamped) else 0.0
+
+    @property
     def shortest_s(self) -> float:
         """From a stamp to when its message was recorded, at least."""
         return float((self.stamped[:, 0] - self.stamped[:, 1]).min()) * 1e-9 if len(self.stamped) else float("nan")

@@ -1,7 +1,7 @@
 """hectorscope run: from the flags to the files, without a page."""
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +9,10 @@ from hectorscope.cli.opening import checked, get_ready
 from hectorscope.cli.options import MapFlags, SettingFlags
 from hectorscope.cli.report import show_progress, summary
 from hectorscope.common.terminal import printable
-from hectorscope.exporters import chosen, run
+from hectorscope.exporters import Exporter, chosen, run
 from hectorscope.inputs import Source
-from hectorscope.run.metrics import is_lost
-from hectorscope.run.notes import note
+from hectorscope.run.metrics import failure
+from hectorscope.run.notes import Note, NoteError, note
 from hectorscope.run.relations import read_relations
 from hectorscope.web import shared_replay
 
@@ -31,38 +31,59 @@ def process(
 ) -> int:
     """Process a recording as fast as it goes, and leave its results in `out`; the exit code."""
     motions = read_relations(relations) if relations else None
-    formats = chosen(export, [shared_replay.exporter([*map(note, notes)], bag.name)])
+    pinned = [*map(note, notes)]
+    formats = _formats(export, pinned, bag.name)
     wanted = settings.settings()
     prior_map = saved.prior_map(wanted)
     recording = _ready(bag, source, settings)
+    _check_notes(pinned, recording)
     moved: list[str] = []
-    with show_progress(recording) as progress:
-        figures = run(
-            recording,
-            wanted,
-            out,
-            truth=source.truth_topic,
-            progress=progress,
-            prior_map=prior_map,
-            formats=formats,
-            recording=bag,
-            relations=motions,
-            tell=moved.append,
-        )
+    try:
+        with show_progress(recording) as progress:
+            figures = run(
+                recording,
+                wanted,
+                out,
+                truth=source.truth_topic,
+                progress=progress,
+                prior_map=prior_map,
+                formats=formats,
+                recording=bag,
+                relations=motions,
+                tell=moved.append,
+            )
+    finally:
+        for line in filter(None, moved):
+            print(printable(line))
     summary(recording.name, figures, out)
-    for line in filter(None, moved):
-        print(printable(line))
-    if not is_lost(figures):
-        return 0
-    print("hectorscope: the pose was lost, so the map cannot be trusted: see tracking above", file=sys.stderr)
-    return LOST
+    if why := failure(figures):
+        print(f"hectorscope: {why}", file=sys.stderr)
+        return LOST
+    return 0
+
+
+def _formats(export: str, notes: Sequence[Note], name: str) -> list[Exporter]:
+    """Those that are wanted; NoteError for notes without the replay that shows them."""
+    formats = chosen(export, [shared_replay.exporter(notes, name)])
+    if notes and all(each.name != "html" for each in formats):
+        raise NoteError("--note is for the replay, which is not among the formats: add html to --export")
+    return formats
+
+
+def _check_notes(notes: Iterable[Note], recording: Source) -> None:
+    """NoteError for one behind the end of the recording."""
+    first_ns, last_ns = recording.span_ns or (0, 2**63)
+    length_s = (last_ns - first_ns) / 1e9
+    for each in notes:
+        if each.seconds > length_s:
+            raise NoteError(
+                f"--note at {each.seconds:g} s is behind the end of {recording.name}: give 0 to {length_s:.1f} s"
+            )
 
 
 def _ready(bag: Path, source: Any, settings: SettingFlags) -> Source:
-    """The recording, whose sensors were checked, with the kernels compiled; what was repaired is printed."""
+    """The recording, whose sensors were checked, with the kernels compiled."""
     recording = checked(str(bag), source, settings)
     get_ready()
     recording.check()
-    for finding in recording.report.repaired:
-        print(printable(f"repaired: {finding.fact} ({finding.repair})"))
     return recording

@@ -54,6 +54,10 @@ class EmptyArgumentError(SlamError):
     """A flag without its value."""
 
 
+class SweepError(SlamError):
+    """A sweep is to be run and to be shown."""
+
+
 def demo(
     scene: Annotated[Scene, tyro.conf.Positional, tyro.conf.arg(help="Which of the paper's scenarios.")] = "arena",
     *,
@@ -152,7 +156,7 @@ def run(
 ) -> int:
     """Process a recording as fast as it goes; leave trajectory, map, settings and figures.
 
-    Exits with 3 when the pose is lost at the end, or in more than half of the scans.
+    Exits with 3 when the pose is lost at the end or in half of the scans, or half of the scans cannot be used.
     """
     from hectorscope.cli.headless import process  # noqa: PLC0415
 
@@ -180,6 +184,8 @@ def sweep(
     from hectorscope.cli import sweep as sweeps  # noqa: PLC0415
 
     if show is not None:
+        if bags or out is not None:
+            raise SweepError("--show looks at a sweep and runs nothing: leave recordings and --out out")
         sweeps.show(show, address)
     else:
         sweeps.do(bags, out, flags, settings, source)
@@ -253,7 +259,7 @@ def _exit_code(arguments: Sequence[str]) -> int:
 def _refuse_empty(arguments: Sequence[str]) -> None:
     """An empty value is a variable of a script that was not set; as a path it would be the present folder."""
     for at, argument in enumerate(arguments):
-        if not argument or argument.endswith("="):
+        if not argument or (argument.startswith("--") and argument.endswith("=")):
             name = argument or arguments[max(0, at - 1)]
             raise EmptyArgumentError(f"the value of {name.rstrip('=')} is empty: give one, or leave the flag out")
 

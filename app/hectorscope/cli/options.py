@@ -6,8 +6,9 @@ from contextvars import ContextVar
 from dataclasses import asdict, dataclass, field, fields, make_dataclass
 from functools import cached_property
 from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
 import tyro
@@ -35,6 +36,7 @@ class _Words(NamedTuple):
     metavar: str = "TOPIC"
 
 
+FARTHEST = 1e5  # metres from the origin of a saved map
 _BY_NAME = "found by type and name"
 _SOURCE = {
     "scan_topic": _Words("Topic of the laser scans."),
@@ -73,6 +75,7 @@ _SOURCE = {
         "SECONDS",
     ),
 }
+_SWITCH_WORDS = ("true", "false")
 _SWITCH: dict[Any, bool] = {"true": True, "false": False}
 
 
@@ -81,19 +84,35 @@ def optional(help_text: str, default: str = "none", metavar: str | None = None) 
     return tyro.conf.arg(help=help_text, help_behavior_hint=f"(default: {default})", metavar=metavar)
 
 
+def _braces(words: Sequence[str]) -> str:
+    return "{" + ",".join(words) + "}"
+
+
+def _one_of(*words: str) -> Any:
+    """The type of a flag that takes one of these, which a message lists in this order, or may be left out."""
+    spec = tyro.constructors.PrimitiveConstructorSpec[str](
+        nargs=1,
+        metavar=_braces(words),
+        instance_from_str=itemgetter(0),
+        is_instance=lambda value: value is None or value in words,
+        str_from_instance=lambda value: [str(value)],
+        choices=words,
+    )
+    return Annotated[str | None, spec]
+
+
 def _flag(leaf: Leaf) -> Any:
     if leaf.param.tier == "expert" and not _experts.get():
         return Annotated[leaf.type | None, tyro.conf.Suppress]
-    kind: Any = Literal["true", "false"] if leaf.type is bool else leaf.type
+    words = leaf.choices or (_SWITCH_WORDS if leaf.type is bool else ())
     default = str(leaf.value).lower() if leaf.type is bool else leaf.value
     param = leaf.param
     limits = "" if param.low is None else f"{param.low:g} to {param.high:g} {param.unit}".rstrip()
-    words = ", ".join(leaf.choices or (("true", "false") if leaf.type is bool else ()))
     return Annotated[
-        kind | None,
+        _one_of(*words) if words else leaf.type | None,
         tyro.conf.arg(
             help=param.help,
-            metavar="{" + words.replace(" ", "") + "}" if words else kind.__name__.upper(),
+            metavar=_braces(words) if words else leaf.type.__name__.upper(),
             help_behavior_hint=f"({'; '.join(filter(None, (f'default: {default}', limits)))})",
         ),
     ]
@@ -161,7 +180,8 @@ def _source_flags() -> type[Any]:
     for option in fields(SourceOptions):
         if option.name not in _SOURCE:  # how a robot is reached: cli/station_flags.py
             continue
-        kind: Any = Literal["true", "false"] | None if option.type == bool | None else option.type
+        meant, _ = get_args(option.type)
+        choices = _SWITCH_WORDS if meant is bool else get_args(meant) if get_origin(meant) is Literal else ()
         words = _SOURCE[option.name]
         hint = tyro.conf.arg(
             help=words.help,
@@ -169,7 +189,7 @@ def _source_flags() -> type[Any]:
             aliases=["--truth"] if option.name == "truth_topic" else [],
             help_behavior_hint=f"(default: {words.default})",
         )
-        flags.append((option.name, Annotated[kind, hint], None))
+        flags.append((option.name, Annotated[_one_of(*choices) if choices else option.type, hint], None))
     repair = Annotated[
         tyro.conf.FlagCreatePairsOff[bool],
         tyro.conf.arg(help="Put right what the sensor check finds: units, signs, mirrored beams, delays."),
@@ -204,23 +224,34 @@ class MapFlags:
 
     def prior_map(self, settings: Settings) -> "PriorMap | None":
         """The saved map, if there is one; SlamError if it cannot be used, or the flags contradict each other."""
-        if self.map is None and self.mode in {None, "map"}:
-            return None
         if self.map is None:
-            raise StartError(f"--mode {self.mode} needs a saved map: give --map DIR")
+            self._check_new()
+            return None
         if self.mode == "map":
             raise StartError(f"--mode map makes a new map, {self.map} is a saved one: choose localise or continue")
         from hectorscope.maps.saved_map import load_map  # noqa: PLC0415
 
         return load_map(self.map, settings.start.map, write=self.mode == "continue", start=self._start())
 
+    def _check_new(self) -> None:
+        """StartError for what only a saved map can give."""
+        if self.mode not in {None, "map"}:
+            raise StartError(f"--mode {self.mode} needs a saved map: give --map DIR")
+        if self.start != "search":
+            raise StartError(f"--start {self._words()} is a place in a saved map: give --map DIR, or leave it out")
+
     def _start(self) -> Float64s | None:
         if self.start == "search":
             return None
         start = np.zeros(3) if isinstance(self.start, str) else np.array(self.start)
-        if not np.isfinite(start).all():
-            raise StartError(f"--start {self.start} is no pose: give X Y YAW in metres and radians")
+        if not (np.abs(start) <= FARTHEST).all():  # so, too, where one is no number
+            raise StartError(
+                f"--start {self._words()} is no pose: give X Y YAW in metres and radians, {FARTHEST:g} at most"
+            )
         return start
+
+    def _words(self) -> str:
+        return self.start if isinstance(self.start, str) else " ".join(f"{part:g}" for part in self.start)
 
 
 SettingArgs = Annotated[SettingFlags, tyro.conf.arg(name="", constructor_factory=setting_flags)]

@@ -82,7 +82,8 @@ def sweep_summary(table: "SweepTable", specs: "Sequence[RunSpec]", target: str |
     for name in (*table.names, "median", "bad runs"):
         best.add_column(name)
     for place in places(specs, rows, figure)[:BEST]:
-        cells = (*(text(place.spec.value(name)) for name in table.names), text(place.median), str(place.bad))
+        values = (text(place.spec.value(name)) or "default" for name in table.names)
+        cells = (*values, text(place.median), str(place.bad))
         best.add_row(*(Text(printable(cell)) for cell in cells))
     ended = Counter(row["status"] for row in rows.values())
     Console().print(best)

@@ -16,6 +16,7 @@ from hectorscope.exporters._files import GrowingFile, unfinished
 from hectorscope.exporters._folder import OutputError, locked, make, set_aside
 from hectorscope.exporters._streams import Streams, reason
 from hectorscope.inputs import Source, SourceError, SourceReport
+from hectorscope.ros.roles import NOTHING
 from hectorscope.run.annotations import Annotation
 from hectorscope.run.headless import Progress, run_headless
 from hectorscope.run.map_images import FILE, map_images
@@ -225,21 +226,23 @@ def run(
 ) -> dict[str, Any]:
     """All of it; the metrics.
 
-    truth: a topic that was asked for by name and so must be there. formats: as in `write`. recording: the file or
-    folder that `source` reads, for what names it. relations: true motions, which the metrics score it by. tell:
-    hears where the results of an earlier run are.
+    truth: a topic that was asked for by name: SourceError, behind the results, if it scores nothing. formats: as
+    in `write`. recording: the file or folder that `source` reads, for what names it. relations: true motions that
+    the metrics score it by. tell: hears where the results of an earlier run are.
     """
     formats = chosen() if formats is None else list(formats)
     with reserved(folder, formats), Streams(formats, folder) as streams:
         moved = _clear_unfinished(folder)
         pipeline, effort = run_headless(source, settings, progress, prior_map, streams.add)
         figures = run_metrics(pipeline, source.report, effort)
-        if truth is not None and figures["truth"] is None:
-            raise SourceError(f"{truth} holds no truth at the times of the scans: choose another --truth")
         if relations is not None:
             figures["relations"] = relation_figures(pipeline.trajectory, pipeline.start_ns or 0, relations)
         tell(clear(folder) or moved)
         streams.finish(pipeline)
         results = replace(collected(pipeline, figures, source.report), recording=recording)
         write(with_map(results, pipeline.slam.map), folder, formats, streams.missing)
-        return figures
+    if truth not in (None, NOTHING) and figures["truth"] is None:
+        raise SourceError(
+            f"{truth} holds no truth at the times of the scans, so {folder} has no score: choose another --truth"
+        )
+    return figures

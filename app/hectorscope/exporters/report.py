@@ -120,7 +120,6 @@ def page(run: Run) -> str:
         charts=charts(run),
         size=_charts,
         findings=run.report.findings,
-        repaired=run.report.repaired,
         notes=run.metrics.get("notes", ()),
         marks=listed(marks(series, run.start_ns, run.settings, SourceReport()), run.start_ns)[:MOST_MARKS],
         figures=[*figures(run), *annotations(run)],

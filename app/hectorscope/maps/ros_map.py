@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from reprlib import Repr
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,11 @@ from slam_core.config import MapConfig
 from slam_core.localization.prior_map import MapError, SavedLevel
 
 FARTHEST = 1e5  # metres to an origin
+SMALLEST, LARGEST = 1e-4, 100.0  # metres of a cell
+WORDS = Repr()
+WORDS.maxlevel = 1  # a list of lists of lists has no end
+POSE = ("the x of its origin", "the y of its origin", "the yaw of its origin")
+THRESHOLDS = {"free_thresh": 0.196, "occupied_thresh": 0.65}  # and what holds without them
 LONGEST_DESCRIPTION = 2**16  # bytes of a yaml file
 CELL_BYTES = 10  # of a cell in the map, all levels together
 STRIP = 256  # rows that are turned at once
@@ -38,17 +45,9 @@ class Described:
     x: float
     y: float
     yaw: float
-    negate: bool = False
-    occupied_thresh: float = 0.65
-    free_thresh: float = 0.196
-
-    def __post_init__(self) -> None:
-        """Refuse what cannot be: ValueError."""
-        numbers = (self.resolution, self.x, self.y, self.yaw, self.occupied_thresh, self.free_thresh)
-        if not all(math.isfinite(number) for number in numbers) or not 0.0 < self.resolution < 100.0:
-            raise ValueError("resolution, origin or thresholds cannot be true")
-        if max(abs(self.x), abs(self.y)) > FARTHEST:
-            raise ValueError(f"its origin is more than {FARTHEST:g} m away")
+    negate: bool
+    occupied_thresh: float
+    free_thresh: float
 
 
 def read_ros_map(file: Path, config: MapConfig) -> tuple[SavedLevel, ...]:
@@ -91,19 +90,44 @@ def _described(file: Path) -> Described:
         said = YAML(typ="safe", pure=True).load(text.decode())
     except Exception as error:  # the parser's ways to stumble over words that are no value are many
         raise MapError(f"{file} cannot be read ({error}): give a map's yaml file") from error
+    if not isinstance(said, dict) or not {"image", "resolution", "origin"} <= said.keys():
+        raise MapError(f"{file} describes no map: it needs image, resolution, origin [x, y, yaw]")
+    if said.get("mode", "trinary") == "raw":
+        raise MapError(f"{file} is a map in raw mode: save it as trinary")
     try:
-        if said.get("mode", "trinary") == "raw":
-            raise MapError(f"{file} is a map in raw mode: save it as trinary")
-        rest = {name: float(said[name]) for name in ("occupied_thresh", "free_thresh") if name in said}
-        x, y, yaw = map(float, said["origin"])
-        negate = bool(said.get("negate", 0))
-        if not isinstance(said["image"], str):  # words for people of a list of lists of lists have no end
-            raise TypeError("its image is no name of a file")
-        return Described(said["image"], float(said["resolution"]), x, y, yaw, negate, **rest)
-    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
-        raise MapError(
-            f"{file} describes no map ({error}): it needs image, resolution, origin [x, y, yaw]"
-        ) from error
+        return _checked(said)
+    except ValueError as error:
+        raise MapError(f"{file} describes no map: {error}") from error
+
+
+def _checked(said: dict[Any, Any]) -> Described:
+    """What the keys say; ValueError names a key, its value, and what to give."""
+    low, high = (_number(said, name, 0.0, 1.0, usual) for name, usual in THRESHOLDS.items())
+    if low > high:
+        raise ValueError(f"free_thresh is {low:g} and occupied_thresh {high:g}: the second must be higher")
+    if said.get("negate", 0) not in (0, 1):
+        raise ValueError(f"negate is {WORDS.repr(said['negate'])}: give 0 or 1")
+    if not isinstance(said["image"], str):
+        raise ValueError(f"image is {WORDS.repr(said['image'])}: give the name of a file")
+    origin = said["origin"]
+    if not isinstance(origin, list) or len(origin) != len(POSE):
+        raise ValueError(f"origin is {WORDS.repr(origin)}: give [x, y, yaw]")
+    x, y, yaw = (
+        _number({name: value}, name, -FARTHEST, FARTHEST) for name, value in zip(POSE, origin, strict=True)
+    )
+    resolution = _number(said, "resolution", SMALLEST, LARGEST)
+    return Described(said["image"], resolution, x, y, yaw, bool(said.get("negate", 0)), high, low)
+
+
+def _number(said: dict[Any, Any], name: str, low: float, high: float, usual: float | None = None) -> float:
+    value = said.get(name, usual)
+    try:
+        number = float(value)  # type: ignore[arg-type]  # what is none raises
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not low <= number <= high:
+        raise ValueError(f"{name} is {WORDS.repr(value)}: give {low:g} to {high:g}")
+    return number
 
 
 def _classes(pixels: NDArray[np.uint8], said: Described) -> NDArray[np.uint8]:

@@ -81,8 +81,8 @@ def _placed(pose: tuple[float, ...]) -> Transform:
 
 
 def _turned(flag: str, angles: tuple[float, ...]) -> Float64s:
-    if not all(map(math.isfinite, angles)):
-        raise SourceError(f"--{flag} turns by {_words(angles)}: give finite radians")
+    if not all(abs(angle) <= 2.0 * math.pi for angle in angles):  # beyond, they are degrees
+        raise SourceError(f"--{flag} turns by {_words(angles)}: give radians, from -2 pi to 2 pi")
     return geometry.from_euler(*angles)
 
 

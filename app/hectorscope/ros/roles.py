@@ -115,7 +115,10 @@ def check_overrides(topics: Iterable[Topic], options: SourceOptions) -> None:
     offer = sorted(topics, key=lambda topic: topic.name)
     for role, types in ROLE_TYPES.items():
         wanted = _wanted(role, options)
-        if wanted is None or wanted == NOTHING or (role in ("attitude", "truth") and tf_spec(wanted)):
+        if wanted is None or wanted == NOTHING:
+            continue
+        if role in ("attitude", "truth") and tf_spec(wanted):
+            _check_tf(wanted, role, offer)
             continue
         fitting = [topic for topic in offer if topic.msgtype in types]
         if any(_same_name(topic.name, wanted) for topic in fitting):
@@ -127,6 +130,13 @@ def check_overrides(topics: Iterable[Topic], options: SourceOptions) -> None:
         names = ", ".join(topic.name for topic in fitting) or "none here"
         flag = f"--{role.replace('_', '-')}-topic"
         raise SourceError(f"{fact}: {flag} takes one of {_short(types)} ({names})")
+
+
+def _check_tf(wanted: str, role: str, offer: Iterable[Topic]) -> None:
+    if not any(topic.msgtype in TF_TYPES for topic in offer):
+        raise SourceError(
+            f"{wanted} needs transforms, but no topic has any: give a topic as --{role}-topic, or none"
+        )
 
 
 def _choose(role: str, offer: list[Topic], options: SourceOptions) -> str | None:

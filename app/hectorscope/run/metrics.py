@@ -15,7 +15,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from slam_core.evaluation.trajectory import Trajectory, evaluate
 from slam_core.results import StepResult
 
-LOST_SHARE = 0.5  # of the scans of a run: so many without a known pose make its map of no use
+LOST_SHARE = 0.5  # of the scans of a run: so many without a known pose, or unused, make its map of no use
 PARTS = ("stabilise", "match", "update", "filter")
 
 
@@ -39,6 +39,7 @@ def metrics(
         "scans": {
             "read": pipeline.scans_read,
             "used": pipeline.scans,
+            "unusable": report.unusable,
             "skipped": dict(pipeline.skipped),
         },
         "tracking": dict(pipeline.states),
@@ -56,10 +57,15 @@ def metrics(
     }
 
 
-def is_lost(figures: Mapping[str, Any]) -> bool:
-    """Whether the pose of a run is lost at its end, or was so for too long."""
-    lost = figures["tracking"].get("lost", 0)
-    return bool(figures["tracking_at_end"] == "lost" or lost > LOST_SHARE * figures["scans"]["used"])
+def failure(figures: Mapping[str, Any]) -> str:
+    """Why the map of a run is of no use: the pose was lost, or few scans could be used. Empty if it is of use."""
+    scans, lost = figures["scans"], figures["tracking"].get("lost", 0)
+    used, there = scans["used"], scans["read"] + scans["unusable"]
+    if used < LOST_SHARE * there:
+        return f"{used} of {there} scans could be used, so the map cannot be trusted: see skipped above"
+    if figures["tracking_at_end"] == "lost" or lost > LOST_SHARE * used:
+        return "the pose was lost, so the map cannot be trusted: see tracking above"
+    return ""
 
 
 def spent(effort: Effort) -> dict[str, float]:

@@ -1,6 +1,7 @@
 """Settings as a TOML file: one table a group, `[sensors]` where something is stated of them, and `[[changes]]`."""
 
 import json
+import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -108,8 +109,11 @@ def sensor_options(table: Any) -> dict[str, OptionValue]:
     kinds = get_type_hints(SourceOptions)
     values = {name: _as_floats(value) for name, value in table.items()}
     for name, value in values.items():
-        if name not in SENSOR_OPTIONS or not any(_fits(value, kind) for kind in get_args(kinds[name])):
-            raise SettingsError(f"{_SENSORS}.{name} = {value!r} is not understood: remove it, or see --help")
+        if name not in SENSOR_OPTIONS:
+            raise SettingsError(f"{_SENSORS}.{name} = {value!r}: there are {', '.join(SENSOR_OPTIONS)}")
+        kind, _ = get_args(kinds[name])
+        if not _fits(value, kind):
+            raise SettingsError(f"{_SENSORS}.{name} = {value!r}: give {_wanted(kind)}, or remove it")
     return values
 
 
@@ -121,12 +125,20 @@ def _as_floats(value: Any) -> Any:
 
 
 def _fits(value: Any, kind: Any) -> bool:
-    """Whether a value is of one of the types of `SourceOptions`."""
+    """Whether a value is of a type of `SourceOptions`, and finite."""
     if get_origin(kind) is Literal:
         return value in get_args(kind)
     if get_origin(kind) is tuple:
-        return isinstance(value, tuple) and len(value) == len(get_args(kind))
-    return type(value) is kind
+        return type(value) is tuple and len(value) == len(get_args(kind)) and all(map(math.isfinite, value))
+    return type(value) is kind and (kind is not float or math.isfinite(value))
+
+
+def _wanted(kind: Any) -> str:
+    if get_origin(kind) is Literal:
+        return " or ".join(get_args(kind))
+    if get_origin(kind) is tuple:
+        return f"{len(get_args(kind))} finite numbers"
+    return {bool: "true or false", float: "a finite number"}.get(kind, "a word")
 
 
 def _settings(tree: dict[str, Any], base: SlamConfig) -> Settings:

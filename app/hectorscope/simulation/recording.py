@@ -6,7 +6,7 @@ import numpy as np
 
 from hectorscope.ros.recorder import Recorder
 from hectorscope.simulation.aids import MAGNETOMETER, ORIGIN, RANGEFINDER, RECEIVER
-from hectorscope.simulation.options import Extra, SimulateOptions
+from hectorscope.simulation.options import Extra, SimulateOptions, SimulationError
 from hectorscope.simulation.sensors import BAROMETER, MEMS, START_NS
 from hectorscope.simulation.simulation import Simulation
 from slam_core.geometry import from_euler
@@ -32,6 +32,10 @@ SEA_LEVEL = 101325.0  # Pa
 def simulate(options: SimulateOptions, progress: Progress = lambda share: None) -> None:
     """Drive the scene and write the bag `options.out`; RecorderError or SimulationError for a bad choice."""
     simulation = Simulation(options.scenario, options)
+    if options.gps_outage and "gps" not in simulation.extras:
+        raise SimulationError(
+            f"gps_outage is {options.gps_outage:g} s, but there is no receiver: add gps to extras"
+        )
     with Recorder(options.out) as bag:
         _write_mounts(bag, {"laser": simulation.scene.T_base_laser, **_mounts(simulation.extras)})
         for arrival_ns, item in simulation.arrivals():

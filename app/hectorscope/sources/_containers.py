@@ -18,6 +18,7 @@ from hectorscope.sources._mcap_scan import scan_mcap
 from hectorscope.sources._recording import NOTHING, Channel, Passed, Raw, Recording, by_scanning, joined
 from hectorscope.sources._rosbag_index import BagIndex
 from hectorscope.sources._rosbag_scan import scan_rosbag
+from hectorscope.sources._sqlite_scan import scan_sqlite
 from hectorscope.sources._unpacking import check_overlap, temporary_folder, unpack_file, unpacked
 
 SUFFIXES = (".bag", ".active", ".mcap", ".db3")
@@ -109,7 +110,7 @@ def _open_file(path: Path) -> Recording:
     except Exception as error:  # the parser's ways to stumble over a damaged file are many
         reason = _reason(error)
     if path.suffix == ".db3":
-        raise SourceError(f"{path} is damaged ({reason}): recover it with the .recover command of sqlite3")
+        return by_scanning(path, container, lambda: scan_sqlite(path), reason)
     if path.suffix == ".mcap":
         damage = "" if "Profile is not ros2" in reason else reason
         return by_scanning(path, container, lambda: scan_mcap(path), damage)
@@ -129,7 +130,7 @@ def _recognise(path: Path) -> str:
     if not begin:
         raise SourceError(f"{path} is an empty file: record it again")
     if begin != magic:
-        raise SourceError(f"{path} is not a {container}: it begins with {begin!r} in place of {magic!r}")
+        raise SourceError(f"{path} is not a {container}: it begins with {begin!r} in place of {magic!r}: give one")
     return container
 
 

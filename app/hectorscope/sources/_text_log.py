@@ -24,6 +24,7 @@ LONGEST_STEP_NS = 2_000_000_000
 
 LONGEST_LINE = 2**20  # bytes; a scan of 1081 beams takes 8 KB
 LONGEST_LOG = 2**32  # bytes, unpacked: weeks of a laser with 181 beams
+NOT_LATER = "scan that is not later than the one before"
 SCANS, WHEELS = "scan", "wheels"
 
 
@@ -77,7 +78,9 @@ class TextLog:
     @property
     def report(self) -> SourceReport:
         """Scans read so far, and lines left out."""
-        return SourceReport({SCANS: self._reading.lines}, dict(self._skipped), notes=self._notes)
+        skipped = dict(self._skipped)
+        unusable = sum(skipped.values())
+        return SourceReport({SCANS: self._reading.lines}, skipped, notes=self._notes, unusable=unusable)
 
     clock_offset_ns = 0
     unplaced = ()
@@ -147,7 +150,7 @@ class TextLog:
                 instant = parse(line)
                 fault = stamps.fault(instant.scan.stamp_ns) if instant is not None else ""
                 if fault:
-                    raise BadLine(fault if fault == AHEAD else "scan that is not later than the one before")
+                    raise BadLine(fault if fault == AHEAD else NOT_LATER)
             except (ValueError, IndexError, OverflowError):
                 self._skipped["line cut off or without numbers"] += 1
             except BadLine as reason:

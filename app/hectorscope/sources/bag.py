@@ -63,7 +63,8 @@ class BagSource:
         """Counters of the latest reading; what is wrong with the file is among the notes."""
         report = self._reading.converter.report
         scans = next((topic.messages for topic in self.topics if topic.name == self.roles.scan), None)
-        report = replace(report, warnings=(*report.warnings, *self.refused), scans=scans)
+        unusable = sum(n for why, n in report.skipped.items() if why.startswith(f"{self.roles.scan}: "))
+        report = replace(report, warnings=(*report.warnings, *self.refused), scans=scans, unusable=unusable)
         damage = self._failure or self.recording.damage
         if not damage:
             return report

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.inputs import SourceError, SourceOptions, SourceReport
 from hectorscope.ros.roles import NOTHING
 from hectorscope.sources import SourceKind
-from hectorscope.sources._text_log import BadLine, Instant, Lines, TextLog, floats
+from hectorscope.sources._text_log import NOT_LATER, BadLine, Instant, Lines, TextLog, floats
 from slam_core import geometry
 from slam_core.measurements import FARTHEST_LASER, Float32s, LaserScan, Transform
 
@@ -67,6 +67,17 @@ class CarmenLog(TextLog):
         if options.truth_topic not in (None, NOTHING):
             self.roles = replace(self.roles, truth=options.truth_topic)
             self.truth = self._corrected(Path(str(options.truth_topic)))
+
+    @property
+    def report(self) -> SourceReport:
+        """With a hint where the stamps are those of a corrected log, which hardly grow."""
+        report = super().report
+        if (still := report.skipped.get(NOT_LATER, 0)) <= len(self.instants):
+            return report
+        hint = (
+            f"{still} scans of {self.name} have no time of their own: it looks like a corrected log, to be given"
+        )
+        return replace(report, notes=(*report.notes, f"{hint} as --truth of the log that was recorded"))
 
     def _corrected(self, path: Path) -> dict[int, Transform]:
         """Poses of the base at the times of this log's scans: the other log's times are seldom of use."""

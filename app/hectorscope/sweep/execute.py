@@ -18,7 +18,7 @@ from hectorscope.inputs import Item, Source, SourceReport
 from hectorscope.run.headless import run_headless
 from hectorscope.run.map_image import PALETTE, MapImage
 from hectorscope.run.map_images import level_image
-from hectorscope.run.metrics import is_lost, metrics
+from hectorscope.run.metrics import failure, metrics
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.relations import read_relations, relation_figures
 from hectorscope.sources import open_source
@@ -28,6 +28,7 @@ from hectorscope.sweep.limits import resident_mb
 from hectorscope.sweep.sampler import Sampler
 from hectorscope.sweep.spec import RunSpec, RunSummary
 from slam_core.errors import SlamError
+from slam_core.measurements import LaserScan
 
 PICTURE = 160  # pixels, of its longer side at most
 POSES = 300  # of the path that is kept
@@ -51,10 +52,16 @@ class Beginning:
         return self._source.report
 
     def items(self) -> Iterator[Item]:
-        """Those up to the end of the part."""
+        """Those up to the end of the part: the same scans with whatever delay, which moves their stamps."""
         end_ns = self.span_ns[1] if self.span_ns and self._share < 1.0 else None
         items = self._source.items()
-        return items if end_ns is None else takewhile(lambda item: item.stamp_ns <= end_ns, items)
+        sensors: dict[str, Any] = dict(self.report.sensors)
+        delay_ns: int = round(1e9 * sensors.get("scan_delay", 0.0))
+
+        def within(item: Item) -> bool:
+            return item.stamp_ns + delay_ns * isinstance(item, LaserScan) <= (end_ns or 0)
+
+        return items if end_ns is None else takewhile(within, items)
 
     def close(self) -> None:
         """Let go of the source."""
@@ -98,7 +105,7 @@ def _run(spec: RunSpec) -> dict[str, Any]:
     image = None if pyramid.empty else level_image(pyramid, 0)
     figures[SCORE] = round(sampler.score(image), 6)
     return {
-        "status": "lost" if is_lost(figures) else "ok",
+        "status": "lost" if failure(figures) else "ok",
         "figures": dict(flat(figures)),
         "picture": picture(image) if image else "",
         "extent": _extent(image) if image else (),

@@ -11,6 +11,7 @@ from hectorscope.sweep.spec import RunSpec
 from hectorscope.sweep.table import Row, value
 from slam_core.errors import SlamError, nearest
 
+DIGITS = 6  # of a median, as of the figures themselves
 LOST = 1e9  # added to the cost of a run whose pose was lost: behind all that held
 
 
@@ -58,7 +59,7 @@ def _place(specs: Sequence[RunSpec], rows: Mapping[str, Row], target: str) -> Pl
     own = [rows[spec.key] for spec in specs]
     values = [found for row in own if isinstance(found := value(row.get(target, "")), float)]
     bad = sum(row["status"] != "ok" for row in own)
-    return Place(specs[0], median(values) if values else None, bad)
+    return Place(specs[0], round(median(values), DIGITS) if values else None, bad)
 
 
 def cost(row: Mapping[str, str], target: str) -> float:

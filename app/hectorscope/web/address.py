@@ -1,5 +1,6 @@
 """Where a page is served: its address, port, tokens, certificate, and the name that others know it by."""
 
+import errno
 import re
 import socket
 import ssl
@@ -131,6 +132,8 @@ def listen(host: str, port: int) -> socket.socket:
     except socket.gaierror as error:
         raise ServerError(f"host {host!r} is unknown here: give an address of this machine") from error
     except OSError as error:
+        if error.errno == errno.EADDRNOTAVAIL:
+            raise ServerError(f"host {host} is no address of this machine: give one of its own") from error
         raise ServerError(
             f"port {port} of {host} cannot be had ({error.strerror}): end the other program or give another --port"
         ) from error

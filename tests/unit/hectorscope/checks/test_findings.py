@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from hectorscope.checks.findings import findings, remedy
+from hectorscope.checks.findings import findings, remedy, repairing_options
 from hectorscope.checks.sensor_check import CheckedSource, SensorError
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
 from hectorscope.inputs import Item, SourceOptions
@@ -238,6 +238,17 @@ def test_a_refusal_says_what_inspect_says() -> None:
     assert "--scan-delay" in flags
     with pytest.raises(SensorError, match=f"or with {re.escape(flags)}, or"):
         next(checked(items).items())
+
+
+def test_a_repair_looks_as_far_as_inspect_does() -> None:
+    """A delay that grows hardly shows in the beginning: it is repaired by the options that `inspect` names."""
+    begin_ns = honest()[0].stamp_ns
+    items = [late(LaserScan, 0.02 * (item.stamp_ns - begin_ns) / SECOND)(item) for item in honest(30.0)]
+    named = repairing_options(findings(measures(items), SourceOptions()))
+    assert set(named) == {"scan_delay"}
+    source = checked(items, repairs=True)
+    assert list(source.items())
+    assert source.report.sensors == named
 
 
 def test_a_delay_alone_refuses_nothing() -> None:

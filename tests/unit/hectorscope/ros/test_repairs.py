@@ -63,9 +63,10 @@ def test_an_imu_upside_down_is_turned() -> None:
         ),
         (
             {"laser_pose": (0.0, 0.0, 0.0, math.inf, 0.0, 0.0)},
-            "--laser-pose turns by inf 0 0: give finite",
+            "--laser-pose turns by inf 0 0: give radians",
         ),
-        ({"imu_rotation": (0.0, math.nan, 0.0)}, "--imu-rotation turns by 0 nan 0: give finite radians"),
+        ({"laser_pose": (0.0, 0.0, 0.0, 0.0, 0.0, 90.0)}, "--laser-pose turns by 0 0 90: give radians"),
+        ({"imu_rotation": (0.0, math.nan, 0.0)}, "--imu-rotation turns by 0 nan 0: give radians"),
     ],
 )
 def test_places_that_cannot_be_meant_are_refused(options: dict[str, tuple[float, ...]], words: str) -> None:

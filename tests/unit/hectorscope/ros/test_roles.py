@@ -142,6 +142,12 @@ def test_a_chain_of_transforms_can_stand_for_truth_and_attitude() -> None:
         check_overrides(OFFER, SourceOptions(scan_topic="tf:a>b"))
 
 
+def test_a_chain_of_transforms_needs_transforms() -> None:
+    """Where no topic has any, it is refused as any topic that is missing."""
+    with pytest.raises(SourceError, match="tf:a>b needs transforms, but no topic has any"):
+        check_overrides(OFFER[:-2], SourceOptions(truth_topic="tf:a>b"))
+
+
 @pytest.mark.parametrize(("wanted", "near"), [("/front/scna", "/front/scan"), ("/robot/nav/scan", "/nav/scan")])
 def test_a_mistyped_topic_gets_the_nearest_one(wanted: str, near: str) -> None:
     """Of those that would do for the part."""

@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from hectorscope.ros import aid_messages
 from hectorscope.ros.messages import pressure_altitude
-from hectorscope.simulation import SceneOptions, SimulateOptions, Simulation, simulate
+from hectorscope.simulation import SceneOptions, SimulateOptions, Simulation, SimulationError, simulate
 from hectorscope.simulation.aids import ORIGIN
 from hectorscope.simulation.recording import pressure_at
 from slam_core.errors import SlamError
@@ -34,6 +34,14 @@ def written(folder: Path, name: str, **options: Any) -> Path:
     path = folder / name
     simulate(SimulateOptions(scenario="littoral", out=path, duration=3.0, **options))
     return path
+
+
+def test_an_outage_needs_a_receiver(tmp_path: Path) -> None:
+    """Of a scene that carries none it is refused, and nothing is written."""
+    options = SimulateOptions(scenario="rooms", out=tmp_path / "run.bag", gps_outage=5.0)
+    with pytest.raises(SimulationError, match="gps_outage is 5 s, but there is no receiver: add gps to extras"):
+        simulate(options)
+    assert not options.out.exists()
 
 
 def contents(path: Path) -> dict[str, list[tuple[int, Any]]]:

@@ -136,12 +136,21 @@ def test_messages_that_the_index_promises_are_missed(tmp_path: Path) -> None:
     assert any("89 of 90 messages of /scan are there" in note for note in source.report.notes)
 
 
-def test_a_cut_database_names_the_remedy(tmp_path: Path) -> None:
-    """SQLite refuses a cut file as a whole; its own shell can repair it."""
-    folder = write_bag(tmp_path / "run", small_run(Messages()))
+def test_a_cut_database_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    """SQLite refuses a cut file as a whole: its rows are read up to the cut, alone and in its folder."""
+    folder = write_bag(tmp_path / "run", small_run(Messages(), 500))
     database = cut(next(folder.glob("*.db3")), 0.5)
-    with pytest.raises(SourceError, match=r"run\.db3 is damaged .*: recover it with the \.recover command"):
-        open_run(database)
+    for path in (database, folder):
+        source = open_run(path)
+        assert 200 < kinds(source)[LaserScan] < 300
+        assert "is cut off or damaged" in source.report.notes[0]
+
+
+def test_a_database_that_is_cut_before_its_messages_holds_none(tmp_path: Path) -> None:
+    """The message says why, and what to do."""
+    database = next(write_bag(tmp_path / "run", small_run(Messages())).glob("*.db3"))
+    database.write_bytes(database.read_bytes()[:1000])
+    assert "run.db3 holds no messages (" in refusal(database)
 
 
 def test_damage_in_the_middle_ends_the_reading_with_a_warning(tmp_path: Path) -> None:
@@ -195,9 +204,10 @@ def test_a_name_that_no_file_can_have(tmp_path: Path, suffix: str) -> None:
 
 @pytest.mark.parametrize("name", ["text.bag", "text.mcap", "text.db3"])
 def test_a_file_that_is_not_a_bag(tmp_path: Path, name: str) -> None:
-    """The message says how the file begins and how such a file should begin."""
+    """The message says how the file begins, how such a file should begin, and what to give."""
     (tmp_path / name).write_text("hello, world, this is text")
     assert "it begins with b'hello" in refusal(tmp_path / name)
+    assert refusal(tmp_path / name).endswith(": give one")
 
 
 def test_a_file_of_another_kind(tmp_path: Path) -> None:

@@ -127,6 +127,13 @@ def test_a_log_by_a_clock_that_was_set_back(tmp_path: Path) -> None:
     assert source.span_ns == (round((T0 - 59.6) * 1e9), round((T0 + 0.2) * 1e9))
 
 
+def test_a_corrected_log_is_known_by_its_stamps(tmp_path: Path) -> None:
+    """Its scans have one time, so hardly any is of use: they are counted, and a note says what it is for."""
+    source, _ = read(write(tmp_path / "run.log", [flaser(0.0, RANGES) for _ in range(3)]))
+    assert source.report.unusable == 2
+    assert "a corrected log, to be given as --truth" in source.report.notes[-1]
+
+
 def test_a_packed_log_that_is_cut_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     """What could be unpacked is used, and a note says so."""
     noise = np.random.default_rng(5)

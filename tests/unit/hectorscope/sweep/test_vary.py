@@ -52,9 +52,9 @@ def test_a_range_without_steps_is_for_a_search():
         ("matcher.sigma=0.1:0.4:1", "1 steps"),
         ("matcher.sigma=0.1:0.4:9999999", "steps"),
         ("sensors.scan_dely=1", "did you mean sensors.scan_delay"),
-        ("sensors.imu_accel_unit=miles", "is not understood"),
-        ("sensors.scan_mirrored=1", "sensors.scan_mirrored = 1.0 is not understood"),
-        ("sensors.imu_accel_unit=" + "9" * 400, "sensors.imu_accel_unit = inf is not understood"),
+        ("sensors.imu_accel_unit=miles", "give m/s2 or g or mg"),
+        ("sensors.scan_mirrored=1", "sensors.scan_mirrored = 1.0: give true or false"),
+        ("sensors.imu_accel_unit=" + "9" * 400, "sensors.imu_accel_unit = inf: give m/s2"),
         ("sensors.scan_topic=/a", "no sensor option"),
     ],
 )

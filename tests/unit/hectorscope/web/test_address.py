@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from hectorscope.web.access_control import AccessControl
-from hectorscope.web.address import ELSEWHERE, Address, Certificate, ServerError
+from hectorscope.web.address import ELSEWHERE, Address, Certificate, ServerError, listen
 from tests.certificates import self_signed
 
 TOKEN = "open-sesame"
@@ -106,3 +106,9 @@ def test_a_locked_key_is_refused_instead_of_asked_about(tmp_path: Path) -> None:
     )
     with pytest.raises(ServerError, match="the key is locked by a password"):
         Certificate(chain, locked).context()
+
+
+def test_an_address_of_another_machine_is_told_apart_from_a_port_in_use() -> None:
+    """Another port would not help."""
+    with pytest.raises(ServerError, match=r"host 192\.0\.2\.1 is no address of this machine: give one of its own"):
+        listen("192.0.2.1", 0)
