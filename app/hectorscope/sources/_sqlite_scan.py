@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import closing, suppress
+from functools import cache
 from pathlib import Path
 
 import apsw
@@ -38,7 +39,10 @@ class _WholeFiles(apsw.VFS):
         return _WholeFile(name, flags)
 
 
-WHOLE_FILES = _WholeFiles()  # is known to SQLite by NAME for as long as it lives
+@cache
+def _whole_files() -> _WholeFiles:
+    """Known to SQLite by NAME from the first file on that needs it."""
+    return _WholeFiles()
 
 
 def scan_sqlite(path: Path) -> Iterator[Raw]:
@@ -51,6 +55,7 @@ def scan_sqlite(path: Path) -> Iterator[Raw]:
 
 
 def _opened(path: Path) -> apsw.Connection:
+    _whole_files()
     flags = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
     database = apsw.Connection(f"{path.absolute().as_uri()}?immutable=1", flags=flags, vfs=NAME)
     database.limit(apsw.SQLITE_LIMIT_LENGTH, LARGEST_CHUNK)
