@@ -121,7 +121,7 @@ class Engine:
 
     def attach(self, station: Station) -> None:
         """Keep on the disk what it says; before the start."""
-        self._station = self._stepping.station = station
+        self._station = station
         station.attach(self._session)
 
     def start(self, prepare: Callable[[Report], None] | None = None) -> None:

@@ -107,7 +107,7 @@ class Station:
         )
 
     def keep(self) -> None:
-        """Between two items: leave a checkpoint if it is time."""
+        """Before each turn of the engine: leave a checkpoint if it is time, and nothing is half done."""
         session = self._session
         self._way_back.follow(session.past.newest.pipeline)
         if self._journal is not None and session.source.live and not session.past.front:

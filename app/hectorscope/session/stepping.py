@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from hectorscope.run.pipeline import nothing_used
 from hectorscope.session.session import Session
-from hectorscope.session.station import Station
 from hectorscope.session.transport import PAUSED
 from slam_core.measurements import LaserScan
 
@@ -13,12 +12,7 @@ AT_ONCE = 20  # items before a look at everything else: a tenth of a second, whe
 
 
 class Stepping:
-    """Belongs to the engine's thread. station: keeps the journal between two items.
-
-    asked: whether a command waits. show: shows at once how things are.
-    """
-
-    station: Station
+    """Belongs to the engine's thread. asked: whether a command waits. show: shows at once how things are."""
 
     def __init__(self, session: Session, asked: Callable[[], bool], show: Callable[[], None]) -> None:
         self._session, self._asked, self._show = session, asked, show
@@ -42,7 +36,6 @@ class Stepping:
     def _fetch(self) -> bool:
         """Read one item; whether there was one at hand."""
         self._session.keep()
-        self.station.keep()
         run, intake = self._session.run, self._session.intake
         item = intake.get(FETCH_S)
         if item is not None:
