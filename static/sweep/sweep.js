@@ -17,6 +17,12 @@ function told(words, note = false) {
   byId("message").className = note ? "note" : "";
 }
 
+// Why there is no newer table; nothing once there is one again. Other messages stay.
+let why = "";
+function missing(words) {
+  if (words !== why) told((why = words));
+}
+
 // The tab is opened at once: a browser refuses one that comes later.
 async function open(key) {
   const tab = window.open("about:blank");
@@ -73,8 +79,10 @@ function head() {
 }
 
 async function look() {
-  const now = await (await fetch("/data.json")).text();
-  if (now === text) return;
+  const reply = await fetch("/data.json");
+  const now = await reply.text();
+  missing(reply.ok ? "" : now);
+  if (!reply.ok || now === text) return;
   [text, data] = [now, JSON.parse(now)];
   state.target ||= data.target;
   state.x ||= data.names[0] ?? "occupied_cells";
@@ -91,5 +99,6 @@ dress();
 for (const [id, name] of [["target", "target"], ["recording", "recording"], ["scatter-x", "x"], ["scatter-y", "y"]]) {
   byId(id).addEventListener("change", (event) => { state[name] = event.target.value; draw(); });
 }
-await look();
-window.setInterval(() => look().catch(() => told("The server does not answer: start it again.")), PERIOD);
+const silent = () => missing("The server does not answer: start it again.");
+await look().catch(silent);
+window.setInterval(() => look().catch(silent), PERIOD);

@@ -134,6 +134,19 @@ def test_a_long_path_stays_in_its_button(page: Page):
     assert page.evaluate(cut) == 0
 
 
+def test_a_table_that_cannot_be_read_is_named(page: Page, folder: Path):
+    """The runs stay as they were, and the message goes once the table is whole again."""
+    csv = folder / "runs.csv"
+    whole = csv.read_bytes()
+    csv.write_bytes(b"no table\n")
+    try:
+        expect(page.locator("#message")).to_contain_text("is no table of a sweep", timeout=PATIENCE)
+        expect(page.locator("#runs tbody tr")).to_have_count(7)
+    finally:
+        csv.write_bytes(whole)
+    expect(page.locator("#message")).to_be_hidden(timeout=PATIENCE)
+
+
 def test_the_page_fits_a_phone(page: Page):
     """Tables scroll within their own boxes."""
     page.set_viewport_size({"width": 390, "height": 800})
