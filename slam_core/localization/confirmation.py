@@ -5,16 +5,18 @@ import math
 from slam_core import geometry
 from slam_core.config import TrackingConfig
 from slam_core.localization.search_parts import AT_REST, Region
+from slam_core.localization.tracking import MOSTLY
 from slam_core.measurements import Float64s
 from slam_core.results import Fit, PlanarGaussian, Verdict
 
 NEAR = 0.6  # metres, radians from the prediction: a match further off was found, not tracked
-REACH, SPEED = 2.0, 2.0  # metres, m/s: how far a lost robot can have come
+REACH = 2.0  # metres that a lost robot can be off where it was sure last, beside its motion since
+FASTER, WALK = 1.5, 1.0  # times as fast as it was seen to drive, and m/s, if that is more, it can have moved since
 DRIFT = 0.1  # metres a metre: of a motion that matches at a wrong place have shown
 TURNED = 1.0  # radians from the prediction: no robot turns so far between a few scans
 FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and one anywhere
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
-MOSTLY = 0.6  # of such a scan has to lie on known cells
+WHILE_NS = 1_000_000_000  # over which a speed is measured
 GOOD = 0.9  # of the usual inlier ratio
 STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
@@ -30,6 +32,7 @@ class Confirmation:
         self.pose = pose.copy()
         self.missed = 0
         self._sure_ns: int | None = None
+        self._speed = Speed()
         self._found_ns, self._is_followed = 0, False
         self._found: Float64s | None = None  # where the waiting pose was found
         self._good = self._steady = 0
@@ -60,18 +63,23 @@ class Confirmation:
         motion = AT_REST
         if pose is not None and self._found is not None and self._is_followed:
             time_ns, motion = self._found_ns, geometry.compose(geometry.inverse(self._found), pose)
-        radius = REACH + SPEED * max(0.0, (time_ns - self._sure_ns) * 1e-9) + DRIFT * math.hypot(*motion[:2])
+        speed = max(WALK, FASTER * self._speed.fastest)
+        radius = REACH + speed * max(0.0, (time_ns - self._sure_ns) * 1e-9) + DRIFT * math.hypot(*motion[:2])
         return Region(self.pose, radius, motion)
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
-        config: TrackingConfig,
+        config: TrackingConfig, *, is_unusual: bool = False,
     ) -> Verdict:  # fmt: skip
-        """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it."""
+        """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it.
+
+        is_unusual: the match is so far from the prediction that it has to fit well.
+        """
         step = pose - prior.mean
         off = math.hypot(*step[:2])
         turned = abs(geometry.wrap(step[2]))
-        if self._found is None and (self.missed or max(off, turned) > NEAR):
+        is_doubtful = max(off, turned) > NEAR or (is_unusual and fit.hit < GOOD * usual)
+        if self._found is None and (self.missed or is_doubtful):
             relocalised = verdict.recovery == "relocalised"
             self._found, self._good, self._steady = pose.copy(), 0, 0
             self._found_ns, self._is_followed = time_ns, True
@@ -82,6 +90,7 @@ class Confirmation:
             self._is_followed = False
         if self._found is None:
             self.pose, self._sure_ns = pose.copy(), time_ns
+            self._speed.see(pose, time_ns)
             return verdict
         self._steady = self._steady + 1 if max(off, turned) < STEADY else 0
         if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
@@ -89,6 +98,7 @@ class Confirmation:
         if not self._is_confirmed(pose, searches=config.relocalise):
             self.missed += 1
             return verdict._replace(state="lost" if self.is_lost else "degraded", confirmed=False)
+        self._speed.forget()
         self._found, self.is_lost, self.missed = None, False, 0
         self.pose, self._sure_ns = pose.copy(), time_ns
         return verdict._replace(state="recovered")
@@ -112,6 +122,27 @@ class Confirmation:
         assert self._found is not None
         moved = pose - self._found
         return math.hypot(*moved[:2]) >= MOVED or abs(geometry.wrap(moved[2])) >= MOVED
+
+
+class Speed:
+    """How fast a robot was seen to move, over at least a second. fastest: m/s."""
+
+    def __init__(self) -> None:
+        self.fastest = 0.0
+        self._from: tuple[Float64s, int] | None = None
+
+    def see(self, pose: Float64s, time_ns: int) -> None:
+        """The next pose (3,) that is sure."""
+        if self._from is None or time_ns < self._from[1]:
+            self._from = pose.copy(), time_ns
+        elif time_ns - self._from[1] >= WHILE_NS:
+            was, was_ns = self._from
+            self.fastest = max(self.fastest, math.hypot(*(pose - was)[:2]) / ((time_ns - was_ns) * 1e-9))
+            self._from = pose.copy(), time_ns
+
+    def forget(self) -> None:
+        """Where it was: the next pose is not the next of the same motion."""
+        self._from = None
 
 
 def _is_vague(prior: PlanarGaussian) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam_core.config import MatcherConfig
+from slam_core.localization.tracking import MOSTLY
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
 from slam_core.measurements import Float32s, Int64s
@@ -21,8 +22,7 @@ GAP, EXTENT = 0.3, 1.5  # metres between endpoints on one object, and from one e
 OBJECTS = 2  # that move at once
 NEARER = 0.5  # of the distance between match and prediction
 BETTER = 0.95  # of the cost of eq. (7) of the other beams
-# Of them on known cells, and of the share before: an unknown cell costs less than free space.
-MOSTLY, KNOWN = 0.6, 0.9
+KNOWN = 0.9  # of the share of them on known cells before: an unknown cell costs less than free space
 
 
 def match_without(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.config import TrackingConfig
-from slam_core.localization.confirmation import DRIFT, FEW, REACH, SEVERAL, SPEED, Confirmation
+from slam_core.localization.confirmation import DRIFT, FASTER, FEW, REACH, SEVERAL, WALK, Confirmation
 from slam_core.results import ACCEPTED, Fit, PlanarGaussian, Verdict
 
 USUAL, DT = 0.9, 100_000_000
@@ -26,13 +26,17 @@ class Drive:
         verdict: Verdict = ACCEPTED,
         predicted: float | None = None,
         sigma: float = 1.0,
+        *,
+        is_unusual: bool = False,
     ):
         """The verdict on an accepted match at x, with a standard deviation of the prediction."""
         self.time_ns += DT
         mean = np.array([x if predicted is None else predicted, 0.0, 0.0])
         prior = PlanarGaussian(mean, sigma**2 * np.eye(3))
         pose = np.array([x, 0.0, 0.0])
-        return self.confirmation.accepted(pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG)
+        return self.confirmation.accepted(
+            pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG, is_unusual=is_unusual
+        )
 
     def miss(self, times: int = 1) -> bool:
         """Bad matches. Whether the last one ended a pose that waited."""
@@ -166,16 +170,50 @@ def test_a_bad_match_ends_what_waits():
 
 
 def test_a_robot_comes_no_further_than_it_drives():
-    """Two metres at once, and two more a second, from where it was sure; before that it may be anywhere."""
+    """Two metres at once, and one more a second, from where it was sure; before that it may be anywhere."""
     drive = Drive()
     assert drive.confirmation.region(0) is None
     drive.match(1.0)
     region = drive.confirmation.region(drive.time_ns + 3_000_000_000)
     assert region is not None
     np.testing.assert_array_equal(region.centre, [1.0, 0.0, 0.0])
-    assert region.radius == REACH + SPEED * 3.0
+    assert region.radius == REACH + WALK * 3.0
     assert region.holds(np.array([1.0 + region.radius - 0.1, 0.0, 2.0]))
     assert not region.holds(np.array([1.0 + region.radius + 0.1, 0.0, 2.0]))
+
+
+def test_a_robot_that_was_seen_to_be_fast_may_be_further_off():
+    """Its speed over a second counts, and not what matches of two scans differ by."""
+    drive = Drive()
+    for k in range(50):
+        drive.match(0.5 * k + 0.2 * (k % 2))
+    region = drive.confirmation.region(drive.time_ns + 3_000_000_000)
+    assert region is not None
+    assert region.radius == pytest.approx(REACH + FASTER * 5.0 * 3.0, rel=0.06)
+
+
+def test_the_way_of_a_lost_robot_to_where_it_is_found_is_no_speed():
+    """It may have been anywhere meanwhile, and the place may be wrong."""
+    drive = Drive()
+    drive.match()
+    drive.miss(CONFIG.lost_after)
+    drive.match(50.0, verdict=SEARCHED)
+    drive.confirmation.agrees()
+    for k in range(30):
+        drive.match(50.0 + 0.05 * k)
+    assert not drive.confirmation.pending
+    region = drive.confirmation.region(drive.time_ns + 3_000_000_000)
+    assert region is not None
+    assert region.radius == pytest.approx(REACH + WALK * 3.0)
+
+
+def test_a_match_that_is_unusually_far_off_and_fits_badly_waits():
+    """It sets the robot in motion; nearer to the prediction, or with a good fit, it is as sure as any."""
+    for fit, is_unusual, waits in ((POOR, True, True), (GOOD, True, False), (POOR, False, False)):
+        drive = Drive()
+        drive.match()
+        assert drive.match(0.3, fit, predicted=0.0, is_unusual=is_unusual).confirmed != waits
+        assert not drive.confirmation.awaits_search
 
 
 def test_how_a_robot_moved_since_it_was_found_is_known():
@@ -189,7 +227,7 @@ def test_how_a_robot_moved_since_it_was_found_is_known():
     assert drive.confirmation.awaits_search
     region = drive.confirmation.region(drive.time_ns, np.array([x, 0.0, 0.0]))
     assert region is not None
-    assert region.radius == pytest.approx(REACH + SPEED * 0.2 + DRIFT * (x - 3.2))
+    assert region.radius == pytest.approx(REACH + WALK * 0.2 + DRIFT * (x - 3.2))
     assert region.reach == pytest.approx(region.radius + x - 3.2)
     assert region.holds(np.array([x, 0.0, 0.0]))
     assert region.holds(np.array([1.0 - (x - 3.2), 0.0, np.pi]))  # turned round, it went the other way
@@ -205,4 +243,4 @@ def test_of_a_motion_that_jumped_nothing_is_known():
     drive.match(4.0, predicted=3.3)
     region = drive.confirmation.region(drive.time_ns, np.array([4.0, 0.0, 0.0]))
     assert region is not None
-    assert (region.radius, *region.motion) == (pytest.approx(REACH + SPEED * 0.3), 0.0, 0.0, 0.0)
+    assert (region.radius, *region.motion) == (pytest.approx(REACH + WALK * 0.3), 0.0, 0.0, 0.0)
