@@ -79,7 +79,7 @@ IGNORE = "tracking.ignore_dynamic"
 
 
 def test_somebody_in_a_corridor_does_not_pull_the_robot_along():
-    """In 45 s of a drive through the offices a person comes towards it: a third of a metre off, or two centimetres."""
+    """In 45 s of a drive through the offices somebody comes towards it: 0.3 m off, or two centimetres."""
     case = next(case for case in cases() if case.name.startswith("offices"))
     items = varied(case.load(97), 97)
     first = next(items)
