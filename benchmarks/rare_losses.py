@@ -6,6 +6,7 @@ Runs the variants of `benchmarks.ensembles`, and more of them where 30 leave it 
 Writes docs/rare-losses.md after each batch.
 """
 
+import argparse
 import math
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
@@ -112,6 +113,7 @@ with fewer, if the addition makes no difference. Ratio and tests compare the sam
 
 def main() -> None:
     """Run them, and write the document."""
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     values = {addition.name: addition.values for addition in MEASURED}
     found: dict[str, dict[str, Ensemble]] = {}
     with ProcessPoolExecutor(PROCESSES, initializer=load_everything) as pool:
