@@ -69,7 +69,7 @@ class Confirmation:
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
-        config: TrackingConfig, *, is_unusual: bool = False,
+        config: TrackingConfig, *, is_unusual: bool,
     ) -> Verdict:  # fmt: skip
         """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it.
 
@@ -133,12 +133,13 @@ class Speed:
 
     def see(self, pose: Float64s, time_ns: int) -> None:
         """The next pose (3,) that is sure."""
-        if self._from is None or time_ns < self._from[1]:
-            self._from = pose.copy(), time_ns
-        elif time_ns - self._from[1] >= WHILE_NS:
-            was, was_ns = self._from
-            self.fastest = max(self.fastest, math.hypot(*(pose - was)[:2]) / ((time_ns - was_ns) * 1e-9))
-            self._from = pose.copy(), time_ns
+        was, was_ns = self._from or (pose, time_ns)
+        passed_ns = time_ns - was_ns
+        if 0 < passed_ns < WHILE_NS:
+            return
+        if passed_ns > 0:  # else the first one, or the clock was set back
+            self.fastest = max(self.fastest, math.hypot(*(pose - was)[:2]) / (passed_ns * 1e-9))
+        self._from = pose.copy(), time_ns
 
     def forget(self) -> None:
         """Where it was: the next pose is not the next of the same motion."""

@@ -11,7 +11,7 @@ from slam_core.results import ACCEPTED, Fit, MatchResult, PlanarGaussian, Reject
 USUAL_INLIER_RATIO = 0.9  # before any match was accepted
 MEMORY = 0.05  # weight of the newest match in the running mean
 MOSTLY = 0.6  # of the endpoints of a scan: so many on known cells show where it was taken
-NEAR = 5.0  # sigmas from the prediction: a scan with fewer is rejected beyond
+NEAR = 5.0  # sigmas from the prediction: a scan with fewer known ones is rejected beyond
 TIMES = 5.0  # the usual distance between match and prediction: further off is unusual
 UNUSUAL = 0.08  # metres; nearer is not
 LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance beyond both is no motion

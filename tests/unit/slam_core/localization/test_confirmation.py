@@ -132,7 +132,8 @@ def test_without_searches_a_pose_far_off_need_not_wait_for_one():
     for k in range(1, 10):
         pose = np.array([50.0 + 0.1 * k, 0.0, 0.0])
         prior, alone = PlanarGaussian(pose, np.eye(3)), TrackingConfig(relocalise=False)
-        verdict = drive.confirmation.accepted(pose, GOOD, ACCEPTED, prior, USUAL, drive.time_ns + k * DT, alone)
+        time_ns = drive.time_ns + k * DT
+        verdict = drive.confirmation.accepted(pose, GOOD, ACCEPTED, prior, USUAL, time_ns, alone, is_unusual=False)
     assert verdict.confirmed
     assert not drive.confirmation.pending
 
