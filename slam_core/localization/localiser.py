@@ -7,9 +7,9 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
-from slam_core.localization.deskew_refinement import cost, refine
+from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_without
-from slam_core.localization.motion_hypotheses import BETTER, best_match
+from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.tracking import (
@@ -35,7 +35,6 @@ from slam_core.results import (
 from slam_core.scan.stabilise import StabilisedScan
 
 DOUBTED = 0.2  # metres from the prediction; nearer, a match that fits badly is believed as well
-BESIDE = (1.0, 0.3)  # metres, radians: how far from a pose that waits another one is looked for
 # Metres, metres, radians: how far off a robot may be that stays where it was sure last, and more a scan since.
 HELD, HELD_GROWTH, HELD_MOST = np.array([0.3, 0.3, 0.5]), 0.1, 2.0
 
@@ -171,40 +170,17 @@ class Localiser:
                 rejection = tracker.check(match.fit, distance, tracking)
         leaps = unaided and tracker.leaps(match, prior)
         if not (rejection or (doubtful and distance > limit) or leaps):
-            if unaided and self._confirmation.pending:
-                stabilised, match = self._beside(scan, stabilised, match, config)
             return stabilised, match, tracker.accept(None)
-        window = search_window(prior, tracking)
-        searched = self._search(scan, stabilised, match, prior.mean, window, config)
-        for placed, candidate in (searched, (stabilised, match)):
+        self._pyramid.cover(stabilised.points, prior.mean)
+        start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
+        start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
+        for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
             if unaided and tracker.leaps(candidate, prior):
                 continue
             if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
                 return placed, candidate, tracker.accept(rejection)
         rejection = rejection or Rejection("mahalanobis_distance", distance, LEAP_SIGMAS if leaps else limit)
         return stabilised, match, tracker.reject(match.fit, rejection, tracking)
-
-    def _beside(
-        self, scan: LaserScan, stabilised: StabilisedScan, match: MatchResult, config: SlamConfig
-    ) -> tuple[StabilisedScan, MatchResult]:
-        """The match of a pose that waits, or a clearly better one beside it."""
-        placed, found = self._search(scan, stabilised, match, match.pose, BESIDE, config)
-        if found.fit.known >= match.fit.known and cost(found) < BETTER * cost(match):
-            return placed, found
-        return stabilised, match
-
-    def _search(
-        self, scan: LaserScan, stabilised: StabilisedScan, match: MatchResult, around: Float64s,
-        window: tuple[float, float], config: SlamConfig,
-    ) -> tuple[StabilisedScan, MatchResult]:  # fmt: skip
-        """The match from the best place in a window of metres and radians around a pose (3,).
-
-        Where `match` does not observe a direction, any place along it fits: it stays as it is there.
-        """
-        self._pyramid.cover(stabilised.points, around)
-        start = find_pose(self._pyramid.levels[-1], stabilised.points, around, window)
-        start[:2] -= match.unobservable * (match.unobservable @ (start - around)[:2])
-        return self._align(scan, stabilised, start, None, config)
 
     def _other_motion(
         self, scan: LaserScan, match: MatchResult, prior: PlanarGaussian, config: SlamConfig
