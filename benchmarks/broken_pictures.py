@@ -3,6 +3,7 @@
 python -m benchmarks.broken_pictures
 """
 
+import argparse
 import io
 import tempfile
 from collections.abc import Iterator
@@ -72,6 +73,7 @@ def take(browser: Browser, whole: Path, how: str, folder: Path, target: Path) ->
 
 def main() -> None:
     """All three into docs/images."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     load_everything()
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
         browser = playwright.chromium.launch(executable_path=chromium_path(), args=FLAGS)

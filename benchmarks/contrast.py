@@ -8,6 +8,7 @@ for others, text 4.5. Colour blindness is simulated in linear sRGB (Machado, Oli
 Prints a line for each pair, the narrowest first, and ends with 1 when one is below its limit.
 """
 
+import argparse
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -162,6 +163,7 @@ def findings(theme: Theme) -> list[Finding]:
 
 def main() -> int:
     """Print all of them; 1 when one is below its limit."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     found = sorted((f for theme in (DARK, LIGHT) for f in findings(theme)), key=lambda f: f.found / f.wanted)
     for f in found:
         print(

@@ -5,7 +5,7 @@
 For each recording the best of three: seconds of CPU to open and to read, and items a second.
 """
 
-import sys
+import argparse
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -57,7 +57,11 @@ def _cells(took: Reading) -> Iterator[str]:
 
 
 def main() -> None:
-    given = [Recording(Path(uri).name, Path(uri), options=SourceOptions()) for uri in sys.argv[1:]]
+    """Print the table of the given recordings, or of those that the other tables have."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("bags", nargs="*", metavar="BAG", help="a recording")
+    uris = parser.parse_args().bags
+    given = [Recording(Path(uri).name, Path(uri), options=SourceOptions()) for uri in uris]
     print(table(given or present(TIMED)))
 
 

@@ -7,6 +7,7 @@ stamped; of a negative share the beams run against their order. Prints the mean 
 share, and where there is a truth the aligned error in millimetres with the shift of the truth that suits best.
 """
 
+import argparse
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -59,6 +60,7 @@ def line(name: str, outcomes: Sequence[tuple[float, float, float]]) -> str:
 
 def main() -> None:
     """Print a line for each recording."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     print(f"{'share of the period':>24} | given | " + " | ".join(f"{share:5.2f}" for share in SHARES))
     with ProcessPoolExecutor(PROCESSES, initializer=load_everything) as pool:
         for number, recording in enumerate(present(REAL)):

@@ -6,6 +6,8 @@ A shift of the truth in time and a marker off the origin of the base look like e
 aligned error as it is, with the best shift, with the best lever arm, and with both.
 """
 
+import argparse
+
 import numpy as np
 
 from benchmarks.accuracy import process
@@ -55,6 +57,7 @@ def rows(recording: Recording) -> list[str]:
 
 def main() -> None:
     """Print the lines of every recording with a truth."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     for recording in present(REAL[:3]):
         for line in rows(recording):
             print(line, flush=True)

@@ -6,6 +6,7 @@ Maps are made by one drive, scans come from another with other noise, at random 
 made of random walls and boxes, and mapped and looked at from random places with exact poses.
 """
 
+import argparse
 import math
 import time
 from collections.abc import Iterator
@@ -147,6 +148,7 @@ def _look(world: World, pose: Float64s, rng: np.random.Generator) -> StabilisedS
 
 def main() -> None:
     """Print what the tables are made of."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     load_everything()
     for each in measure():
         print(

@@ -8,8 +8,11 @@ from benchmarks.contrast import contrast, findings, main
 from hectorscope.page.theme import DARK, LIGHT, Theme
 
 
-def test_the_palette_is_told_apart_by_every_reader(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_palette_is_told_apart_by_every_reader(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Areas, lines, texts and curves of both themes, with and without a colour blindness."""
+    monkeypatch.setattr("sys.argv", ["contrast"])
     assert main() == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines and all(line.startswith("ok") for line in lines)
