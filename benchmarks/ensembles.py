@@ -66,7 +66,9 @@ class Case:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """poses: (n, 4) seconds, x, y, yaw. truth: (n, 3) where there is one, else None. sure, written: (n,)."""
+    """poses: (n, 4) seconds since the start of the recording, x, y, yaw. truth: (n, 3) where there is one, else
+    None. sure, written: (n,).
+    """
 
     poses: Float64s
     truth: Float64s | None
@@ -143,9 +145,9 @@ def varied(items: Iterable[Item], variant: int) -> Iterator[Item]:
         )
 
 
-def follow(items: Iterable[Item], config: SlamConfig) -> Run:
-    """A whole run, scan by scan."""
-    pipeline, results = Pipeline(Settings(config)), list[StepResult]()
+def follow(items: Iterable[Item], config: SlamConfig, start_ns: int) -> Run:
+    """A whole run, scan by scan. start_ns: of the recording; a variant may begin later."""
+    pipeline, results = Pipeline(Settings(config), start_ns), list[StepResult]()
 
     def step(measurements: Sequence[Any]) -> None:
         results.extend(result for each in measurements if (result := pipeline.step(each)))
@@ -171,7 +173,8 @@ def run(name: str, variant: int, settings: Mapping[str, Any]) -> Run:
     """A variant of a case."""
     case = next(case for case in cases() if case.name == name)
     items = case.load(variant if case.seeded else 1)
-    return follow(varied(items, variant), with_values(SlamConfig(), {**case.settings, **settings}))
+    config = with_values(SlamConfig(), {**case.settings, **settings})
+    return follow(varied(items, variant), config, items[0].stamp_ns)
 
 
 def outcomes(runs: Sequence[Run]) -> list[Outcome]:
@@ -180,13 +183,23 @@ def outcomes(runs: Sequence[Run]) -> list[Outcome]:
         return [_outcome(each, each.truth) for each in runs if each.truth is not None]
     distances = np.array([[_distance(a, b) for b in runs] for a in runs])
     best = runs[int(np.argmin(np.median(distances, axis=1)))]
-    return [_outcome(each, _at(best, each.poses[:, 0])) for each in runs]
+    return [_outcome(each, _at(best, each.poses[:, 0])) for each in (_during(best, run) for run in runs)]
 
 
 def _distance(a: Run, b: Run) -> float:
+    a = _during(b, a)
     there = _at(b, a.poses[:, 0])
     moved = move(align(there[:, :2], a.poses[:, 1:3]), there)
     return rms(np.hypot(*(a.poses[:, 1:3] - moved[:, :2]).T))
+
+
+def _during(other: Run, run: Run) -> Run:
+    """What a run has between the first and the last pose of another."""
+    times = run.poses[:, 0]
+    covered = (other.poses[0, 0] <= times) & (times <= other.poses[-1, 0])
+    return replace(
+        run, poses=run.poses[covered], sure=run.sure[covered], written=run.written[covered]
+    )
 
 
 def _at(run: Run, times: Float64s) -> Float64s:

@@ -1,8 +1,14 @@
 """What became of a variant: how far off it was, and whether the map was written there."""
 
-import numpy as np
+from dataclasses import replace
 
-from benchmarks.ensembles import LOST_SCANS, Outcome, Run, outcomes
+import numpy as np
+import pytest
+
+from benchmarks.ensembles import LOST_SCANS, Outcome, Run, follow, outcomes, varied
+from hectorscope.simulation import SceneOptions, Simulation
+from slam_core.config import SlamConfig
+from slam_core.measurements import LaserScan
 
 TIMES = np.arange(0.0, 60.0, 0.2)
 TRUTH = np.column_stack([TIMES, np.zeros_like(TIMES), np.zeros_like(TIMES)])  # 1 m/s along x
@@ -37,3 +43,24 @@ def test_scans_far_off_are_written_wrong_and_silent() -> None:
     assert not judged(off, sure=False).silent
     off[-LOST_SCANS:] = 2.0
     assert judged(off).lost
+
+
+def test_runs_that_begin_later_are_compared_at_the_same_times() -> None:
+    """Without a truth: a variant that lacks the first scans and is right has no error."""
+    turning = np.column_stack([TIMES, np.sin(TIMES / 5.0), np.cos(TIMES / 5.0), TIMES / 5.0])
+    whole = Run(turning, None, np.ones(len(TIMES), bool), np.ones(len(TIMES), bool), lost_at_the_end=False)
+    late = replace(whole, poses=turning[20:], sure=whole.sure[20:], written=whole.written[20:])
+    for runs in ((whole, whole, late), (late, late, whole)):
+        for outcome in outcomes(runs):
+            assert outcome == Outcome(pytest.approx(0.0), pytest.approx(0.0), False, False, False, 0)
+
+
+def test_times_count_from_the_start_of_the_recording() -> None:
+    """Those of a variant as well, whose first scans are missing."""
+    items = list(Simulation("rooms", SceneOptions(duration=6.0, scan_rate=5.0, beams=61, imu=False)).items())
+    scans = [item for item in items if isinstance(item, LaserScan)]
+    kept = [item for item in varied(items, 2) if isinstance(item, LaserScan)]
+    assert len(kept) < len(scans)
+    run = follow(kept, SlamConfig(), items[0].stamp_ns)
+    first_s = (kept[0].stamp_ns - items[0].stamp_ns) * 1e-9
+    assert first_s <= run.poses[0, 0] <= first_s + 0.2
