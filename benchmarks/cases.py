@@ -82,6 +82,13 @@ REAL = (
         settings=(("navigation.accel_noise", 0.1),),  # cheap, read at uneven times: the default is five times less
     ),
 )
+FURTHER = (  # without a truth, and no part of the other tables
+    Recording("jackal_vicon 11-53-31", BESIDE / "jackal_vicon/test_2026-02-19-11-53-31.bag"),
+    Recording("coreslam_urg", BESIDE / "coreslam_urg/exp1.dat"),
+    Recording("hallway", BESIDE / "hallway_rplidar/hallway.bag"),
+    Recording("ccny_tilted_handheld", BESIDE / "ccny_tilted_handheld/demo_v2.bag"),
+    Recording("turtlebot4", BESIDE / "turtlebot4_rosbag2/macfirst_floor_take_2"),
+)
 INERTIAL = (
     Recording(
         "ardrone", BESIDE / "imu_only/ardrone_imu.bag", options=SourceOptions(attitude_topic="/ardrone/imu")

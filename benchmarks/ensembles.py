@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.additions.cases import bare
-from benchmarks.cases import DEMOS, LOST_M, REAL, Recording, present
+from benchmarks.cases import DEMOS, FURTHER, LOST_M, REAL, Recording, present
 from benchmarks.tables import table
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.run.pipeline import Pipeline
@@ -109,6 +109,7 @@ def simulated(name: str, scene: ScenarioName, options: SceneOptions, *, imu: boo
 def cases() -> list[Case]:
     """All of them; the recordings that lie beside the project where they are there."""
     offices = SceneOptions(scan_rate=4.7, beams=361)
+    coarse = replace(offices, beams=181, duration=600.0)
     slow, moderate = SceneOptions(scan_rate=5.0), SceneOptions(scan_rate=20.0)
     mit_alone = replace(
         REAL[3], name="mit_csail, laser alone", options=replace(REAL[3].options, odometry_topic="none")
@@ -118,7 +119,8 @@ def cases() -> list[Case]:
     )
     return [
         simulated("offices, 20 min", "offices", offices, imu=False),
-        *(recorded(each) for each in present((*DEMOS, *REAL, mit_alone, kitchen_alone))),
+        simulated("offices, 10 min, 1 degree", "offices", coarse, imu=False),
+        *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),
         simulated("arena", "arena", moderate, imu=False),
@@ -197,9 +199,7 @@ def _during(other: Run, run: Run) -> Run:
     """What a run has between the first and the last pose of another."""
     times = run.poses[:, 0]
     covered = (other.poses[0, 0] <= times) & (times <= other.poses[-1, 0])
-    return replace(
-        run, poses=run.poses[covered], sure=run.sure[covered], written=run.written[covered]
-    )
+    return replace(run, poses=run.poses[covered], sure=run.sure[covered], written=run.written[covered])
 
 
 def _at(run: Run, times: Float64s) -> Float64s:

@@ -156,6 +156,7 @@ class Localiser:
 
         Where only matches observe the motion, at a low rate, a sudden turn and a wrong match look alike. A match
         that is far from the prediction is compared with the outcome of a search then. One that leaps is no motion.
+        Wheels slip in a turn: where they alone observe it besides, a match that fits badly is compared, too.
         """
         tracker, tracking, unaided = self._tracker, config.tracking, self._motion.unaided
         distance = mahalanobis_distance(match, prior)
@@ -170,17 +171,33 @@ class Localiser:
                 rejection = tracker.check(match.fit, distance, tracking)
         leaps = unaided and tracker.leaps(match, prior)
         if not (rejection or (doubtful and distance > limit) or leaps):
+            if not (unaided or self._motion.inertial) and tracker.is_bad(match.fit):
+                placed, found = self._nearby(scan, stabilised, match, prior, config)
+                if tracker.is_better(found.fit, match.fit):
+                    stabilised, match = placed, found
             return stabilised, match, tracker.accept(None)
-        self._pyramid.cover(stabilised.points, prior.mean)
-        start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, search_window(prior, tracking))
-        start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
-        for placed, candidate in (self._align(scan, stabilised, start, None, config), (stabilised, match)):
+        for placed, candidate in (self._nearby(scan, stabilised, match, prior, config), (stabilised, match)):
             if unaided and tracker.leaps(candidate, prior):
                 continue
             if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
                 return placed, candidate, tracker.accept(rejection)
         rejection = rejection or Rejection("mahalanobis_distance", distance, LEAP_SIGMAS if leaps else limit)
         return stabilised, match, tracker.reject(match.fit, rejection, tracking)
+
+    def _nearby(
+        self,
+        scan: LaserScan,
+        stabilised: StabilisedScan,
+        match: MatchResult,
+        prior: PlanarGaussian,
+        config: SlamConfig,
+    ) -> tuple[StabilisedScan, MatchResult]:
+        """The match that a local search finds, in place of one that is suspect."""
+        self._pyramid.cover(stabilised.points, prior.mean)
+        window = search_window(prior, config.tracking)
+        start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, window)
+        start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
+        return self._align(scan, stabilised, start, None, config)
 
     def _other_motion(
         self, scan: LaserScan, match: MatchResult, prior: PlanarGaussian, config: SlamConfig

@@ -16,7 +16,8 @@ TIMES = 5.0  # the usual distance between match and prediction: further off is u
 UNUSUAL = 0.08  # metres; nearer is not
 LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance beyond both is no motion
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
-POOR = 0.95  # of the usual inlier ratio
+POOR, BAD = 0.95, 0.9  # of the usual inlier ratio
+CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
 
@@ -54,6 +55,14 @@ class Tracker:
     def is_poor(self, fit: Fit) -> bool:
         """Whether a match fits worse than most did."""
         return fit.hit < POOR * self._usual
+
+    def is_bad(self, fit: Fit) -> bool:
+        """Whether a match on mostly known cells fits much worse than most did."""
+        return fit.known >= MOSTLY and fit.hit < BAD * self._usual
+
+    def is_better(self, found: Fit, fit: Fit) -> bool:
+        """Whether a match that a search found fits clearly better than another, and not badly."""
+        return found.hit >= max(fit.hit + CLEARLY, BAD * self._usual) and found.known >= MOSTLY
 
     def check(self, fit: Fit, distance: float, config: TrackingConfig) -> Rejection | None:
         """The reason to reject a match; None if there is none. distance: to the prediction, sigmas."""

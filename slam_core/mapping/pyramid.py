@@ -33,6 +33,8 @@ BEHIND = 0.5
 CLEARED_CAP = 4.0
 # A beam is no surprise if it ends this many metres from an occupied cell.
 APART = 0.15
+# Radians between beams from which on a scanner counts as coarse: those with a beam a degree, not half a degree.
+COARSE = math.radians(0.75)
 
 
 class Pyramid(TiledMap):
@@ -61,7 +63,7 @@ class Pyramid(TiledMap):
         points, cleared: (n, 2), (m, 2) endpoints, points in the order of the sweep, and laser: (2,), in the
         stabilised frame, metres.
         """
-        walls = between(points, self.levels[0].resolution, config.wall_gap)
+        walls = between(points, self.levels[0].resolution, longest_gap(points, laser, config.wall_gap))
         n = len(points) + len(walls)
         placed = transform_points(pose, np.concatenate([laser[None], points, walls, cleared]))
         self._limit = config.limit
@@ -213,6 +215,18 @@ def megabytes(cells: int, levels: int) -> float:
     """Memory of a window with so many cells on its finest level."""
     shares = math.fsum(0.25**i for i in range(levels))
     return (GridLevel.BYTES * shares + GridLevel.SURFEL_BYTES) * cells / 1e6
+
+
+def longest_gap(points: Float32s, laser: Float64s, fine: float) -> float:
+    """Metres between endpoints (n, 2) of one wall that are filled: `fine`, and twice that for a coarse scanner.
+
+    Half as many beams leave gaps twice as wide in the same wall.
+    points: in the order of the sweep, and laser: (2,), metres.
+    """
+    if len(points) < 2:
+        return fine
+    bearings = np.arctan2(*(points - laser).T[::-1])
+    return 2.0 * fine if float(np.median(np.abs(np.diff(bearings)))) > COARSE else fine
 
 
 def log_odds(probability: float) -> float:

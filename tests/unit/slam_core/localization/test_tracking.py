@@ -88,6 +88,17 @@ def test_a_pose_from_a_search_needs_a_better_fit():
     assert not tracker.confirms(Fit(0.1, 1.0), 0.0, CONFIG)
 
 
+def test_a_match_that_fits_badly_is_compared_with_one_that_fits_clearly_better():
+    """Only on known ground, and no match is replaced by one that fits badly, too, or lies on unknown cells."""
+    tracker = Tracker()
+    assert tracker.is_bad(Fit(0.9, 0.8)) and not tracker.is_bad(Fit(0.9, 0.85))
+    assert not tracker.is_bad(Fit(0.5, 0.8))
+    assert tracker.is_better(Fit(0.9, 0.9), Fit(0.9, 0.7))
+    assert not tracker.is_better(Fit(0.9, 0.85), Fit(0.9, 0.8))
+    assert not tracker.is_better(Fit(0.9, 0.75), Fit(0.9, 0.6))
+    assert not tracker.is_better(Fit(0.5, 0.9), Fit(0.9, 0.7))
+
+
 def test_a_scan_on_little_known_map_is_rejected_far_from_the_prediction() -> None:
     """Four tenths of a scan that fit are accepted three sigmas from the prediction, and not ten sigmas away."""
     tracker, little = Tracker(), Fit(0.4, 0.95)

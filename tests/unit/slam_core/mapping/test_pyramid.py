@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slam_core.config import ConfigError, MapConfig
-from slam_core.mapping.pyramid import NEAR, Pyramid, megabytes
+from slam_core.mapping.pyramid import NEAR, Pyramid, longest_gap, megabytes
 from slam_core.mapping.tiles import TILE
 from tests.worlds import same_map
 
@@ -175,3 +175,31 @@ def test_a_copy_does_not_grow_along():
     assert same_map(other, written(SMALL))
     beam(other, 30.0, 10.0, SMALL)
     assert same_map(other, pyramid)
+
+
+def grazed(degrees: float) -> np.ndarray:
+    """(n, 2) endpoints on a straight wall a metre aside, as far as 20 m ahead, of beams so far apart."""
+    angles = np.radians(np.arange(60.0, 2.9, -degrees))
+    return np.column_stack([1.0 / np.tan(angles), np.ones(len(angles))]).astype(np.float32)
+
+
+@pytest.mark.parametrize(("degrees", "times"), [(0.25, 1.0), (0.5, 1.0), (0.7, 1.0), (0.8, 2.0), (1.0, 2.0)])
+def test_a_scanner_with_fewer_beams_may_leave_wider_gaps_in_a_wall(degrees: float, times: float):
+    """Twice as wide ones from 0.75 degrees between beams on."""
+    laser = np.array([0.3, -0.2])
+    points = grazed(degrees) + np.float32(laser)
+    assert longest_gap(points, laser, 3.0) == 3.0 * times
+    assert longest_gap(points[:1], laser, 3.0) == 3.0
+    assert longest_gap(points, laser, 0.0) == 0.0
+
+
+@pytest.mark.parametrize("degrees", [0.5, 1.0])
+def test_a_wall_of_a_corridor_is_written_without_a_gap(degrees: float):
+    """From 5 m to 12 m ahead, where its endpoints are up to 2.9 m apart, by a scanner of either kind."""
+    pyramid = Pyramid(MapConfig(wall_gap=1.5))
+    points = grazed(degrees)
+    pyramid.update(points, np.empty((0, 2), np.float32), np.zeros(2), np.zeros(3), MapConfig(wall_gap=1.5))
+    level = pyramid.levels[0]
+    columns = np.arange(int(5.0 / level.resolution), int(12.0 / level.resolution)) - level.corner[0]
+    row = int(1.0 / level.resolution + 0.5) - level.corner[1]
+    assert (level.log_odds[row - 1 : row + 1, columns] > 0.0).any(axis=0).all()
