@@ -33,8 +33,8 @@ BEHIND = 0.5
 CLEARED_CAP = 4.0
 # A beam is no surprise if it ends this many metres from an occupied cell.
 APART = 0.15
-# Radians between beams from which on a scanner counts as coarse: those with a beam a degree, not half a degree.
-COARSE = math.radians(0.75)
+# Radians between beams from which on a scanner counts as coarse: one with a beam a degree does.
+COARSE = math.radians(0.9)
 
 
 class Pyramid(TiledMap):

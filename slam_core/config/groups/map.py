@@ -91,7 +91,7 @@ class MapConfig:
         Param(
             "Where a beam grazes a straight wall, the wall between its endpoint and the next is written, too, if"
             " they lie no further apart than this, or than twice this if the beams of the scanner are more than"
-            " 0.75 degrees apart (0: off, the paper).",
+            " 0.9 degrees apart (0: off, the paper).",
             "m",
             0.0,
             10.0,
