@@ -5,7 +5,7 @@ import math
 from slam_core import geometry
 from slam_core.config import TrackingConfig
 from slam_core.localization.search_parts import AT_REST, Region
-from slam_core.localization.tracking import MOSTLY
+from slam_core.localization.tracking import GOOD, is_good
 from slam_core.measurements import Float64s
 from slam_core.results import Fit, PlanarGaussian, Verdict
 
@@ -17,7 +17,6 @@ TURNED = 1.0  # radians from the prediction: no robot turns so far between a few
 FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and one anywhere
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
 WHILE_NS = 1_000_000_000  # over which a speed is measured
-GOOD = 0.9  # of the usual inlier ratio
 STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
 
@@ -93,8 +92,7 @@ class Confirmation:
             self._speed.see(pose, time_ns)
             return verdict
         self._steady = self._steady + 1 if max(off, turned) < STEADY else 0
-        if fit.hit >= GOOD * usual and fit.known >= MOSTLY:
-            self._good += 1
+        self._good += is_good(fit, usual)
         if not self._is_confirmed(pose, searches=config.relocalise):
             self.missed += 1
             return verdict._replace(state="lost" if self.is_lost else "degraded", confirmed=False)

@@ -185,13 +185,9 @@ class Localiser:
         return stabilised, match, tracker.reject(match.fit, rejection, tracking)
 
     def _nearby(
-        self,
-        scan: LaserScan,
-        stabilised: StabilisedScan,
-        match: MatchResult,
-        prior: PlanarGaussian,
+        self, scan: LaserScan, stabilised: StabilisedScan, match: MatchResult, prior: PlanarGaussian,
         config: SlamConfig,
-    ) -> tuple[StabilisedScan, MatchResult]:
+    ) -> tuple[StabilisedScan, MatchResult]:  # fmt: skip
         """The match that a local search finds, in place of one that is suspect."""
         self._pyramid.cover(stabilised.points, prior.mean)
         window = search_window(prior, config.tracking)

@@ -16,7 +16,7 @@ TIMES = 5.0  # the usual distance between match and prediction: further off is u
 UNUSUAL = 0.08  # metres; nearer is not
 LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance beyond both is no motion
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
-POOR, BAD = 0.95, 0.9  # of the usual inlier ratio
+POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
 CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
@@ -36,6 +36,11 @@ def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float,
     x, y, psi = (3.0 * math.sqrt(variance) for variance in prior.covariance.diagonal().tolist())
     distance = min(max(x, y, LEAST_WINDOW[0]), config.search_distance)
     return distance, min(max(psi, LEAST_WINDOW[1]), config.search_angle)
+
+
+def is_good(fit: Fit, usual: float) -> bool:
+    """Whether a match lies on mostly known cells and fits nearly as well as usual (mean inlier ratio)."""
+    return fit.known >= MOSTLY and fit.hit >= GOOD * usual
 
 
 class Tracker:
@@ -58,11 +63,11 @@ class Tracker:
 
     def is_bad(self, fit: Fit) -> bool:
         """Whether a match on mostly known cells fits much worse than most did."""
-        return fit.known >= MOSTLY and fit.hit < BAD * self._usual
+        return fit.known >= MOSTLY and not is_good(fit, self._usual)
 
     def is_better(self, found: Fit, fit: Fit) -> bool:
         """Whether a match that a search found fits clearly better than another, and not badly."""
-        return found.hit >= max(fit.hit + CLEARLY, BAD * self._usual) and found.known >= MOSTLY
+        return is_good(found, self._usual) and found.hit >= fit.hit + CLEARLY
 
     def check(self, fit: Fit, distance: float, config: TrackingConfig) -> Rejection | None:
         """The reason to reject a match; None if there is none. distance: to the prediction, sigmas."""

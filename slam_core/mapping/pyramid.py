@@ -223,7 +223,7 @@ def longest_gap(points: Float32s, laser: Float64s, fine: float) -> float:
     Half as many beams leave gaps twice as wide in the same wall.
     points: in the order of the sweep, and laser: (2,), metres.
     """
-    if len(points) < 2:
+    if fine == 0.0 or len(points) < 2:
         return fine
     bearings = np.arctan2(*(points - laser).T[::-1])
     return 2.0 * fine if float(np.median(np.abs(np.diff(bearings)))) > COARSE else fine
