@@ -57,6 +57,7 @@ class Recording:
 
 
 MIT = BESIDE / "mit_csail"
+_HALLWAY = SourceOptions(scan_sweep=-0.0693)  # found by `hectorscope inspect`, as what follows
 DEMOS = tuple(Recording(f"{scene} (simulated)", demo_bag(scene)) for scene in get_args(Scene))
 REAL = (
     Recording("jackal_vicon 15-54-31", BESIDE / "jackal_vicon/test_2026-02-17-15-54-31.bag", 0.0143),
@@ -71,23 +72,27 @@ REAL = (
         MIT / "mit-csail.clf",
         options=SourceOptions(truth_topic=str(MIT / "csail-corrected.log.gz")),
     ),
-    Recording("hallway eng403_good", BESIDE / "hallway_rplidar/eng403_good.bag"),
+    Recording("hallway eng403_good", BESIDE / "hallway_rplidar/eng403_good.bag", options=_HALLWAY),
     Recording("ccny_handheld", BESIDE / "ccny_handheld/demo_initial_commit.bag"),
     Recording(
         "mumble kitchen_1",
         BESIDE / "mumble_lidar_imu/kitchen_1",
         options=SourceOptions(
             imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=0.11
-        ),  # found by `hectorscope inspect`
+        ),
         settings=(("navigation.accel_noise", 0.1),),  # cheap, read at uneven times: the default is five times less
     ),
 )
 FURTHER = (  # without a truth, and no part of the other tables
     Recording("jackal_vicon 11-53-31", BESIDE / "jackal_vicon/test_2026-02-19-11-53-31.bag"),
     Recording("coreslam_urg", BESIDE / "coreslam_urg/exp1.dat"),
-    Recording("hallway", BESIDE / "hallway_rplidar/hallway.bag"),
+    Recording("hallway", BESIDE / "hallway_rplidar/hallway.bag", options=_HALLWAY),
     Recording("ccny_tilted_handheld", BESIDE / "ccny_tilted_handheld/demo_v2.bag"),
-    Recording("turtlebot4", BESIDE / "turtlebot4_rosbag2/macfirst_floor_take_2"),
+    Recording(
+        "turtlebot4",
+        BESIDE / "turtlebot4_rosbag2/macfirst_floor_take_2",
+        options=SourceOptions(scan_sweep=-0.1336),
+    ),
 )
 INERTIAL = (
     Recording(

@@ -86,6 +86,12 @@ def _sensors(measures: Measures) -> Iterator[str]:
         if turn is not None:
             late = f", the scans {turn.lag:z.2f} s late" if is_timed else ""
             yield f"{name}: turns {turn.ratio:z.2f} times as far, correlation {turn.correlation:z.2f}{late}"
+    if (order := measures.order) is not None:
+        sure = "" if order.is_sure else ": not sure"
+        yield (
+            f"order of the beams: mean residual {order.stated:.3f} as stated, {order.reversed:.3f} with the last"
+            f" beam as the first{sure}"
+        )
 
 
 def _sweep(sweep: SweepTime | None) -> Iterator[str]:

@@ -67,19 +67,24 @@ class SensorCheck:
         so that both give the same figures.
         """
         measures = self._statistics.measures()
-        enough = last or measures.turn is not None or measures.wheels is not None
+        enough = last or measures.has_turn
         found = findings(measures, self._options) if enough else []
         if not self._live and not whole and any(finding.grave for finding in found):
             self._asked_s = LONGEST_S
             return
-        self.settled = enough
         if enough:
             self._tell(found)
+            knows_order = not self._statistics.shows_order or (
+                measures.order is not None and measures.order.is_sure
+            )
+            self.settled = last or knows_order
 
     def _tell(self, found: Sequence[Finding]) -> None:
         self.found = tuple(found)
         facts = "; ".join(finding.fact for finding in self.found)
-        by_hand = f"or with {remedy(self.found)}, or without the IMU by --imu-topic none"
+        by_hand = f"or with {remedy(self.found)}"
+        if any(name.startswith("imu_") for name in repairing_options(self.found)):
+            by_hand += ", or without the IMU by --imu-topic none"
         text = f"{self._name}: {facts}: run again with --repair, {by_hand}"
         if any(finding.grave for finding in self.found):
             raise SensorError(text)

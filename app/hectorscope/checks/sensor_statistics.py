@@ -1,12 +1,14 @@
-"""What a source's data shows of its sensors: gravity, and the turns that they measured at the same time."""
+"""What a source's data shows of its sensors: gravity, the turns of each at the same time, the order of the beams."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from hectorscope.checks.beam_order import BeamOrder, OrderStatistics, shows_order
 from hectorscope.checks.contradictions import Agreement, Gravity, compare_tilts, compare_turns, gravity, yaw_rates
 from hectorscope.checks.sweep_time import SweepTime, estimate
 from hectorscope.inputs import Item
+from hectorscope.ros.repairs import with_sweep
 from hectorscope.run.warmup import warm_up
 from slam_core.config import SlamConfig
 from slam_core.geometry import heading
@@ -14,7 +16,7 @@ from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry
 from slam_core.slam import HectorSlam
 
 LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
-SCAN_PERIOD_NS = 80_000_000  # more scans a second add nothing about turns
+SCAN_PERIOD_NS = 70_000_000  # more scans a second add nothing about turns
 FEWEST_SAMPLES = 20
 FEWEST_SPANS = 12
 SURE = 0.7  # correlation
@@ -29,7 +31,7 @@ class Measures:
 
     turn: the gyroscope's turn about the vertical, against that of the scans. wheels: the odometry's, likewise.
     tilt: the gyroscope against the way gravity moves through the IMU. truth: the turns of the true poses, as of
-    the gyroscope.
+    the gyroscope. order: which beam is measured first, of scans that tell when.
     """
 
     gravity: Gravity | None = None
@@ -37,6 +39,12 @@ class Measures:
     wheels: Agreement | None = None
     tilt: Agreement | None = None
     truth: Agreement | None = None
+    order: BeamOrder | None = None
+
+    @property
+    def has_turn(self) -> bool:
+        """Whether it is known how another sensor turns against the scans."""
+        return self.turn is not None or self.wheels is not None
 
 
 class SensorStatistics:
@@ -51,7 +59,8 @@ class SensorStatistics:
         self._scans: list[LaserScan] = []
         self._periods_ns: list[int] = []
         self._scan_ns: int | None = None
-        self._slam: HectorSlam | None = None
+        self._slams: tuple[HectorSlam, HectorSlam] | None = None  # of the scans, and with their last beam first
+        self._order = OrderStatistics()
         self._headings: list[tuple[float, float]] = []
 
     def take(self, item: Item) -> float:
@@ -80,8 +89,13 @@ class SensorStatistics:
 
     @property
     def comparable(self) -> bool:
-        """Whether anything but the scans measures turns."""
-        return bool(self._imu or self._wheels or self._truth)
+        """Whether anything but the scans measures turns, or the scans show the order of their beams."""
+        return bool(self._imu or self._wheels or self._truth) or self.shows_order
+
+    @property
+    def shows_order(self) -> bool:
+        """Whether the scans show in which order their beams are measured, once the robot moves."""
+        return bool(self._scans) and shows_order(self._scans[0])
 
     def at_rest(self) -> Measures:
         """What is known before anything turns, and without matching a scan."""
@@ -94,8 +108,9 @@ class SensorStatistics:
         imu = np.array(self._imu)
         wheels = _sure(_turns(headings, np.array(self._wheels)), TURNED)
         truth = _sure(_turns(headings, _rates(self._truth)), TURNED)
+        order = self._order.result()
         if len(imu) < FEWEST_SAMPLES:
-            return Measures(wheels=wheels, truth=truth)
+            return Measures(wheels=wheels, truth=truth, order=order)
         times, rates, forces = imu[:, 0], imu[:, 1:4], imu[:, 4:7]
         measured = np.column_stack([times, yaw_rates(times, rates, forces)])
         return Measures(
@@ -104,6 +119,7 @@ class SensorStatistics:
             wheels=wheels,
             tilt=_sure(compare_tilts(times, rates, forces), TILTED),
             truth=truth,
+            order=order,
         )
 
     def sweep_time(self) -> SweepTime | None:
@@ -116,11 +132,15 @@ class SensorStatistics:
     def _turns_of_scans(self) -> Float64s:
         """(n, 2) seconds and heading, unwrapped; NaN where the pose was lost."""
         if self.comparable and len(self._scans) > len(self._headings):
-            if self._slam is None:
+            if self._slams is None:
                 warm_up()
-                self._slam = HectorSlam(SlamConfig())
+                self._slams = HectorSlam(SlamConfig()), HectorSlam(SlamConfig())
+            stated, turned = self._slams
             for scan in self._scans[len(self._headings) :]:
-                result = self._slam.step(scan)
+                result = stated.step(scan)
+                if self.shows_order:
+                    sweep_s = (scan.end_ns - scan.stamp_ns) * 1e-9
+                    self._order.take(result, turned.step(with_sweep(scan, -sweep_s)), sweep_s)
                 found = result is not None and result.tracking == "tracking"
                 heading = float(result.planar[2]) if result is not None and found else np.nan
                 self._headings.append((self._seconds(scan.mid_ns), heading))
