@@ -77,9 +77,7 @@ REAL = (
     Recording(
         "mumble kitchen_1",
         BESIDE / "mumble_lidar_imu/kitchen_1",
-        options=SourceOptions(
-            imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=0.11
-        ),
+        options=SourceOptions(imu_accel_unit="mg", imu_gyro_unit="deg/s", scan_mirrored=True, scan_delay=0.11),
         settings=(("navigation.accel_noise", 0.1),),  # cheap, read at uneven times: the default is five times less
     ),
 )

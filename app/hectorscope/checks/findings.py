@@ -2,7 +2,8 @@
 
 The norm of the accelerometer gives its unit, its direction which way up it sits. The turn about that direction,
 compared with the turn that the scans show, gives the unit of the gyroscope, the handedness of scan and IMU, and
-the delay. Scans that are matched in both orders of their beams show which one is measured first. Nothing is reported where the data does not show it, and what a person has stated is not checked.
+the delay. Scans that are matched in both orders of their beams show which one is measured first. Nothing is
+reported where the data does not show it, and what a person has stated is not checked.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""What a source's data shows of its sensors: gravity, the turns of each at the same time, the order of the beams."""
+"""What a source's data shows of its sensors: gravity, the turns of each, the order of the beams."""
 
 from dataclasses import dataclass
 
