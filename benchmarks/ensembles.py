@@ -110,6 +110,7 @@ def cases() -> list[Case]:
     """All of them; the recordings that lie beside the project where they are there."""
     offices = SceneOptions(scan_rate=4.7, beams=361)
     coarse = replace(offices, beams=181, duration=600.0)
+    fast = replace(offices, scan_rate=10.0, speed=1.5, duration=600.0)
     slow, moderate = SceneOptions(scan_rate=5.0), SceneOptions(scan_rate=20.0)
     mit_alone = replace(
         REAL[3], name="mit_csail, laser alone", options=replace(REAL[3].options, odometry_topic="none")
@@ -120,6 +121,7 @@ def cases() -> list[Case]:
     return [
         simulated("offices, 20 min", "offices", offices, imu=False),
         simulated("offices, 10 min, 1 degree", "offices", coarse, imu=False),
+        simulated("offices, 10 min, 1.5 m/s", "offices", fast, imu=False),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),

@@ -27,6 +27,9 @@ OBSERVE_POSE = np.eye(3, 6)
 OBSERVE_TWIST = np.eye(3, 6, 3)
 # Longest prediction, and the step back of a stamp that counts as a clock that was set.
 LONGEST_NS = 2_000_000_000
+# A match this many standard deviations from the prediction, that a motion reaches only by more than this
+# acceleration (m/s^2), tells of an error of the pose and not of a velocity.
+JUMP_SIGMAS, JUMP_ACCELERATION = 5.0, 20.0
 SET_BACK_NS = 1_000_000_000
 
 
@@ -42,6 +45,7 @@ class PlanarMotion:
         self._mean = np.zeros(6)
         self._covariance = np.diag([0.01, 0.01, 0.01, 1.0, 1.0, 1.0]) ** 2.0
         self._attitudes: deque[Attitude] = deque(maxlen=MEMORY)
+        self._fused_ns: int | None = None
 
     def add_attitude(self, attitude: Attitude) -> None:
         """Remember roll and pitch."""
@@ -109,10 +113,16 @@ class PlanarMotion:
     ) -> PlanarGaussian:
         """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose.
 
-        unobservable: (2,) direction of the plane that the match does not observe, or zero.
+        unobservable: (2,) direction of the plane that the match does not observe, or zero. A jump that no motion
+        explains corrects the pose alone: as a velocity it would carry the next prediction off.
         """
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
+        jumps = not (self.aided or unobservable.any()) and self._is_jump(innovation[:2], match)
+        self._fused_ns = self.stamp_ns
+        if jumps:
+            self._set_pose(match)
+            return self.planar
         c, s = math.cos(self._mean[2]), math.sin(self._mean[2])
         held = np.zeros((2, 6))
         held[0, :2] = unobservable
@@ -127,10 +137,7 @@ class PlanarMotion:
     def reset_pose(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
         """Continue at a pose at a time, wherever the base was estimated before; the velocity of the body stays."""
         self._advance(time_ns, config)
-        self._mean[:3] = pose.mean
-        covariance = np.zeros((6, 6))
-        covariance[:3, :3], covariance[3:, 3:] = pose.covariance, self._covariance[3:, 3:]
-        self._set_covariance(covariance)
+        self._set_pose(pose)
 
     @property
     def planar(self) -> PlanarGaussian:
@@ -159,7 +166,7 @@ class PlanarMotion:
         """An independent copy."""
         other = PlanarMotion()
         other.stamp_ns, other._mean, other._covariance = self.stamp_ns, self._mean.copy(), self._covariance.copy()
-        other.aided, other._attitudes = self.aided, self._attitudes.copy()
+        other.aided, other._attitudes, other._fused_ns = self.aided, self._attitudes.copy(), self._fused_ns
         return other
 
     def _advance(self, time_ns: int, config: MotionConfig) -> None:
@@ -207,6 +214,22 @@ class PlanarMotion:
         transition[:2, 5] = 0.5 * dt * transition[:2, 2]
         transition[2, 5] = dt
         return transition
+
+    def _is_jump(self, innovation: Float64s, match: PlanarGaussian) -> bool:
+        """Whether no motion since the last match explains an innovation (2,) of the position."""
+        if self._fused_ns is None or self.stamp_ns is None:
+            return False
+        dt = (self.stamp_ns - self._fused_ns) * 1e-9
+        if math.hypot(*innovation) <= JUMP_ACCELERATION * dt**2:
+            return False
+        S = self._covariance[:2, :2] + match.covariance[:2, :2]
+        return float(innovation @ np.linalg.solve(S, innovation)) > JUMP_SIGMAS**2
+
+    def _set_pose(self, pose: PlanarGaussian) -> None:
+        self._mean[:3] = pose.mean
+        covariance = np.zeros((6, 6))
+        covariance[:3, :3], covariance[3:, 3:] = pose.covariance, self._covariance[3:, 3:]
+        self._set_covariance(covariance)
 
     def _set_covariance(self, covariance: Float64s) -> None:
         self._covariance = 0.5 * (covariance + covariance.T)

@@ -36,6 +36,39 @@ def test_a_steady_arc_is_predicted():
     np.testing.assert_allclose(predicted, arc(2.1), atol=0.005)
 
 
+def jumped(step, seconds):
+    """A steady drive at 0.5 m/s with a match every tenth of a second, and one that lies a step further left."""
+    motion = PlanarMotion()
+    for k in range(21):
+        motion.prior(k * 100_000_000, CONFIG)
+        motion.fuse(PlanarGaussian(np.array([0.05 * k, 0.0, 0.0]), TIGHT), FusionConfig(omega=0.5))
+    motion.prior(2_000_000_000 + round(seconds * 1e9), CONFIG)
+    motion.fuse(PlanarGaussian(np.array([1.0 + 0.5 * seconds, step, 0.0]), TIGHT), FusionConfig(omega=0.5))
+    return motion
+
+
+def test_a_jump_that_is_no_motion_corrects_the_pose_and_not_the_velocity():
+    """0.4 m within a tenth of a second is an error that a match ends: the drive goes on straight from there."""
+    motion = jumped(0.4, 0.1)
+    np.testing.assert_allclose(motion.twist, [0.5, 0.0, 0.0], atol=0.02)
+    np.testing.assert_allclose(motion.prior(2_200_000_000, CONFIG).mean[:2], [1.1, 0.4], atol=0.01)
+
+
+def test_a_step_that_may_be_a_motion_is_a_velocity():
+    """0.1 m within a tenth of a second, or 0.4 m within two tenths: a robot that was pushed, maybe."""
+    assert jumped(0.1, 0.1).twist[1] > 0.4
+    assert jumped(0.4, 0.2).twist[1] > 0.8
+
+
+def test_jumps_that_go_on_become_a_velocity():
+    """A robot that is carried off sideways at 3 m/s is followed again within a second."""
+    motion = jumped(0.3, 0.1)
+    for k in range(1, 11):
+        motion.prior(2_100_000_000 + k * 100_000_000, CONFIG)
+        motion.fuse(PlanarGaussian(np.array([1.05, 0.3 + 0.3 * k, 0.0]), TIGHT), FusionConfig(omega=0.5))
+    assert motion.twist[1] == pytest.approx(3.0, abs=0.3)
+
+
 def test_wheels_are_believed_less_the_faster_they_turn():
     """They slip: a sharp turn by the wheels alone is taken over less than a slow one; without slip, as much."""
 
