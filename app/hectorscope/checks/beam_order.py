@@ -11,11 +11,11 @@ import numpy as np
 from slam_core.measurements import LaserScan
 from slam_core.results import StepResult
 
-SLOW_NS = 40_000_000  # of a shorter sweep, a motion that nobody knew is all that shows
+SLOW_NS = 40_000_000  # a shorter sweep is bent less than by motions that a laser alone does not observe
 FEWEST_SCANS = 100
 BLOCK = 10  # scans: the residuals of neighbours are alike, those of blocks nearly independent
 SURE = 3.5  # standard errors
-CLEAR = 0.95  # of the other mean residual: less is no matter of the noise of a robot at rest
+CLEAR = 0.95  # of the other mean residual: of a robot at rest a far smaller difference may be sure
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,14 +52,14 @@ class OrderStatistics:
     """Takes the results of the same scans in both orders."""
 
     def __init__(self) -> None:
-        self._residuals: list[tuple[float | None, float | None]] = []
+        self._residuals: list[tuple[float, float]] = []
         self._sweeps_s: list[float] = []
 
     def take(self, stated: StepResult | None, turned: StepResult | None, sweep_s: float) -> None:
         """The results of a scan whose sweep takes so long. turned: with the last beam first."""
-        residuals = _residual(stated), _residual(turned)
-        if residuals[0] is not None and residuals[1] is not None:
-            self._residuals.append(residuals)
+        as_stated, the_other_way = _residual(stated), _residual(turned)
+        if as_stated is not None and the_other_way is not None:
+            self._residuals.append((as_stated, the_other_way))
             self._sweeps_s.append(sweep_s)
 
     def result(self) -> BeamOrder | None:
@@ -67,7 +67,7 @@ class OrderStatistics:
         n = len(self._residuals) // BLOCK * BLOCK
         if n < FEWEST_SCANS:
             return None
-        residuals = np.array(self._residuals[:n], float)
+        residuals = np.array(self._residuals[:n])
         differences = (residuals[:, 0] - residuals[:, 1]).reshape(-1, BLOCK).mean(axis=1)
         error = float(differences.std(ddof=1)) / len(differences) ** 0.5
         stated, turned = residuals.mean(axis=0).tolist()
