@@ -46,6 +46,7 @@ class PlanarMotion:
         self._covariance = np.diag([0.01, 0.01, 0.01, 1.0, 1.0, 1.0]) ** 2.0
         self._attitudes: deque[Attitude] = deque(maxlen=MEMORY)
         self._fused_ns: int | None = None
+        self._jumped = False
 
     def add_attitude(self, attitude: Attitude) -> None:
         """Remember roll and pitch."""
@@ -114,15 +115,14 @@ class PlanarMotion:
         """Covariance intersection (or what is configured) with a match at the last `prior`; the fused pose.
 
         unobservable: (2,) direction of the plane that the match does not observe, or zero. A jump that no motion
-        explains corrects the pose alone: as a velocity it would carry the next prediction off.
+        explains corrects the pose and not the speed, which would carry the next prediction off. A second one in a
+        row is a motion.
         """
         innovation = match.mean - self._mean[:3]
         innovation[2] = geometry.wrap(innovation[2])
-        jumps = not (self.aided or unobservable.any()) and self._is_jump(innovation[:2], match)
+        unaided = not (self.aided or unobservable.any())
+        self._jumped = unaided and not self._jumped and self._is_jump(innovation[:2], match)
         self._fused_ns = self.stamp_ns
-        if jumps:
-            self._set_pose(match)
-            return self.planar
         c, s = math.cos(self._mean[2]), math.sin(self._mean[2])
         held = np.zeros((2, 6))
         held[0, :2] = unobservable
@@ -131,13 +131,18 @@ class PlanarMotion:
             self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
             unobservable=unobservable, held=held,
         )  # fmt: skip
+        if self._jumped:
+            step[3:5] = 0.0
         self.shift(step, covariance)
         return self.planar
 
     def reset_pose(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
         """Continue at a pose at a time, wherever the base was estimated before; the velocity of the body stays."""
         self._advance(time_ns, config)
-        self._set_pose(pose)
+        self._mean[:3] = pose.mean
+        covariance = np.zeros((6, 6))
+        covariance[:3, :3], covariance[3:, 3:] = pose.covariance, self._covariance[3:, 3:]
+        self._set_covariance(covariance)
 
     @property
     def planar(self) -> PlanarGaussian:
@@ -166,7 +171,8 @@ class PlanarMotion:
         """An independent copy."""
         other = PlanarMotion()
         other.stamp_ns, other._mean, other._covariance = self.stamp_ns, self._mean.copy(), self._covariance.copy()
-        other.aided, other._attitudes, other._fused_ns = self.aided, self._attitudes.copy(), self._fused_ns
+        other.aided, other._attitudes = self.aided, self._attitudes.copy()
+        other._fused_ns, other._jumped = self._fused_ns, self._jumped
         return other
 
     def _advance(self, time_ns: int, config: MotionConfig) -> None:
@@ -224,12 +230,6 @@ class PlanarMotion:
             return False
         S = self._covariance[:2, :2] + match.covariance[:2, :2]
         return float(innovation @ np.linalg.solve(S, innovation)) > JUMP_SIGMAS**2
-
-    def _set_pose(self, pose: PlanarGaussian) -> None:
-        self._mean[:3] = pose.mean
-        covariance = np.zeros((6, 6))
-        covariance[:3, :3], covariance[3:, 3:] = pose.covariance, self._covariance[3:, 3:]
-        self._set_covariance(covariance)
 
     def _set_covariance(self, covariance: Float64s) -> None:
         self._covariance = 0.5 * (covariance + covariance.T)
