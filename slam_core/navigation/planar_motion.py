@@ -27,10 +27,10 @@ OBSERVE_POSE = np.eye(3, 6)
 OBSERVE_TWIST = np.eye(3, 6, 3)
 # Longest prediction, and the step back of a stamp that counts as a clock that was set.
 LONGEST_NS = 2_000_000_000
+SET_BACK_NS = 1_000_000_000
 # A match this many standard deviations from the prediction, that a motion reaches only by more than this
 # acceleration (m/s^2), tells of an error of the pose and not of a velocity.
 JUMP_SIGMAS, JUMP_ACCELERATION = 5.0, 20.0
-SET_BACK_NS = 1_000_000_000
 
 
 class PlanarMotion:

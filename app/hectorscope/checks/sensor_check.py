@@ -74,10 +74,7 @@ class SensorCheck:
             return
         if enough:
             self._tell(found)
-            knows_order = not self._statistics.shows_order or (
-                measures.order is not None and measures.order.is_sure
-            )
-            self.settled = last or knows_order
+            self.settled = last or not self._statistics.shows_order or measures.has_order
 
     def _tell(self, found: Sequence[Finding]) -> None:
         self.found = tuple(found)

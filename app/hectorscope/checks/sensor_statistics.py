@@ -46,6 +46,11 @@ class Measures:
         """Whether it is known how another sensor turns against the scans."""
         return self.turn is not None or self.wheels is not None
 
+    @property
+    def has_order(self) -> bool:
+        """Whether it is sure which beam is measured first."""
+        return self.order is not None and self.order.is_sure
+
 
 class SensorStatistics:
     """Takes the items of a source as they come. with_truth: the true poses are compared, too."""

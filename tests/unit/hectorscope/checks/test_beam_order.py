@@ -1,6 +1,6 @@
 """Which beam of a scan is measured first, by how well the scans fit."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -21,10 +21,14 @@ SWEEP_S = 0.075
 
 
 @cache
+def drive(rate: float = 10.0) -> Sequence[Item]:
+    """Half a minute, with the times of the beams and inertial data."""
+    return tuple(Simulation("rooms", SceneOptions(duration=30.0, scan_rate=rate, beams=271)).items())
+
+
 def scans(rate: float = 10.0) -> Sequence[LaserScan]:
-    """Half a minute of a drive, with the times of the beams and without other sensors."""
-    items = Simulation("rooms", SceneOptions(duration=30.0, scan_rate=rate, beams=271)).items()
-    return [item for item in items if isinstance(item, LaserScan)]
+    """Those of the drive, without other sensors."""
+    return [item for item in drive(rate) if isinstance(item, LaserScan)]
 
 
 def turned(scan: LaserScan) -> LaserScan:
@@ -49,11 +53,15 @@ def test_scans_in_the_order_of_their_times_are_left_alone() -> None:
     assert not order.is_reversed
 
 
-def test_scans_whose_last_beam_is_the_first_are_found() -> None:
-    """The flag is the negative duration of the sweep; with it nothing is left to find."""
-    checked = CheckedSource(
-        lambda options: MemoryRecording([Repairs(options).scan(turned(scan)) for scan in scans()]), SourceOptions()
-    )
+@pytest.mark.parametrize("given", [scans, drive])
+def test_scans_whose_last_beam_is_the_first_are_found(given: Callable[[], Sequence[Item]]) -> None:
+    """The flag is the negative duration of the sweep, and mends it. So it is beside a gyroscope."""
+
+    def opened(options: SourceOptions) -> MemoryRecording:
+        repair = Repairs(options).scan
+        return MemoryRecording([repair(turned(each)) if isinstance(each, LaserScan) else each for each in given()])
+
+    checked = CheckedSource(opened, SourceOptions())
     assert list(checked.items())
     (found,) = checked.report.findings
     assert found.options == {"scan_sweep": pytest.approx(-SWEEP_S, abs=0.001)}
