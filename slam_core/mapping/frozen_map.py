@@ -26,8 +26,7 @@ class FrozenMap:
 
     def __init__(self, tiled: TiledMap, packing: Packing, before: "FrozenMap | None" = None) -> None:
         self._packing = packing
-        self._kind, self._state = type(tiled), {**vars(tiled), "levels": (), "_tiles": {}}
-        self._outside: dict[Key, Tile] = dict(vars(tiled)["_tiles"])
+        self._rest, self._outside = tiled.with_parts((), {}), tiled.outside
         self._levels = [(*_frame(level), level.bounds, level.revisions.copy()) for level in tiled.levels]
         self._window: dict[Key, PackedTile] = {}
         revisions = tiled.revisions()
@@ -55,11 +54,9 @@ class FrozenMap:
 
     def thaw(self) -> Any:
         """A map that goes on from here, of the class of the frozen one."""
-        other = self._kind.__new__(self._kind)
         window = {key: packed.tile(self._packing.unpack) for key, packed in self._window.items()}
         levels = tuple(self._level(i, window) for i in range(len(self._levels)))
-        vars(other).update(self._state, levels=levels, _tiles=dict(self._outside))
-        return other
+        return self._rest.with_parts(levels, self._outside)
 
     def _level(self, i: int, window: dict[Key, Tile]) -> GridLevel:
         resolution, shape, corner, tile, bounds, revisions = self._levels[i]

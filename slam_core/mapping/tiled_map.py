@@ -3,7 +3,7 @@
 Each tile has the revision of its last change, by which whoever follows the map finds what is new.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,6 +61,11 @@ class TiledMap:
     def stored(self) -> int:
         """How many tiles lie outside of the window."""
         return len(self._tiles)
+
+    @property
+    def outside(self) -> dict[Key, Tile]:
+        """The tiles outside of the window; a copy."""
+        return dict(self._tiles)
 
     @property
     def nbytes(self) -> int:
@@ -190,9 +195,12 @@ class TiledMap:
 
     def copy(self) -> Any:
         """An independent copy; tiles outside of the window are shared."""
+        return self.with_parts(tuple(level.copy() for level in self.levels), self._tiles)
+
+    def with_parts(self, levels: tuple[GridLevel, ...], stored: Mapping[Key, Tile]) -> Any:
+        """The same map with other windows, and other tiles outside of them."""
         other = type(self).__new__(type(self))
-        levels = tuple(level.copy() for level in self.levels)
-        other.__dict__.update(self.__dict__, levels=levels, _tiles=dict(self._tiles))
+        other.__dict__.update(self.__dict__, levels=levels, _tiles=dict(stored))
         return other
 
 

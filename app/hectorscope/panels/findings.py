@@ -108,7 +108,7 @@ def _sentence(fact: str) -> str:
 
 
 REFUSED = "The sensors contradict each other"
-WARNED = "The sensors contradict each other a little"
+WARNED = "Found by the sensor check"
 WAYS = (
     "<p>A map of this would be wrong, so the run has not begun. <em>Repair and begin again</em> opens the input"
     " with these options, as --repair does from the start; config.toml keeps them.</p>"
