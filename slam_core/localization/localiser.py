@@ -16,6 +16,7 @@ from slam_core.localization.tracking import (
     LEAP_SIGMAS,
     Tracker,
     exceeds_basin,
+    least_unusual,
     mahalanobis_distance,
     search_window,
 )
@@ -67,6 +68,7 @@ class Localiser:
         self._motion = motion
         self._is_localised = not is_prior
         self._writes = writes
+        self._located_ns = 0
         self._tracker = Tracker()
         self._confirmation = Confirmation(self._pose)
 
@@ -83,6 +85,7 @@ class Localiser:
         self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
     ) -> LocalisedScan:
         """Sections IV-B and IV-C. The first scan of a map is not matched: its pose is the origin."""
+        lapse_ns, self._located_ns = scan.mid_ns - self._located_ns, scan.mid_ns
         if self._pyramid.empty:
             return LocalisedScan(stabilised, self._pose, None, ACCEPTED)
         predicted = stabilised
@@ -91,7 +94,8 @@ class Localiser:
             self._pose = match.pose
             self._forget()
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
-        if config.tracking.ignore_dynamic and self._motion.unaided and self._tracker.is_unusual(match, prior):
+        may_be_dragged = self._motion.unaided and self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
+        if config.tracking.ignore_dynamic and may_be_dragged:
             static = match_without(self._pyramid, predicted.points, match, prior, config.matcher)
             stabilised, match = (predicted, static) if static else (stabilised, match)
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)

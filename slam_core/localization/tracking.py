@@ -13,7 +13,8 @@ MEMORY = 0.05  # weight of the newest match in the running mean
 MOSTLY = 0.6  # of the endpoints of a scan: so many on known cells show where it was taken
 NEAR = 5.0  # sigmas from the prediction: a scan with fewer known ones is rejected beyond
 TIMES = 5.0  # the usual distance between match and prediction: further off is unusual
-UNUSUAL = 0.08  # metres; nearer is not
+# Metres from the prediction, or what a change of speed (m/s) makes of the time between two scans; nearer is usual.
+UNUSUAL, UNUSUAL_CHANGE = 0.08, 0.4
 LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance beyond both is no motion
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
@@ -29,6 +30,11 @@ def mahalanobis_distance(match: MatchResult, prior: PlanarGaussian) -> float:
 def exceeds_basin(prior: PlanarGaussian) -> bool:
     """Whether three sigmas of the predicted heading leave the basin of convergence of the matcher."""
     return 3.0 * math.sqrt(float(prior.covariance[2, 2])) > BASIN
+
+
+def least_unusual(lapse_ns: int) -> float:
+    """Metres from the prediction from which a match is unusual so long after the one before."""
+    return min(UNUSUAL, UNUSUAL_CHANGE * max(lapse_ns, 0) * 1e-9)
 
 
 def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float, float]:
@@ -96,7 +102,7 @@ class Tracker:
         P = prior.covariance[:2, :2] + match.covariance[:2, :2]
         return float(off @ np.linalg.solve(P, off)) > LEAP_SIGMAS**2
 
-    def is_unusual(self, match: MatchResult, prior: PlanarGaussian, least: float = UNUSUAL) -> bool:
+    def is_unusual(self, match: MatchResult, prior: PlanarGaussian, least: float) -> bool:
         """Whether the position is much further from the prediction than those before, and than `least` metres."""
         return prior.distance_to(match.pose) > max(least, TIMES * self._usual_distance)
 

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from slam_core.config import TrackingConfig
-from slam_core.localization.tracking import NEAR, Tracker, exceeds_basin, mahalanobis_distance
+from slam_core.localization.tracking import (
+    NEAR,
+    UNUSUAL,
+    Tracker,
+    exceeds_basin,
+    least_unusual,
+    mahalanobis_distance,
+)
 from slam_core.mapping.grid import GridLevel
 from slam_core.results import Fit, MatchResult, PlanarGaussian, Rejection
 from tests.worlds import fit, in_parts
@@ -147,3 +154,10 @@ def test_the_weakest_direction_is_the_long_axis_of_the_covariance():
     covariance[:2, :2] = turn @ np.diag([4.0, 1e-4]) @ turn.T
     match = MatchResult(np.zeros(3), covariance, np.eye(3), np.zeros(1), (1,), True, np.zeros((0, 4)))
     assert match.weakest_sigma == pytest.approx(2.0)
+
+
+def test_what_is_unusual_depends_on_the_time_between_two_scans():
+    """A fast scanner sees a change of speed as a short step: 4 cm at 10 Hz; the limit of a slow one stays."""
+    assert least_unusual(100_000_000) == pytest.approx(0.04)
+    assert least_unusual(213_000_000) == least_unusual(10**12) == UNUSUAL
+    assert least_unusual(-1) == 0.0  # a clock that was set back
