@@ -4,16 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hectorscope.checks.beam_order import BeamOrder, OrderStatistics, shows_order
+from hectorscope.checks.beam_order import BeamOrder
 from hectorscope.checks.contradictions import Agreement, Gravity, compare_tilts, compare_turns, gravity, yaw_rates
+from hectorscope.checks.matched_scans import MatchedScans
 from hectorscope.checks.sweep_time import SweepTime, estimate
 from hectorscope.inputs import Item
-from hectorscope.ros.repairs import with_sweep
 from hectorscope.run.warmup import warm_up
-from slam_core.config import SlamConfig
 from slam_core.geometry import heading
 from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry, TruthPose
-from slam_core.slam import HectorSlam
 
 LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
 SCAN_PERIOD_NS = 70_000_000  # more scans a second add nothing about turns
@@ -61,12 +59,9 @@ class SensorStatistics:
         self._begin_ns: int | None = None
         self._imu: list[tuple[float, ...]] = []
         self._wheels: list[tuple[float, ...]] = []
-        self._scans: list[LaserScan] = []
+        self._matched = MatchedScans()
         self._periods_ns: list[int] = []
         self._scan_ns: int | None = None
-        self._slams: tuple[HectorSlam, HectorSlam] | None = None  # of the scans, and with their last beam first
-        self._order = OrderStatistics()
-        self._headings: list[tuple[float, float]] = []
 
     def take(self, item: Item) -> float:
         """Remember what matters; seconds since the first item."""
@@ -89,8 +84,9 @@ class SensorStatistics:
         if self._scan_ns is not None:
             self._periods_ns.append(scan.stamp_ns - self._scan_ns)
         self._scan_ns = scan.stamp_ns
-        if not self._scans or scan.stamp_ns - self._scans[-1].stamp_ns >= SCAN_PERIOD_NS:
-            self._scans.append(scan)
+        scans = self._matched.scans
+        if not scans or scan.stamp_ns - scans[-1].stamp_ns >= SCAN_PERIOD_NS:
+            scans.append(scan)
 
     @property
     def comparable(self) -> bool:
@@ -100,7 +96,7 @@ class SensorStatistics:
     @property
     def shows_order(self) -> bool:
         """Whether the scans show in which order their beams are measured, once the robot moves."""
-        return bool(self._scans) and shows_order(self._scans[0])
+        return self._matched.shows_order
 
     def at_rest(self) -> Measures:
         """What is known before anything turns, and without matching a scan."""
@@ -109,11 +105,11 @@ class SensorStatistics:
 
     def measures(self) -> Measures:
         """All that is known so far. Scans are matched without the sensors that are checked."""
-        headings = self._turns_of_scans()
+        headings = self._matched.headings(self._begin_ns or 0) if self.comparable else np.empty((0, 2))
         imu = np.array(self._imu)
         wheels = _sure(_turns(headings, np.array(self._wheels)), TURNED)
         truth = _sure(_turns(headings, _rates(self._truth)), TURNED)
-        order = self._order.result()
+        order = self._matched.order
         if len(imu) < FEWEST_SAMPLES:
             return Measures(wheels=wheels, truth=truth, order=order)
         times, rates, forces = imu[:, 0], imu[:, 1:4], imu[:, 4:7]
@@ -129,30 +125,11 @@ class SensorStatistics:
 
     def sweep_time(self) -> SweepTime | None:
         """How long a sweep seems to take, where the scans do not tell it. Matches them several times."""
-        if not self._periods_ns or self._scans[0].time_increment:
+        scans = self._matched.scans
+        if not self._periods_ns or scans[0].time_increment:
             return None
         warm_up()
-        return estimate(self._scans, float(np.median(self._periods_ns)) * 1e-9)
-
-    def _turns_of_scans(self) -> Float64s:
-        """(n, 2) seconds and heading, unwrapped; NaN where the pose was lost."""
-        if self.comparable and len(self._scans) > len(self._headings):
-            if self._slams is None:
-                warm_up()
-                self._slams = HectorSlam(SlamConfig()), HectorSlam(SlamConfig())
-            stated, turned = self._slams
-            for scan in self._scans[len(self._headings) :]:
-                result = stated.step(scan)
-                if self.shows_order:
-                    sweep_s = (scan.end_ns - scan.stamp_ns) * 1e-9
-                    self._order.take(result, turned.step(with_sweep(scan, -sweep_s)), sweep_s)
-                found = result is not None and result.tracking == "tracking"
-                heading = float(result.planar[2]) if result is not None and found else np.nan
-                self._headings.append((self._seconds(scan.mid_ns), heading))
-        headings = np.array(self._headings).reshape(-1, 2)
-        known = np.isfinite(headings[:, 1])
-        headings[known, 1] = np.unwrap(headings[known, 1])
-        return headings
+        return estimate(scans, float(np.median(self._periods_ns)) * 1e-9)
 
     def _seconds(self, stamp_ns: int) -> float:
         return (stamp_ns - (self._begin_ns or 0)) * 1e-9
