@@ -16,6 +16,7 @@
     setting: ["text", "M-3.5-3.5h7v7h-7z"],
     finding: ["position", "M0-5.5 1.5-1.6 5.6-1.6 2.3 1 3.4 5 0 2.6-3.4 5-2.3 1-5.6-1.6-1.5-1.6z"],
     recovered: ["accent", "M4 0A4 4 0 1 1-4 0 4 4 0 1 1 4 0z"],
+    weak: ["prior", "M0-5 2.5 0 0 5-2.5 0z"],
     degenerate: ["prior", "M0-5 5 0 0 5-5 0z"],
     gap: ["muted", "M-5-3h2.5v6H-5zM2.5-3H5v6H2.5z"],
     warning: ["warning", "M0-5 5 4H-5z"],

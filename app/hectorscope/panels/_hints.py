@@ -68,7 +68,7 @@ HINTS: Mapping[str, str] = {
         "the walls around the robot say little about that direction, as in a long corridor."
     ),
     "support": (
-        "Share of the beams that say something about the position in that weakest direction. Worry below 5 "
+        "Share of the beams that say something about the position in that weakest direction. Worry below 6 "
         "%: the pose can slide along it."
     ),
     "unexpected": (

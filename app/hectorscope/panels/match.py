@@ -9,11 +9,13 @@ from hectorscope.page.scene import Display, Scene
 from hectorscope.panels import _workspace
 from hectorscope.panels._format import figure, fixed, number, tip
 from hectorscope.panels._handles import put
+from hectorscope.run.marks import WEAK
 from hectorscope.run.wording import verdict_text
 from hectorscope.session.snapshot import Snapshot
 from slam_core.results import MatchResult, StepResult
 
 ROWS = ("match", "prior", "fused")
+FEW = "few beams fix the position along a direction now"
 
 
 class MatchPanel:
@@ -67,11 +69,11 @@ def _fit(result: StepResult, match: MatchResult) -> list[str]:
 
 def _certainty(result: StepResult, match: MatchResult) -> list[str]:
     """What the scan knows worst, and what contradicts the map."""
-    weak = bool(match.unobservable.any())
-    more = "nothing fixes the position along a direction now" if weak else ""
+    unobserved, weak = bool(match.unobservable.any()), match.weakest_share < WEAK
+    more = "nothing fixes the position along a direction now" if unobserved else FEW if weak else ""
     return [
         figure("weakest σ", fixed(1e3 * match.weakest_sigma, 1) + " mm"),
-        figure("support", f"{100 * match.weakest_share:.0f} %", "bad" if weak else "", more=more),
+        figure("support", f"{100 * match.weakest_share:.0f} %", "bad" if unobserved or weak else "", more=more),
         figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 0) + " %"),
     ]
 

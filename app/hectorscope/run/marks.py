@@ -13,12 +13,13 @@ from hectorscope.run.series import TRACKING
 from hectorscope.run.settings import Settings
 from hectorscope.run.wording import SILENCES
 
-Kind = Literal["bad_match", "lost", "recovered", "degenerate", "gap", "setting", "warning", "finding"]
+Kind = Literal["bad_match", "lost", "recovered", "degenerate", "weak", "gap", "setting", "warning", "finding"]
 TITLES: Mapping[Kind, str] = {
     "bad_match": "bad match",
     "lost": "pose lost",
     "recovered": "pose recovered",
     "degenerate": "degenerate direction",
+    "weak": "weakly observable direction",
     "gap": "gap",
     "setting": "settings changed",
     "warning": "warning",
@@ -28,6 +29,8 @@ TITLES: Mapping[Kind, str] = {
 APART_S = 1.0  # what happens again within this time is one mark
 GAP_S = 0.5  # between two scans, and
 USUAL = 5.0  # this many times as long as usual: a gap
+# Fewer beams, as a share, fix a direction badly; for so long, the map may get too long or too short along it.
+WEAK, WEAK_S = 0.06, 2.0
 
 Series = NDArray[np.void]
 
@@ -52,7 +55,7 @@ def marks(
     """All of a run, by time. series: (n,) of SERIES_DTYPE. warned: as in a `Pipeline`. report: of the source."""
     found = [
         *_of_tracking(series, start_ns),
-        *_degenerate(series, start_ns, settings),
+        *_unobserved(series, start_ns, settings),
         *_gaps(series, start_ns),
         *_changes(series, start_ns, settings),
         *_warnings(warned or {}),
@@ -77,16 +80,22 @@ def _of_tracking(series: Series, start_ns: int) -> Iterator[Mark]:
             yield _mark("recovered", series, int(back[0]), start_ns, "the pose is known again")
 
 
-def _degenerate(series: Series, start_ns: int, settings: Settings) -> Iterator[Mark]:
-    """Where too few beams fix one direction, by the threshold of that time."""
+def _unobserved(series: Series, start_ns: int, settings: Settings) -> Iterator[Mark]:
+    """Where too few beams fix one direction, by the threshold of that time, and where few do for long."""
     changes_ns = [start_ns, *(change.time_ns for change in settings.changes)]
     changes_s = np.array([(time_ns - start_ns) / 1e9 for time_ns in changes_ns])
     limits = np.array([settings.at(time_ns).matcher.degeneracy_threshold for time_ns in changes_ns])
     limit = limits[np.maximum(np.searchsorted(changes_s, series["time_s"] + 1e-9, side="right") - 1, 0)]
-    for first, last in _stretches(series, series["weakest_share"] < limit):
-        share = np.nanmin(series["weakest_share"][first:last])
+    shares = series["weakest_share"]
+    for first, last in _stretches(series, shares < limit):
+        share = np.nanmin(shares[first:last])
         text = f"one direction is not observable{_duration(series, first, last)}: {share:.2%} of the beams fix it"
         yield _mark("degenerate", series, first, start_ns, text)
+    for first, last in _stretches(series, (limit <= shares) & (shares < WEAK)):
+        if series["time_s"][last - 1] - series["time_s"][first] >= WEAK_S:
+            share = np.nanmin(shares[first:last])
+            text = f"few beams fix one direction{_duration(series, first, last)}: at worst {share:.1%} of them"
+            yield _mark("weak", series, first, start_ns, text)
 
 
 def _gaps(series: Series, start_ns: int) -> Iterator[Mark]:

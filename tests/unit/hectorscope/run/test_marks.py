@@ -51,6 +51,10 @@ def blind(series: Series) -> None:
     series["weakest_share"][20:26] = 0.001
 
 
+def run_down_a_corridor(series: Series) -> None:
+    series["weakest_share"][20:60], series["weakest_share"][70:80] = 0.04, 0.04
+
+
 def pause(series: Series) -> None:
     series["time_s"][60:] += 2.0
 
@@ -68,6 +72,7 @@ CASES: list[tuple[Callable[[Series], None], list[tuple[str, float, int, str]]]] 
         ],
     ),
     (blind, [("degenerate", 2.0, 21, "one direction is not observable for 0.5 s: 0.10% of the beams fix it")]),
+    (run_down_a_corridor, [("weak", 2.0, 21, "few beams fix one direction for 3.9 s: at worst 4.0% of them")]),
     (pause, [("gap", 8.0, 61, "no scan was used for 2.1 s")]),
 ]
 
@@ -83,15 +88,24 @@ def test_what_went_wrong_is_one_mark(
 
 
 def test_the_threshold_of_each_time_tells_what_is_degenerate(series: Series):
-    """Switched off half way, the same share of the beams is no mark any more."""
+    """Switched off half way, the same share of the beams only tells that few fix it."""
     series["weakest_share"] = 0.001
     settings = Settings().changed(START_NS + 5 * 10**9, "matcher.degeneracy_threshold", 0.0)
-    first, second = found(series, settings)
+    first, weak, setting = found(series, settings)
     assert (first.kind, first.text) == (
         "degenerate",
         "one direction is not observable for 4.9 s: 0.10% of the beams fix it",
     )
-    assert (second.kind, second.scan, second.text) == ("setting", 50, "matcher.degeneracy_threshold = 0.0")
+    assert (setting.kind, setting.scan, setting.text) == ("setting", 50, "matcher.degeneracy_threshold = 0.0")
+    assert (weak.kind, weak.scan) == ("weak", 51)
+
+
+def test_a_short_stretch_with_few_beams_is_no_mark(series: Series):
+    """It takes two seconds until a map gets too long; nor is one that is degenerate as a whole a mark twice."""
+    series["weakest_share"][20:40] = 0.04
+    assert found(series) == ()
+    series["weakest_share"][20:60] = 0.001
+    assert [mark.kind for mark in found(series)] == ["degenerate"]
 
 
 def test_settings_changed_at_once_are_one_mark(series: Series):
