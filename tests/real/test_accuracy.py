@@ -1,5 +1,6 @@
 """How well the pipeline does on recordings whose truth somebody else measured."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -7,10 +8,12 @@ import numpy as np
 import pytest
 
 from benchmarks.ensembles import follow, outcomes, varied
-from hectorscope.inputs import SourceOptions
+from hectorscope.inputs import SourceOptions, SourceReport
 from hectorscope.run.headless import run_headless
+from hectorscope.run.marks import marks
 from hectorscope.run.metrics import metrics
 from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Settings
 from hectorscope.sources import open_source
 from slam_core.config import SlamConfig, with_value
@@ -117,3 +120,13 @@ def test_stabilisation_cleans_the_map_of_a_tilted_laser(recordings: Path):
     _, tilted = run(bag, with_value(cells_alone, "scan.stabilise", False))
     assert level["scans"]["used"] >= 0.99 * level["scans"]["read"]
     assert level["occupied_cells"] <= 0.85 * tilted["occupied_cells"]
+
+
+def test_the_plain_corridor_of_hallway_is_marked(recordings: Path):
+    """Where its variants part along the corridor, from second 21 on for five seconds, and nowhere else."""
+    pipeline, _ = run(recordings / "hallway_rplidar/hallway.bag", scan_sweep=-0.0693)
+    start_ns, series = pipeline.start_ns or 0, pipeline.series.view(SERIES_DTYPE).reshape(-1)
+    found = marks(series, start_ns, pipeline.settings, SourceReport())
+    (mark,) = (mark for mark in found if mark.kind == "weak")
+    assert (mark.time_ns - start_ns) / 1e9 == pytest.approx(21.1, abs=0.5)
+    assert re.match(r"few beams fix one direction for [45]\.\d s: at worst \d\.\d% of them", mark.text)
