@@ -1,12 +1,14 @@
 """What the timeline sends to the browsers, and what it takes from them."""
 
 import json
+import re
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from hectorscope.common.resources import resource_folder
 from hectorscope.page.scene import Scene
 from hectorscope.panels import timeline
 from hectorscope.panels.timeline import MOST, TimelinePanel, container, marks_script, play_script
@@ -103,6 +105,9 @@ def test_marks_are_looked_for_as_the_run_grows(scene: Scene, monkeypatch: pytest
     assert lost(2, lineage=1) == 0
 
 
-def test_the_page_knows_the_title_of_every_kind() -> None:
+def test_the_page_knows_the_title_and_the_shape_of_every_kind() -> None:
     """And which column tells the updates of the map."""
+    script = (resource_folder("static") / "timeline.js").read_text(encoding="utf-8")
+    shapes = script[script.index("const SHAPES") : script.index("const paths")]
+    assert set(re.findall(r"^    (\w+): \[", shapes, re.MULTILINE)) == set(TITLES)
     assert all(title in container("a", "b") for title in TITLES.values())
