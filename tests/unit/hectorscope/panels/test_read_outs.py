@@ -12,6 +12,7 @@ from hectorscope.panels.log import answers, log_html
 from hectorscope.panels.match import legend_html, match_html, sigmas_html
 from hectorscope.panels.status import REASONS_SHOWN, losses_html, run_html
 from hectorscope.panels.transport import clock_html, name_of_speed, undo_words
+from hectorscope.run.marks import WEAK
 from hectorscope.session.snapshot import LogEntry, PlaybackState, PlaybackStatus, Snapshot, UndoOffer
 from hectorscope.session.transport import PAUSED
 from slam_core.diagnostics import NO_ATTITUDE
@@ -188,6 +189,7 @@ def test_support_by_few_beams_is_worth_a_worry() -> None:
         html = match_html(snapshot.result._replace(match=match), snapshot)
         assert f'hs-bad" title="{words}.' in html
     assert "along a direction now" not in match_html(snapshot.result, snapshot)
+    assert f"Worry below {100 * WEAK:.0f} %" in match_html(snapshot.result, snapshot)
 
 
 def test_sigmas_are_millimetres_and_degrees() -> None:
