@@ -15,7 +15,6 @@ from hectorscope.session.snapshot import Snapshot
 from slam_core.results import MatchResult, StepResult
 
 ROWS = ("match", "prior", "fused")
-FEW = "few beams fix the position along a direction now"
 
 
 class MatchPanel:
@@ -69,11 +68,12 @@ def _fit(result: StepResult, match: MatchResult) -> list[str]:
 
 def _certainty(result: StepResult, match: MatchResult) -> list[str]:
     """What the scan knows worst, and what contradicts the map."""
-    unobserved, weak = bool(match.unobservable.any()), match.weakest_share < WEAK
-    more = "nothing fixes the position along a direction now" if unobserved else FEW if weak else ""
+    few = "few beams fix" if match.weakest_share < WEAK else ""
+    fixed_by = "nothing fixes" if match.unobservable.any() else few
+    more = f"{fixed_by} the position along a direction now" if fixed_by else ""
     return [
         figure("weakest σ", fixed(1e3 * match.weakest_sigma, 1) + " mm"),
-        figure("support", f"{100 * match.weakest_share:.0f} %", "bad" if unobserved or weak else "", more=more),
+        figure("support", f"{100 * match.weakest_share:.0f} %", "bad" if more else "", more=more),
         figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 0) + " %"),
     ]
 
