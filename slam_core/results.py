@@ -85,6 +85,13 @@ class MatchResult(NamedTuple):
         return math.sqrt(0.5 * (xx + yy + math.hypot(xx - yy, 2.0 * xy)))
 
     @property
+    def weakest_direction(self) -> Float64s:
+        """(2,) that direction in the map, a unit vector."""
+        (xx, xy, _), (_, yy, _), _ = self.covariance.tolist()
+        angle = 0.5 * math.atan2(2.0 * xy, xx - yy)
+        return np.array([math.cos(angle), math.sin(angle)])
+
+    @property
     def gaussian(self) -> PlanarGaussian:
         """xi* with R."""
         return PlanarGaussian(self.pose, self.covariance)

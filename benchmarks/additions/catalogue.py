@@ -25,6 +25,10 @@ PARTS = (
         "Part of `tracking.check`: with scans alone, matches a scan far off without what stands in free space.",
         {"tracking.ignore_dynamic": False},
     ),
+    Addition(
+        "Part of `tracking.check`: with fast scans alone, keeps the speed where few beams fix a direction badly.",
+        {"tracking.keep_speed": False},
+    ),
     Addition("Uses a rejected source again when its measurements agree.", {"navigation.gate_reset_time": 60.0}),
     Addition(
         "Without an IMU, starts the match at the pose that a constant-velocity model predicts.",
@@ -74,6 +78,7 @@ SCOPES: Mapping[str, Scope] = {
     "tracking.min_overlap": _REJECTING,
     "tracking.unaided_mahalanobis_limit": _needs("unaided"),
     "tracking.ignore_dynamic": _needs("unaided"),
+    "tracking.keep_speed": _needs("unaided"),
     "tracking.relocalise": _LOST,
     "tracking.continue_from_prediction": _LOST,
     "aiding.standstill": _needs("imu"),

@@ -20,6 +20,7 @@ from slam_core.localization.tracking import (
     mahalanobis_distance,
     search_window,
 )
+from slam_core.localization.weak_direction import WeakDirection
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
 from slam_core.matching.matcher import coarse_to_fine
@@ -70,6 +71,7 @@ class Localiser:
         self._writes = writes
         self._located_ns = 0
         self._tracker = Tracker()
+        self._weak_direction = WeakDirection()
         self._confirmation = Confirmation(self._pose)
 
     def initialise(self, scan: StabilisedScan, time_ns: int, config: SlamConfig) -> bool:
@@ -89,7 +91,11 @@ class Localiser:
         if self._pyramid.empty:
             return LocalisedScan(stabilised, self._pose, None, ACCEPTED)
         predicted = stabilised
-        stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
+        if self._motion.unaided and config.tracking.check and config.tracking.keep_speed:
+            config, prior, stabilised, match = self._steadied(scan, predicted, prior, lapse_ns, config)
+        else:
+            self._weak_direction.held = False
+            stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
         if not config.tracking.check:
             self._pose = match.pose
             self._forget()
@@ -122,6 +128,7 @@ class Localiser:
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
         self._pose = match.pose if verdict.accepted else prior.mean
+        self._weak_direction.moved(scan.mid_ns, self._pose)
         return LocalisedScan(stabilised, self._pose, match, verdict)
 
     def start_estimate(self, prior: PlanarGaussian, config: SlamConfig) -> Float64s:
@@ -147,6 +154,27 @@ class Localiser:
         if motion is None:
             return stabilised, match
         return refine(scan, stabilised, match, prior, self._pyramid, motion, config)
+
+    def _steadied(
+        self,
+        scan: LaserScan,
+        stabilised: StabilisedScan,
+        prior: PlanarGaussian,
+        lapse_ns: int,
+        config: SlamConfig,
+    ) -> tuple[SlamConfig, PlanarGaussian, StabilisedScan, MatchResult]:
+        """A scan matched by the prediction; matches that scatter leave their direction to the mean speed before.
+
+        Returns the settings and the prediction to go on with as well.
+        """
+        weak, motion, predicted = self._weak_direction, self._motion, stabilised
+        config = weak.configured(config)
+        stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
+        if weak.begins(match, prior, scan.mid_ns, lapse_ns):
+            motion.keep_speed(weak.direction, weak.mean_speed(scan.mid_ns))
+            prior, config = motion.prior(scan.mid_ns), weak.configured(config)
+            stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
+        return config, prior, stabilised, match
 
     def _check(
         self,
@@ -222,6 +250,7 @@ class Localiser:
             sigmas = np.minimum(HELD + HELD_GROWTH * confirmation.missed, HELD_MOST)
             prior = PlanarGaussian(confirmation.pose.copy(), np.diag(sigmas**2))
             self._motion.hold(time_ns, prior)
+            self._weak_direction = WeakDirection()
         return prior, verdict
 
     def _relocalise(
@@ -267,10 +296,12 @@ class Localiser:
     def _forget(self) -> None:
         """What matches before the present pose showed, and a search that has not ended."""
         self._tracker.reset()
+        self._weak_direction = WeakDirection()
         self._confirmation = Confirmation(self._pose)
         self.relocaliser.reset()
 
     def _reset_pose(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose in the map, wherever the robot was estimated before."""
         self._motion.reset_pose(time_ns, pose)
+        self._weak_direction = WeakDirection()
         self._pose = self.fused = pose.mean

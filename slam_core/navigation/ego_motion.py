@@ -202,6 +202,10 @@ class EgoMotion:
         else:
             self._planar.reset_pose(time_ns, start, self._config.motion)
 
+    def keep_speed(self, direction: Float64s, speed: float) -> None:
+        """Move at a speed, m/s, along a direction (2,) of the map, where only matches observe the motion."""
+        self._planar.keep_speed(direction, speed)
+
     def hold(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Stay at a pose at a time, where only matches observe the motion."""
         self._planar.hold(time_ns, pose, self._config.motion)

@@ -23,6 +23,7 @@ from slam_core.results import NOWHERE, PlanarGaussian
 
 MEMORY = 256  # attitudes kept: some seconds
 YAW_RATE_SIGMA = 0.05  # rad/s, of a gyro with its bias
+SPEED_SIGMA = 0.05  # m/s, of the mean of a second
 OBSERVE_POSE = np.eye(3, 6)
 OBSERVE_TWIST = np.eye(3, 6, 3)
 # Longest prediction, and the step back of a stamp that counts as a clock that was set.
@@ -70,6 +71,12 @@ class PlanarMotion:
         self.aided = True
         wanted = np.array([*odometry.velocity, odometry.yaw_rate])
         self._observe(OBSERVE_TWIST, wanted, np.diag(odometry_sigmas(odometry, config) ** 2))
+
+    def keep_speed(self, direction: Float64s, speed: float) -> None:
+        """Let a mean speed, m/s, along a direction (2,) of the map correct the velocity."""
+        C = np.zeros((1, 6))
+        C[0, 3:5] = self._in_body(direction)
+        self._observe(C, np.array([speed]), np.array([[SPEED_SIGMA**2]]))
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant near the last one known."""
@@ -123,10 +130,9 @@ class PlanarMotion:
         unaided = not (self.aided or unobservable.any())
         self._jumped = unaided and not self._jumped and self._is_jump(innovation[:2], match)
         self._fused_ns = self.stamp_ns
-        c, s = math.cos(self._mean[2]), math.sin(self._mean[2])
         held = np.zeros((2, 6))
         held[0, :2] = unobservable
-        held[1, 3:5] = c * unobservable[0] + s * unobservable[1], c * unobservable[1] - s * unobservable[0]
+        held[1, 3:5] = self._in_body(unobservable)
         step, covariance = intersect(
             self._covariance, OBSERVE_POSE, match.covariance, innovation, config.omega, config.method,
             unobservable=unobservable, held=held,
@@ -220,6 +226,12 @@ class PlanarMotion:
         transition[:2, 5] = 0.5 * dt * transition[:2, 2]
         transition[2, 5] = dt
         return transition
+
+    def _in_body(self, direction: Float64s) -> tuple[float, float]:
+        """A direction (2,) of the map as forward and left."""
+        c, s = math.cos(self._mean[2]), math.sin(self._mean[2])
+        x, y = direction.tolist()
+        return c * x + s * y, c * y - s * x
 
     def _is_jump(self, innovation: Float64s, match: PlanarGaussian) -> bool:
         """Whether no motion since the last match explains an innovation (2,) of the position."""

@@ -40,6 +40,13 @@ class TrackingConfig:
             " there, if the other beams fit better so."
         ),
     ] = True
+    keep_speed: Annotated[
+        bool,
+        Param(
+            "Without an IMU and wheels: where few beams fix a direction, and matches scatter along it by more than"
+            " a robot accelerates, leave it to the mean speed before."
+        ),
+    ] = True
     search_distance: Annotated[float, Param("Largest translation that the search covers.", "m", 0.1, 5.0)] = 2.0
     search_angle: Annotated[float, Param("Largest rotation that the search covers.", "rad", 0.05, 3.14)] = 3.14
     lost_after: Annotated[

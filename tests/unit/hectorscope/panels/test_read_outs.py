@@ -177,13 +177,13 @@ def test_the_match_says_whether_it_converged_and_is_believed() -> None:
 
 
 def test_support_by_few_beams_is_worth_a_worry() -> None:
-    """And where none support the position along a direction at all, that is said instead."""
+    """And where so few do that the match leaves it to the prediction, that is said instead."""
     snapshot = room_snapshot()
     assert snapshot.result is not None
     assert snapshot.result.match is not None
     for share, unobservable, words in (
         (0.04, (0.0, 0.0), "Few beams fix the position along a direction now"),
-        (0.001, (0.0, 1.0), "Nothing fixes the position along a direction now"),
+        (0.001, (0.0, 1.0), "Too few beams fix the position along a direction now"),
     ):
         match = snapshot.result.match._replace(weakest_share=share, unobservable=np.array(unobservable))
         html = match_html(snapshot.result._replace(match=match), snapshot)

@@ -175,3 +175,15 @@ def test_wheels_that_grip_give_no_velocity_to_the_left():
     left = motion.prior(20 * 10**8, CONFIG).mean[1]
     motion.constrain_sideways()
     assert left > 1.9 and motion.prior(25 * 10**8, CONFIG).mean[1] - left < 0.1
+
+
+def test_a_mean_speed_corrects_the_velocity_along_its_direction():
+    """Along the map's y axis, which is to the robot's left here; forward and the heading stay."""
+    motion = driven()
+    heading = motion.planar.mean[2]
+    before = motion.twist
+    left = np.array([-np.sin(heading), np.cos(heading)])
+    motion.keep_speed(left, before[1] + 0.2)
+    assert motion.twist[1] == pytest.approx(before[1] + 0.2, abs=0.05)
+    assert motion.twist[0] == pytest.approx(before[0], abs=0.02)
+    assert motion.planar.mean[2] == pytest.approx(heading, abs=0.02)
