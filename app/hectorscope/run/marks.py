@@ -31,6 +31,7 @@ GAP_S = 0.5  # between two scans, and
 USUAL = 5.0  # this many times as long as usual: a gap
 # Fewer beams, as a share, fix a direction badly; for so long, the map may get too long or too short along it.
 WEAK, WEAK_S = 0.06, 2.0
+UNOBSERVED = 1.0  # metres: the sigma of no match along a direction that it observes
 
 Series = NDArray[np.void]
 
@@ -95,6 +96,8 @@ def _unobserved(series: Series, start_ns: int, settings: Settings) -> Iterator[M
         if series["time_s"][last - 1] - series["time_s"][first] >= WEAK_S:
             share = np.nanmin(shares[first:last])
             text = f"few beams fix one direction{_duration(series, first, last)}: at worst {share:.1%} of them"
+            held = np.nanmax(series["weakest_sigma"][first:last]) > UNOBSERVED
+            text += ", and the matches scattered, so the speed before was kept" if held else ""
             yield _mark("weak", series, first, start_ns, text)
 
 

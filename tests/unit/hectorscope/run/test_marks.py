@@ -55,6 +55,11 @@ def run_down_a_corridor(series: Series) -> None:
     series["weakest_share"][20:60], series["weakest_share"][70:80] = 0.04, 0.04
 
 
+def keep_the_speed(series: Series) -> None:
+    run_down_a_corridor(series)
+    series["weakest_sigma"][30:40] = 10.0
+
+
 def pause(series: Series) -> None:
     series["time_s"][60:] += 2.0
 
@@ -73,6 +78,18 @@ CASES: list[tuple[Callable[[Series], None], list[tuple[str, float, int, str]]]] 
     ),
     (blind, [("degenerate", 2.0, 21, "one direction is not observable for 0.5 s: 0.10% of the beams fix it")]),
     (run_down_a_corridor, [("weak", 2.0, 21, "few beams fix one direction for 3.9 s: at worst 4.0% of them")]),
+    (
+        keep_the_speed,
+        [
+            (
+                "weak",
+                2.0,
+                21,
+                "few beams fix one direction for 3.9 s: at worst 4.0% of them, and the matches"
+                " scattered, so the speed before was kept",
+            )
+        ],
+    ),
     (pause, [("gap", 8.0, 61, "no scan was used for 2.1 s")]),
 ]
 
