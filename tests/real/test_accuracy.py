@@ -121,6 +121,18 @@ def test_a_plain_corridor_is_as_long_in_each_variant_of_hallway(recordings: Path
     assert worst[True] < 0.5 and worst[False] > 1.0
 
 
+def test_a_stated_pose_ends_a_kept_speed(recordings: Path):
+    """Somebody who puts the robot where it is, in the plain corridor, is followed by matches again."""
+    source = open_source(str(recordings / "hallway_rplidar/hallway.bag"), SourceOptions(scan_sweep=-0.0693))
+    pipeline = Pipeline(Settings(SlamConfig()))
+    results = (pipeline.step(each) for item in source.items() for each in pipeline.admit(item))
+    matches = (result.match for result in results if result and result.match)
+    held = next(match for match in matches if match.unobservable.any())
+    assert next(matches).unobservable.any()
+    pipeline.slam.reset_pose(held.gaussian._replace(covariance=np.diag([1e-4] * 3)))
+    assert not next(matches).unobservable.any()
+
+
 def test_stabilisation_cleans_the_map_of_a_tilted_laser(recordings: Path):
     """With roll and pitch from tf the map has at least 15 % fewer occupied cells than without stabilisation.
 
