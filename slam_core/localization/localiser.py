@@ -128,7 +128,8 @@ class Localiser:
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
         self._pose = match.pose if verdict.accepted else prior.mean
-        self._weak_direction.moved(scan.mid_ns, self._pose)
+        if self._motion.unaided:
+            self._weak_direction.moved(scan.mid_ns, self._pose)
         return LocalisedScan(stabilised, self._pose, match, verdict)
 
     def start_estimate(self, prior: PlanarGaussian, config: SlamConfig) -> Float64s:

@@ -154,6 +154,7 @@ def test_the_plain_corridor_of_hallway_is_marked(recordings: Path):
     (mark,) = (mark for mark in found if mark.kind == "weak")
     assert (mark.time_ns - start_ns) / 1e9 == pytest.approx(21.1, abs=0.5)
     assert re.match(
-        r"few beams fix one direction for [45]\.\d s: at worst \d\.\d% of them, and the matches scattered",
+        r"few beams fix one direction for [45]\.\d s: at worst \d\.\d% of them, and for a time it counted as"
+        " unobservable",
         mark.text,
     )

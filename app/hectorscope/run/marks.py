@@ -97,7 +97,7 @@ def _unobserved(series: Series, start_ns: int, settings: Settings) -> Iterator[M
             share = np.nanmin(shares[first:last])
             text = f"few beams fix one direction{_duration(series, first, last)}: at worst {share:.1%} of them"
             held = np.nanmax(series["weakest_sigma"][first:last]) > UNOBSERVED
-            text += ", and the matches scattered, so the speed before was kept" if held else ""
+            text += ", and for a time it counted as unobservable" if held else ""
             yield _mark("weak", series, first, start_ns, text)
 
 

@@ -85,8 +85,8 @@ CASES: list[tuple[Callable[[Series], None], list[tuple[str, float, int, str]]]] 
                 "weak",
                 2.0,
                 21,
-                "few beams fix one direction for 3.9 s: at worst 4.0% of them, and the matches"
-                " scattered, so the speed before was kept",
+                "few beams fix one direction for 3.9 s: at worst 4.0% of them, and for a time"
+                " it counted as unobservable",
             )
         ],
     ),
