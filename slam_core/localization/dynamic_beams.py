@@ -52,12 +52,26 @@ def match_without(
 
 
 def objects(points: Float32s, free: NDArray[np.bool_]) -> list[Int64s]:
-    """The beams of each object in free space, the largest first. points: (n, 2) in order, free: (n,) of them."""
-    beams = np.flatnonzero(free)
+    """The beams of each compact object in free space; first that with most of its endpoints there.
+
+    points: (n, 2) in order, free: (n,) which lie in free space. What has moved by less than its size still covers
+    a part of its image in the map: all of it is the object. On a wall only what lies in free space may be one.
+    """
+    found = list[Int64s]()
+    for surface in _surfaces(points, np.arange(len(points))):
+        found += [surface] if _is_compact(points[surface]) else _surfaces(points, surface[free[surface]])
+    loose = [part for part in found if free[part].any() and _is_compact(points[part])]
+    return sorted(loose, key=lambda part: int(np.count_nonzero(free[part])), reverse=True)
+
+
+def _surfaces(points: Float32s, beams: Int64s) -> list[Int64s]:
+    """Beams (k,) of points (n, 2), apart where one ends far from the one before."""
     steps = np.hypot(*np.diff(points[beams], axis=0).T)
-    groups = np.split(beams, np.flatnonzero(steps > GAP) + 1) if len(beams) else []
-    compact = [group for group in groups if np.hypot(*np.ptp(points[group], axis=0)) < EXTENT]
-    return sorted(compact, key=len, reverse=True)
+    return np.split(beams, np.flatnonzero(steps > GAP) + 1) if len(beams) else []
+
+
+def _is_compact(points: Float32s) -> bool:
+    return bool(np.hypot(*np.ptp(points, axis=0)) < EXTENT)
 
 
 def is_better(other: MatchResult, match: MatchResult, before: Float32s, prior: PlanarGaussian) -> bool:

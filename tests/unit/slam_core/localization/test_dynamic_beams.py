@@ -70,6 +70,16 @@ def test_a_person_who_comes_nearer_does_not_drag_the_match_along(step: float) ->
     assert len(static.residuals) == len(scan)
 
 
+@pytest.mark.parametrize(("side", "step"), [(0.0, -0.12), (0.2, -0.12), (0.2, 0.1), (0.3, 0.1)])
+def test_a_person_who_moves_by_less_than_their_size_drags_no_match_along(side: float, step: float) -> None:
+    """Half of the beams on the person meet where it was before; all of them are left out."""
+    true, near = np.zeros(3), 0.7
+    match, static, _ = matches(mapped((near, side)), true, true, (near - step, side))
+    assert abs(match.pose[0]) > 0.07
+    assert static is not None
+    np.testing.assert_allclose(static.pose, true, atol=0.01)
+
+
 def test_the_one_who_drags_the_match_along_may_be_hidden_behind_another() -> None:
     """Somebody who has just come is hit by most beams; the smaller object is left out as well."""
     true, far = np.zeros(3), 2.0
@@ -127,6 +137,15 @@ def test_an_object_is_compact_and_in_free_space() -> None:
     free[12:14] = False
     assert [group.tolist() for group in objects(ends, free)] == [list(range(3, 12)), [0, 1, 2], [14]]
     assert objects(ends, np.zeros(36, np.bool_)) == []
+
+
+def test_all_beams_of_an_object_that_is_partly_in_free_space_belong_to_it() -> None:
+    """The one with most beams there comes first; on a long wall only those in free space are an object."""
+    large, small, wall = np.linspace(0.0, 0.4, 9), np.linspace(1.0, 1.2, 3), np.linspace(3.0, 6.0, 31)
+    ends = np.column_stack([np.ones(43), np.concatenate([large, small, wall])]).astype(np.float32)
+    free = np.zeros(43, np.bool_)
+    free[[2, 9, 10, 20, 21, 22]] = True
+    assert [each.tolist() for each in objects(ends, free)] == [[20, 21, 22], [9, 10, 11], list(range(9))]
 
 
 def test_residuals_are_those_of_the_match() -> None:
