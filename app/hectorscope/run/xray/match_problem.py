@@ -44,8 +44,13 @@ class MatchProblem:
 
     @cached_property
     def matcher(self) -> MatcherConfig:
-        """The run's matcher with eq. (7) alone: without prior and surfels, and to the last step."""
-        return replace(self.config.matcher, surfel_weight=0.0, prior_restart_sigmas=0.0)
+        """The run's matcher with eq. (7) alone: without prior and surfels, and to the last step.
+
+        A direction that the run left to the prediction is left to it here as well.
+        """
+        config = self.config.matcher
+        threshold = 1.0 if self.match.unobservable.any() else config.degeneracy_threshold
+        return replace(config, surfel_weight=0.0, prior_restart_sigmas=0.0, degeneracy_threshold=threshold)
 
     @cached_property
     def matched(self) -> Float64s:

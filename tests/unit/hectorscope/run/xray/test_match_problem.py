@@ -1,6 +1,7 @@
 """One scan with the map before it: what the X-ray steps through is what the core did."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +28,16 @@ def test_they_end_at_the_pose_of_the_run():
     assert result.match is not None
     np.testing.assert_allclose(found.iterations(found.start)[-1].pose, result.match.pose, atol=1e-4)
     np.testing.assert_allclose(found.matched, result.match.pose, atol=1e-6)
+
+
+def test_a_direction_that_the_run_left_to_the_prediction_is_left_to_it_here():
+    """The pose moves across the direction only, as that of the run did."""
+    found = problem()
+    held = replace(found, match=found.match._replace(unobservable=found.match.weakest_direction))
+    along = held.end(held.start).unobservable
+    np.testing.assert_allclose(np.linalg.norm(along), 1.0)
+    assert abs((found.matched - found.start)[:2] @ along) > 1e-4
+    assert abs((held.matched - held.start)[:2] @ along) < 1e-9
 
 
 def test_each_step_leads_to_the_next_pose():
