@@ -170,10 +170,12 @@ class Localiser:
         """
         weak, motion, predicted = self._weak_direction, self._motion, stabilised
         config = weak.configured(config)
+        if weak.held:
+            prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
         stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
         if weak.begins(match, prior, scan.mid_ns, lapse_ns):
-            motion.keep_speed(weak.direction, weak.mean_speed(scan.mid_ns))
-            prior, config = motion.prior(scan.mid_ns), weak.configured(config)
+            prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
+            config = weak.configured(config)
             stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
         return config, prior, stabilised, match
 

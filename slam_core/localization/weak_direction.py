@@ -33,12 +33,14 @@ Position = tuple[int, Float64s]  # nanoseconds, and (2,) metres in the map
 class WeakDirection:
     """Of the matches of a run in which nothing but matches observes the motion.
 
-    held: whether the direction counts as unobservable. direction: (2,) in the map; a unit vector.
+    held: whether the direction counts as unobservable. direction: (2,) in the map; a unit vector. speed: m/s along
+    it, the mean one before it was held.
     """
 
     def __init__(self) -> None:
         self.held = False
         self.direction = NOWHERE
+        self.speed = 0.0
         self._usual = USUAL
         self._innovations = deque[tuple[int, float]](maxlen=KEPT)
         self._positions = deque[Position](maxlen=KEPT)
@@ -72,6 +74,8 @@ class WeakDirection:
             while self._innovations[0][0] <= time_ns - WINDOW_NS:
                 self._innovations.popleft()
             self.held = self._scatter(lapse_ns * 1e-9) and self._is_steady()
+            if self.held:
+                self.speed = self._mean_speed(time_ns)
             return self.held
         return False
 
@@ -81,7 +85,7 @@ class WeakDirection:
         while self._positions[0][0] < time_ns - LONGEST_NS:
             self._positions.popleft()
 
-    def mean_speed(self, time_ns: int) -> float:
+    def _mean_speed(self, time_ns: int) -> float:
         """Along the direction, m/s, before a time."""
         longest_ns = max(time_ns - self._few_since_ns, SHORTEST_NS)
         return self._speed([each for each in self._positions if time_ns - each[0] <= longest_ns])

@@ -202,9 +202,10 @@ class EgoMotion:
         else:
             self._planar.reset_pose(time_ns, start, self._config.motion)
 
-    def keep_speed(self, direction: Float64s, speed: float) -> None:
-        """Move at a speed, m/s, along a direction (2,) of the map, where only matches observe the motion."""
+    def keep_speed(self, time_ns: int, direction: Float64s, speed: float) -> PlanarGaussian:
+        """The prediction at a speed, m/s, along a direction (2,) of the map; only matches observe the motion."""
         self._planar.keep_speed(direction, speed)
+        return self.prior(time_ns)
 
     def hold(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Stay at a pose at a time, where only matches observe the motion."""

@@ -49,7 +49,7 @@ def test_matches_that_scatter_where_few_beams_fix_the_way():
     assert followed(weak, [0.0] * 20, FIRM) == []
     (begun,) = followed(weak, offsets(20), begin=20)
     assert 25 <= begun <= 28 and weak.held
-    assert weak.mean_speed(39 * SCAN_NS) * weak.direction[0] == pytest.approx(STEP / (SCAN_NS * 1e-9))
+    assert weak.speed * weak.direction[0] == pytest.approx(STEP / (SCAN_NS * 1e-9))
     followed(weak, [0.0], FIRM, begin=40)
     assert not weak.held
 
