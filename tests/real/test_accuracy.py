@@ -1,6 +1,7 @@
 """How well the pipeline does on recordings whose truth somebody else measured."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Settings
 from hectorscope.sources import open_source
 from slam_core.config import SlamConfig, with_value
+from slam_core.measurements import LaserScan
+from slam_core.results import MatchResult
 
 pytestmark = pytest.mark.real
 
@@ -131,6 +134,22 @@ def test_a_stated_pose_ends_a_kept_speed(recordings: Path):
     assert next(matches).unobservable.any()
     pipeline.slam.reset_pose(held.gaussian._replace(covariance=np.diag([1e-4] * 3)))
     assert not next(matches).unobservable.any()
+
+
+def test_a_lost_robot_has_no_speed_to_keep(recordings: Path):
+    """In the plain corridor its walls seem nearer from some scan on, and no match fits: the robot waits there."""
+    source = open_source(str(recordings / "hallway_rplidar/hallway.bag"), SourceOptions(scan_sweep=-0.0693))
+    pipeline, held, lost = Pipeline(Settings(SlamConfig())), 0, list[MatchResult]()
+    for item in source.items():
+        nearer = 0.6 if held > 3 else 1.0
+        seen = replace(item, ranges=item.ranges * np.float32(nearer)) if isinstance(item, LaserScan) else item
+        for result in filter(None, map(pipeline.step, pipeline.admit(seen))):
+            if result.match:
+                held += bool(result.match.unobservable.any())
+                lost += [result.match] if result.verdict.state == "lost" else []
+        if len(lost) == 10:
+            break
+    assert not any(match.unobservable.any() for match in lost[1:])
 
 
 def test_stabilisation_cleans_the_map_of_a_tilted_laser(recordings: Path):
