@@ -31,19 +31,37 @@ def refine(
     half_sweep = 0.5e-9 * (scan.end_ns - scan.stamp_ns) if config.scan.deskew else 0.0
     twist = motion.twist
     for _ in range(config.motion.deskew_refinements):
-        seen = motion.copy()
-        seen.fuse(match.gaussian, config.fusion)
+        seen = fused(motion, match, config)
         if (np.abs(seen.twist - twist) * half_sweep < SAME_SHIFT).all():
             break
         twist = seen.twist
-        placed = stabilise(scan, seen.poses, config.scan)
-        if not len(placed.points):
+        again = placed_by(seen, scan, match, prior, pyramid, config)
+        if again is None or cost(again[1]) >= cost(match):
             break
-        again = coarse_to_fine(pyramid, placed.points, match.pose, config.matcher, prior=prior)
-        if cost(again) >= cost(match):
-            break
-        stabilised, match = placed, again
+        stabilised, match = again
     return stabilised, match
+
+
+def fused(motion: PlanarMotion, match: MatchResult, config: SlamConfig) -> PlanarMotion:
+    """The motion that a match shows: a copy of the estimate before it, fused with it."""
+    seen = motion.copy()
+    seen.fuse(match.gaussian, config.fusion)
+    return seen
+
+
+def placed_by(
+    motion: PlanarMotion,
+    scan: LaserScan,
+    match: MatchResult,
+    prior: PlanarGaussian | None,
+    pyramid: Pyramid,
+    config: SlamConfig,
+) -> tuple[StabilisedScan, MatchResult] | None:
+    """The beams as a motion places them, matched from an earlier match; None if no beam is left."""
+    placed = stabilise(scan, motion.poses, config.scan)
+    if not len(placed.points):
+        return None
+    return placed, coarse_to_fine(pyramid, placed.points, match.pose, config.matcher, prior=prior)
 
 
 def cost(match: MatchResult) -> float:

@@ -10,8 +10,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.deskew_refinement import cost, refine
+from slam_core.localization.deskew_refinement import cost, fused, placed_by, refine
 from slam_core.localization.tracking import mahalanobis_distance
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
@@ -25,6 +26,7 @@ MOST_TURNS, MOST_WAYS = 7, 2  # to each side
 SIGMAS = 3.0  # of the prediction that hypotheses cover
 BETTER = 0.9  # of the cost of the match so far
 KNOWN = 0.8  # of the endpoints on known cells so far: an unknown cell costs less than free space
+STRAIGHT = 0.02  # radians: half a sweep that is bent by less may still be that of the match
 FAR = 0.001  # added to the mean cost of a beam for a match one sigma from the prediction
 
 
@@ -47,10 +49,35 @@ def best_match(
             continue
         found = coarse_to_fine(pyramid, placed.points, seen.planar.mean, config.matcher, prior=prior)
         candidate = refine(scan, placed, found, prior, pyramid, motion, config)
+        if _judged(candidate[1], prior) < lowest and is_bent(candidate, prior, motion, scan, config):
+            straight = placed_by(fused(motion, candidate[1], config), scan, candidate[1], prior, pyramid, config)
+            if straight is None:
+                continue
+            candidate = straight
         judged = _judged(candidate[1], prior)
         if judged < lowest and candidate[1].fit.known >= KNOWN * match.fit.known:
             best, lowest = candidate, judged
     return best
+
+
+def is_bent(
+    candidate: tuple[StabilisedScan, MatchResult],
+    prior: PlanarGaussian,
+    motion: PlanarMotion,
+    scan: LaserScan,
+    config: SlamConfig,
+) -> bool:
+    """Whether the beams were placed by a turn that their own match does not show.
+
+    A base that turns otherwise than predicted all through a sweep has done so by half of it at its middle, at
+    least. A sweep that is bent for no such reason may still fit better: noise wears off the near side of walls in
+    the map, and the bend leads the endpoints behind them.
+    """
+    placed, match = candidate
+    sweep = 1e-9 * (scan.end_ns - scan.stamp_ns) if config.scan.deskew else 0.0
+    turned = geometry.heading(placed.poses[-2, :4]) - geometry.heading(placed.poses[0, :4])
+    bend = geometry.wrap(turned - motion.twist[2] * sweep)
+    return 0.5 * abs(bend) > abs(geometry.wrap(match.pose[2] - prior.mean[2])) + STRAIGHT
 
 
 def hypotheses(motion: PlanarMotion) -> Iterator[PlanarMotion]:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from slam_core.config import SlamConfig
+from slam_core.config import SlamConfig, with_value
 from slam_core.geometry import wrap
 from slam_core.localization.deskew_refinement import cost
-from slam_core.localization.motion_hypotheses import best_match, hypotheses
+from slam_core.localization.motion_hypotheses import best_match, hypotheses, is_bent
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import LaserScan
@@ -89,3 +89,19 @@ def test_a_good_match_stays():
     placed = stabilise(scan, motion.poses, CONFIG.scan)
     match = coarse_to_fine(pyramid, placed.points, prior.mean, CONFIG.matcher, prior=prior)
     assert best_match(scan, match, prior, pyramid, motion, CONFIG) is None
+
+
+@pytest.mark.parametrize(("heading", "bent"), [(0.0, True), (0.2, False)], ids=["straight on", "turned"])
+def test_a_sweep_that_is_bent_otherwise_than_its_match_shows(heading: float, bent: bool) -> None:
+    """Beams placed by a turn of 1 rad/s: no motion of a robot that is where it was predicted to be."""
+    pyramid, motion, time_ns = at_rest()
+    scan = sweep(time_ns, np.zeros(3), 0.0)
+    prior = motion.prior(scan.mid_ns, CONFIG.motion)
+    placed = stabilise(scan, motion.poses, CONFIG.scan)
+    match = coarse_to_fine(pyramid, placed.points, prior.mean, CONFIG.matcher, prior=prior)
+    assert not is_bent((placed, match), prior, motion, scan, CONFIG)
+    turning = stabilise(scan, motion.given(np.array([0.0, 0.0, 1.0]), 0.2).poses, CONFIG.scan)
+    turned = match._replace(pose=prior.mean + np.array([0.0, 0.0, heading]))
+    assert is_bent((turning, turned), prior, motion, scan, CONFIG) is bent
+    whole = with_value(CONFIG, "scan.deskew", False)
+    assert not is_bent((stabilise(scan, motion.poses, whole.scan), match), prior, motion, scan, whole)
