@@ -111,6 +111,7 @@ def cases() -> list[Case]:
     offices = SceneOptions(scan_rate=4.7, beams=361)
     coarse = replace(offices, beams=181, duration=600.0)
     fast = replace(offices, scan_rate=10.0, speed=1.5, duration=600.0)
+    noisy, coarse_noisy = (replace(each, noise=3.0, duration=300.0) for each in (offices, coarse))
     slow, moderate = SceneOptions(scan_rate=5.0), SceneOptions(scan_rate=20.0)
     mit_alone = replace(
         REAL[3], name="mit_csail, laser alone", options=replace(REAL[3].options, odometry_topic="none")
@@ -122,6 +123,8 @@ def cases() -> list[Case]:
         simulated("offices, 20 min", "offices", offices, imu=False),
         simulated("offices, 10 min, 1 degree", "offices", coarse, imu=False),
         simulated("offices, 10 min, 1.5 m/s", "offices", fast, imu=False),
+        simulated("offices, 5 min, 3 times the noise", "offices", noisy, imu=False),
+        simulated("offices, 5 min, a degree, 3 times the noise", "offices", coarse_noisy, imu=False),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),
