@@ -128,6 +128,15 @@ def test_where_most_beams_end_in_free_space_the_prediction_is_wrong() -> None:
     assert matches(mapped(GONE), true, predicted, GONE)[1] is None
 
 
+def test_in_a_closet_all_beams_are_on_one_object() -> None:
+    """None would be left: the match stays."""
+    pyramid, ends = mapped(GONE), 0.3 * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)]).astype(np.float32)
+    prior = PlanarGaussian(np.zeros(3), np.diag(PRIOR_SIGMAS**2))
+    match = coarse_to_fine(pyramid, ends, np.array([0.2, 0.0, 0.0]), CONFIG.matcher)
+    assert len(objects(ends, np.ones(len(ends), np.bool_))[0]) == len(ends)
+    assert match_without(pyramid, ends, match, prior, CONFIG.matcher) is None
+
+
 def test_an_object_is_compact_and_in_free_space() -> None:
     """Beams that follow each other within 0.3 m; a wall is none; the largest comes first, whatever is between."""
     near, far = np.linspace(0.0, 0.2, 3), np.linspace(2.0, 2.4, 9)
