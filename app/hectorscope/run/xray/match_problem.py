@@ -46,10 +46,11 @@ class MatchProblem:
     def matcher(self) -> MatcherConfig:
         """The run's matcher with eq. (7) alone: without prior and surfels, and to the last step.
 
-        A direction that the run left to the prediction is left to it here as well.
+        A direction that the run left to the prediction because matches scatter is left to it here as well.
         """
-        config = self.config.matcher
-        threshold = 1.0 if self.match.unobservable.any() else config.degeneracy_threshold
+        config, match = self.config.matcher, self.match
+        held = match.unobservable.any() and match.weakest_share >= config.degeneracy_threshold
+        threshold = 1.0 if held else config.degeneracy_threshold
         return replace(config, surfel_weight=0.0, prior_restart_sigmas=0.0, degeneracy_threshold=threshold)
 
     @cached_property
