@@ -299,7 +299,6 @@ class Localiser:
     def _forget(self) -> None:
         """What matches before the present pose showed, and a search that has not ended."""
         self._tracker.reset()
-        self._weak_direction = WeakDirection()
         self._confirmation = Confirmation(self._pose)
         self.relocaliser.reset()
 

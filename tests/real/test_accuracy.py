@@ -149,6 +149,7 @@ def test_a_lost_robot_has_no_speed_to_keep(recordings: Path):
                 lost += [result.match] if result.verdict.state == "lost" else []
         if len(lost) == 10:
             break
+    assert len(lost) == 10
     assert not any(match.unobservable.any() for match in lost[1:])
 
 
