@@ -41,11 +41,15 @@ def test_satellites_and_compass_carry_a_boat_that_has_no_imu() -> None:
 
 @pytest.mark.slow
 def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
-    """Ten seconds on, next to nothing is known: it errs by what it drifted, and hardly more from there."""
-    options = replace(FEW_BEAMS, seed=1)
-    found = laser_fails(options, ALONE)
-    assert found.after < found.at_return + 0.5
-    assert (
-        laser_fails(options, with_value(ALONE, "tracking.continue_from_prediction", False)).after
-        > found.after + 5.0
-    )
+    """Ten seconds on, next to nothing is known: it errs by what it drifted, and hardly more from there.
+
+    A boat that drifted little finds itself again without that; most do not.
+    """
+    strayed = []
+    for seed in SEEDS:
+        options = replace(FEW_BEAMS, seed=seed)
+        found = laser_fails(options, ALONE)
+        assert found.after < found.at_return + 0.5
+        waiting = laser_fails(options, with_value(ALONE, "tracking.continue_from_prediction", False))
+        strayed.append(waiting.after - found.after)
+    assert median(strayed) > 5.0
