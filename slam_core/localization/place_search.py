@@ -153,9 +153,11 @@ class PlaceSearch:
         ].tolist():
             x, y = np.array([column + 0.5, row + 0.5]) * self._level.resolution
             pose = np.array([x, y, wrap(self._psi[h])])
-            if len(poses) < RIVALS and all(apart(pose, other) for other in poses):
+            if all(apart(pose, other) for other in poses):
                 scores.append(score / self._full)
                 poses.append(pose)
+            if len(poses) == RIVALS:
+                break
         return Places(np.array(scores), np.array(poses).reshape(-1, 3))
 
 

@@ -78,7 +78,7 @@ def _levelled(
     # Gravity through the filter's own measurement, so that tilt and accelerometer bias start correlated.
     x, P = kernels.level(x, np.diag(sigma**2), size, variance)
     if platform.planar:
-        kernels.flatten(x, P)
+        kernels.flatten.py_func(x, P)  # once a run: compiling it for this caller takes 0.2 s at each start
     return x, P
 
 

@@ -88,8 +88,7 @@ class PlanarMotion:
 
     def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
         """Attitude and position at instants (k,) after `from_ns`: (k, 7)."""
-        poses = [self.pose(from_ns + time_ns) for time_ns in since_ns.tolist()]
-        return np.array([[*pose.rotation, *pose.translation] for pose in poses])
+        return np.array([self._placed(from_ns + time_ns) for time_ns in since_ns.tolist()])
 
     def motion_at(self, times_ns: Sequence[int]) -> Float64s:
         """(k, 10) position, attitude, and velocity in the map at k instants."""
@@ -207,14 +206,20 @@ class PlanarMotion:
         self._mean = self._mean + step
         self._set_covariance(covariance)
 
-    def _extrapolated(self, time_ns: int) -> Float64s:
+    def _placed(self, time_ns: int) -> list[float]:
+        """As `poses`, of one instant; a sweep has up to two hundred, and arrays of four take long to make."""
+        x, y, psi = self._extrapolated(time_ns)
+        if self._attitudes:
+            return [*self.pose(time_ns).rotation.tolist(), x, y, 0.0]
+        return [math.cos(0.5 * psi), 0.0, 0.0, math.sin(0.5 * psi), x, y, 0.0]
+
+    def _extrapolated(self, time_ns: int) -> tuple[float, float, float]:
+        """x, y and psi."""
         dt = self._lapse(time_ns)
         x, y, psi, forward, left, rate = self._mean.tolist()
         middle = psi + 0.5 * rate * dt
         c, s = math.cos(middle), math.sin(middle)
-        return np.array(
-            [x + dt * (c * forward - s * left), y + dt * (s * forward + c * left), geometry.wrap(psi + rate * dt)]
-        )
+        return x + dt * (c * forward - s * left), y + dt * (s * forward + c * left), geometry.wrap(psi + rate * dt)
 
     def _transition(self, dt: float) -> Float64s:
         _, _, psi, forward, left, rate = self._mean.tolist()

@@ -45,6 +45,7 @@ from hectorscope.run import warmup
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from numba.core.dispatcher import Dispatcher
+from slam_core.config import SlamConfig, with_value
 from tests.integration.test_recovery import kidnapped
 
 def loaded():
@@ -54,8 +55,8 @@ def loaded():
 
 warmup.warm_up(everything=True)
 before, states = loaded(), []
-for inertial in (True, False):
-    pipeline = Pipeline(Settings())
+for inertial, planar in ((True, False), (False, False), (True, True)):
+    pipeline = Pipeline(Settings(with_value(SlamConfig(), "platform.planar", planar)))
     for item in kidnapped(inertial):
         for measurement in pipeline.admit(item):
             pipeline.step(measurement)
@@ -122,7 +123,7 @@ def test_the_second_start_compiles_nothing() -> None:
 
 
 def test_a_stream_that_loses_its_pose_compiles_nothing() -> None:
-    """All is there before it begins: a robot that is carried away is lost and found with no new signature."""
+    """All is there before it begins, in a plane, too: a robot that is carried away compiles no new signature."""
     done = output(LOSES).stdout.splitlines()
     assert done[:2] == ["lost", "recovered"]
     assert not done[2:]
