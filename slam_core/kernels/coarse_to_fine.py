@@ -53,7 +53,7 @@ LARGEST_SIGMA = (10.0, 10.0, math.pi)
 def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prior, settings, output):
     """Match the points. Returns whether the finest level converged, and `count_hits` of the coarsest level.
 
-    cells: a tuple over the levels, finest first, whose cells are `resolution` metres, then twice that.
+    cells: as of `Levels`, whose cells are `resolution` metres, then twice that; output tells how many there are.
     corner: (2,) and surfels: of the finest. points: (n, 2) as in a MatchResult. start: (3,) pose.
     prior, settings, output: the fields of `Prior`, `MatchSettings`, `MatchOutput`.
     """
@@ -71,7 +71,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
         unobservable[0] = unobservable[1] = 0.0
     work, matched = _workspace(), np.empty(6)
     term = _prior_term(prior, settings.sigma, start[2])
-    levels, last = Levels(cells, corner, resolution), len(cells) - 1
+    levels, last = Levels(cells, corner, resolution), len(output.taken) - 1
     finest, walls = level_of(levels, 0), Level(surfels, corner, 1.0 / resolution)
     problem = MatchProblem(levels, start, term, unobservable, settings, work)
     converged = _descend(problem, beams, pose, output, matched)
@@ -109,7 +109,7 @@ def match_coarse_to_fine(cells, corner, resolution, surfels, points, start, prio
 def _descend(problem, beams, pose, output, matched):
     """Match the beams from the coarsest level to the finest, `pose` (3,) in place. Whether the last converged."""
     levels, settings, converged = problem.levels, problem.settings, False
-    for i in range(len(levels.cells) - 1, -1, -1):
+    for i in range(len(output.taken) - 1, -1, -1):
         step = settings.converged_step
         if i and step:
             step = max(step, NEAR * levels.resolution * (1 << i))

@@ -20,10 +20,14 @@ class Level(NamedTuple):
     inverse: float
 
 
+MOST_LEVELS = 6  # of `map.levels`: kernels take so many in any case, as each number would be compiled for itself
+
+
 class Levels(NamedTuple):
     """All levels of a pyramid.
 
-    cells: a tuple over the levels, finest first. corner: (2,) and resolution, metres a cell: of the finest.
+    cells: a tuple of MOST_LEVELS, finest first; the coarsest stands for those that there are not. corner: (2,) and
+    resolution, metres a cell: of the finest.
     """
 
     cells: Any

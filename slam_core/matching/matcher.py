@@ -8,7 +8,7 @@ import numpy as np
 from slam_core.config import MatcherConfig
 from slam_core.kernels import coarse_to_fine as kernels
 from slam_core.kernels import gauss_newton
-from slam_core.kernels.structures import Beams, Level
+from slam_core.kernels.structures import MOST_LEVELS, Beams, Level
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float32s, Float64s
@@ -46,9 +46,9 @@ def coarse_to_fine(
     kept = max(config.iterations_coarse, config.iterations_fine) if trace else 0
     steps = np.empty((len(levels), kept, 3))
     found, taken = np.empty((8, 3)), np.empty(len(levels), np.int64)
-    finest, weight = levels[0], config.prior_weight
+    finest, weight, cells = levels[0], config.prior_weight, [level.cells for level in levels]
     converged, known, hits = kernels.match_coarse_to_fine(
-        tuple([level.cells for level in levels]),
+        (*cells, *cells[-1:] * (MOST_LEVELS - len(cells))),
         finest.corner,
         finest.resolution,
         finest.surfels,

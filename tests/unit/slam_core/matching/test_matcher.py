@@ -1,12 +1,14 @@
 """Equations (7)-(15) against plain numpy in double precision, finite differences and brute force."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from slam_core.config import MapConfig, MatcherConfig
+from slam_core.config import MapConfig, MatcherConfig, SlamConfig, leaves
 from slam_core.kernels import gauss_newton
+from slam_core.kernels.coarse_to_fine import match_coarse_to_fine
 from slam_core.kernels.gauss_newton import TOGETHER
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import (
@@ -60,10 +62,16 @@ def room_points(pose, **kwargs):
 @pytest.fixture(scope="module")
 def room():
     """A pyramid that has seen the test room from five places."""
-    pyramid = Pyramid(ROOM)
+    return mapped(3)
+
+
+def mapped(levels):
+    """The same with so many levels."""
+    config = replace(ROOM, levels=levels)
+    pyramid = Pyramid(config)
     for x, y, psi in [(0, 0, 0), (0.5, 0.2, 0.4), (-0.5, -0.3, 1.9), (1.0, -0.8, -2.0), (-1.2, 0.6, 3.0)]:
         pose = np.array([x, y, psi], float)
-        pyramid.update(room_points(pose), np.empty((0, 2), np.float32), np.zeros(2), pose, ROOM)
+        pyramid.update(room_points(pose), np.empty((0, 2), np.float32), np.zeros(2), pose, config)
     return pyramid
 
 
@@ -165,6 +173,18 @@ def test_pyramid_reaches_further_than_one_level(room):
     config = MatcherConfig(iterations_fine=12, iterations_coarse=12)
     assert np.hypot(*(coarse_to_fine(room, points, start, config).pose - truth)[:2]) < 0.02
     assert np.hypot(*(coarse_to_fine(fine, points, start, config).pose - truth)[:2]) > 0.05
+
+
+def test_another_number_of_levels_compiles_nothing():
+    """Who moves that slider does not wait: one level and the most that there may be are matched by the same kernel."""
+    (most,) = [leaf.param.high for leaf in leaves(SlamConfig()) if leaf.name == "map.levels"]
+    truth, compiled = np.array([0.3, -0.2, 0.7]), list[int]()
+    for levels in (3, 1, int(most)):
+        result = coarse_to_fine(mapped(levels), room_points(truth), truth + 0.02, MatcherConfig())
+        np.testing.assert_allclose(result.pose, truth, atol=0.02)
+        assert len(result.iterations) == levels
+        compiled.append(len(match_coarse_to_fine.signatures))
+    assert len(set(compiled)) == 1
 
 
 def test_trace_holds_every_iterate(room):
