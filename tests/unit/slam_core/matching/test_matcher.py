@@ -176,7 +176,7 @@ def test_pyramid_reaches_further_than_one_level(room):
 
 
 def test_another_number_of_levels_compiles_nothing():
-    """Who moves that slider does not wait: one level and the most that there may be are matched by the same kernel."""
+    """Who moves that slider does not wait: one level and the most that there may be have the same kernel."""
     (most,) = [leaf.param.high for leaf in leaves(SlamConfig()) if leaf.name == "map.levels"]
     truth, compiled = np.array([0.3, -0.2, 0.7]), list[int]()
     for levels in (3, 1, int(most)):
