@@ -106,12 +106,27 @@ def simulated(name: str, scene: ScenarioName, options: SceneOptions, *, imu: boo
     return Case(f"{name}{'' if imu else ', laser alone'}", load if imu else bare(load), seeded=True)
 
 
+def within(reach: float, case: Case) -> Case:
+    """The same with a laser that sees so many metres far."""
+
+    def load(seed: int) -> list[Item]:
+        return [
+            replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
+            if isinstance(item, LaserScan)
+            else item
+            for item in case.load(seed)
+        ]
+
+    return replace(case, name=f"{case.name}, {reach:g} m", load=load)
+
+
 def cases() -> list[Case]:
     """All of them; the recordings that lie beside the project where they are there."""
     offices = SceneOptions(scan_rate=4.7, beams=361)
     coarse = replace(offices, beams=181, duration=600.0)
     fast = replace(offices, scan_rate=10.0, speed=1.5, duration=600.0)
     noisy, coarse_noisy = (replace(each, noise=3.0, duration=300.0) for each in (offices, coarse))
+    small = SceneOptions(scan_rate=10.0, beams=451)
     slow, moderate = SceneOptions(scan_rate=5.0), SceneOptions(scan_rate=20.0)
     mit_alone = replace(
         REAL[3], name="mit_csail, laser alone", options=replace(REAL[3].options, odometry_topic="none")
@@ -125,6 +140,8 @@ def cases() -> list[Case]:
         simulated("offices, 10 min, 1.5 m/s", "offices", fast, imu=False),
         simulated("offices, 5 min, 3 times the noise", "offices", noisy, imu=False),
         simulated("offices, 5 min, a degree, 3 times the noise", "offices", coarse_noisy, imu=False),
+        within(8.0, simulated("offices, 5 min", "offices", replace(small, duration=300.0), imu=False)),
+        within(8.0, simulated("people", "people", small, imu=False)),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),
