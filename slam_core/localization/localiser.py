@@ -8,7 +8,7 @@ from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
-from slam_core.localization.dynamic_beams import without_dynamic
+from slam_core.localization.dynamic_beams import match_without
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
@@ -100,11 +100,10 @@ class Localiser:
             self._pose = match.pose
             self._forget()
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
-        if config.tracking.ignore_dynamic and self._motion.unaided:
-            is_unusual = self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
-            stabilised, match = without_dynamic(
-                self._pyramid, predicted, (stabilised, match), prior, config.matcher, is_unusual=is_unusual
-            )
+        may_be_dragged = self._motion.unaided and self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
+        if config.tracking.ignore_dynamic and may_be_dragged:
+            static = match_without(self._pyramid, predicted.points, match, prior, config.matcher)
+            stabilised, match = (predicted, static) if static else (stabilised, match)
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
             prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)
