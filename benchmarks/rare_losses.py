@@ -25,12 +25,12 @@ from tests.conftest import ROOT
 BATCH, MOST = 30, 90  # variants
 CASES = ("offices, 20 min, laser alone", "mit_csail, laser alone")
 SWITCHED_OFF = (
+    "matcher.back_face_share",
+    "tracking.unaided_mahalanobis_limit",
     "tracking.ignore_dynamic",
     "tracking.keep_speed",
     "map.keyframe_max_delay",
-    "matcher.back_face_share",
     "tracking.min_overlap",
-    "tracking.unaided_mahalanobis_limit",
 )
 
 Ensemble = list[Outcome]

@@ -80,11 +80,8 @@ class PlanarMotion:
 
     def pose(self, time_ns: int) -> Transform:
         """T_map_base at an instant near the last one known."""
-        x, y, psi = self._extrapolated(time_ns)
-        rotation = geometry.yaw_quaternion(psi)
-        if self._attitudes:
-            rotation = geometry.multiply(rotation, geometry.split_heading(self._attitude(time_ns))[1])
-        return Transform(np.array([x, y, 0.0]), rotation)
+        placed = np.array(self._placed(time_ns))
+        return Transform(placed[4:], placed[:4])
 
     def poses(self, from_ns: int, since_ns: Int64s) -> Float64s:
         """Attitude and position at instants (k,) after `from_ns`: (k, 7)."""
@@ -210,7 +207,8 @@ class PlanarMotion:
         """As `poses`, of one instant; a sweep has up to two hundred, and arrays of four take long to make."""
         x, y, psi = self._extrapolated(time_ns)
         if self._attitudes:
-            return [*self.pose(time_ns).rotation.tolist(), x, y, 0.0]
+            tilt = geometry.split_heading(self._attitude(time_ns))[1]
+            return [*geometry.multiply(geometry.yaw_quaternion(psi), tilt).tolist(), x, y, 0.0]
         return [math.cos(0.5 * psi), 0.0, 0.0, math.sin(0.5 * psi), x, y, 0.0]
 
     def _extrapolated(self, time_ns: int) -> tuple[float, float, float]:
