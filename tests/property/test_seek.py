@@ -9,6 +9,7 @@ from hectorscope.inputs import Item
 from hectorscope.run.map_images import map_images
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
+from hectorscope.run.warmup import load_everything
 from hectorscope.session.commands import Configure, Play, Restart, Seek, StepBack, StepScan, Undo
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SceneOptions, Simulation
@@ -22,7 +23,8 @@ CHOICES: dict[str, tuple[float, float]] = {"fusion.omega": (0.1, 0.9), "map.fact
 
 @pytest.fixture(scope="module")
 def drive() -> list[Item]:
-    """Fifteen seconds with three hundred scans: six checkpoints."""
+    """Fifteen seconds with three hundred scans: six checkpoints; nobody waits for kernels meanwhile."""
+    load_everything()
     return list(Simulation("rooms", SceneOptions(duration=15.0, scan_rate=20.0, beams=91)).items())
 
 
