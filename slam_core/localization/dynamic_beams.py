@@ -2,8 +2,11 @@
 
 Somebody who walks ahead of a robot in a corridor is hit by more beams than all that tells how far the robot has
 come. A match that follows the person is far from the prediction, but so is one of a robot that brakes. What tells
-them apart is the rest of the scan: it fits better at the true pose.
+them apart is the rest of the scan: it fits better at the true pose. People who set off with the robot hold it back
+little by little, so that no match is far from the prediction: each scan is matched without its foreground, too.
 """
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +17,7 @@ from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
 from slam_core.measurements import Float32s, Int64s
 from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.scan.stabilise import StabilisedScan
 
 # A residual above FREE there: free space, no wall within a cell. `Pyramid.unexpected` asks for 0.15 m to what is
 # occupied, and whoever has walked 0.2 m is nearer than that to the cells of the scan before.
@@ -23,6 +27,74 @@ OBJECTS = 2  # that move at once
 NEARER = 0.5  # of the distance between match and prediction
 BETTER = 0.95  # of the cost of eq. (7) of the other beams
 KNOWN = 0.9  # of the share of them on known cells before: an unknown cell costs less than free space
+FEWEST = 3  # beams of an object in the foreground
+CLEARLY = 0.9  # of the cost of the background at the match of all beams, and less by
+SIGMAS = 2.0  # standard deviations of that difference
+
+
+def without_dynamic(
+    pyramid: Pyramid,
+    predicted: StabilisedScan,
+    aligned: tuple[StabilisedScan, MatchResult],
+    prior: PlanarGaussian,
+    config: MatcherConfig,
+    *,
+    is_unusual: bool,
+) -> tuple[StabilisedScan, MatchResult]:
+    """A scan and its match without what may move, if the rest of the scan fits better so; else as they are.
+
+    predicted: the scan as the prediction places its beams. aligned: as the match of all beams does, and this.
+    is_unusual: the match is far from the prediction.
+    """
+    scan, match = aligned
+    static = match_without(pyramid, predicted.points, match, prior, config) if is_unusual else None
+    if static is not None:
+        return predicted, static
+    return scan, match_background(pyramid, scan.points, match, prior, config) or match
+
+
+def match_background(
+    pyramid: Pyramid,
+    points: Float32s,
+    match: MatchResult,
+    prior: PlanarGaussian,
+    config: MatcherConfig,
+) -> MatchResult | None:
+    """The match without every object in the foreground; None if the background fits not clearly better so.
+
+    The residuals of the result are as of `match_without`.
+    """
+    static = ~foreground(points)
+    if static.all() or 2 * np.count_nonzero(static) < len(points):
+        return None
+    other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
+    if not is_clearly_better(other, match, match.residuals[static]):
+        return None
+    return other._replace(residuals=residuals(pyramid.levels[0], points, other.pose))
+
+
+def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
+    """Eq. (7) of the beams that end on no object in the foreground, the mean."""
+    squares = np.square(match.residuals)[~foreground(scan.points)]
+    return float(np.mean(squares)) if len(squares) else math.inf
+
+
+def foreground(points: Float32s) -> NDArray[np.bool_]:
+    """(n,) which endpoints (n, 2) are on a compact object that stands before what is seen on both sides of it.
+
+    What a wall that is seen along shows between two beams is no object: one of its neighbours is nearer.
+    """
+    if not len(points):
+        return np.zeros(0, np.bool_)
+    xs, ys = points.T.astype(np.float64)
+    ranges = np.hypot(xs, ys)
+    begins = np.append(0, np.flatnonzero(np.hypot(np.diff(xs), np.diff(ys)) > GAP) + 1)
+    ends = np.append(begins[1:], len(points))
+    widths = [np.maximum.reduceat(each, begins) - np.minimum.reduceat(each, begins) for each in (xs, ys)]
+    before, after = np.append(0.0, ranges[begins[1:] - 1]), np.append(ranges[ends[:-1]], 0.0)
+    is_object = (np.hypot(*widths) < EXTENT) & (ends - begins >= FEWEST)
+    is_object &= (before > ranges[begins] + GAP) & (after > ranges[ends - 1] + GAP)
+    return np.repeat(is_object, ends - begins)
 
 
 def match_without(
@@ -80,4 +152,15 @@ def is_better(other: MatchResult, match: MatchResult, before: Float32s, prior: P
         prior.distance_to(other.pose) <= NEARER * prior.distance_to(match.pose)
         and other.fit.known >= max(MOSTLY, KNOWN * match.fit.known)
         and float(np.square(other.residuals).sum()) <= BETTER * float(np.square(before).sum())
+    )
+
+
+def is_clearly_better(other: MatchResult, match: MatchResult, before: Float32s) -> bool:
+    """The same wherever the prediction is; the gain of the beams together has to stand out of their gains."""
+    costs, others = (np.square(each.astype(np.float64)) for each in (before, other.residuals))
+    gains = costs - others
+    return (
+        other.fit.known >= max(MOSTLY, KNOWN * match.fit.known)
+        and float(others.sum()) <= CLEARLY * float(costs.sum())
+        and float(gains.sum()) >= SIGMAS * float(np.linalg.norm(gains))
     )

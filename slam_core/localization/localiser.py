@@ -8,7 +8,7 @@ from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
-from slam_core.localization.dynamic_beams import match_without
+from slam_core.localization.dynamic_beams import without_dynamic
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
@@ -100,10 +100,11 @@ class Localiser:
             self._pose = match.pose
             self._forget()
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
-        may_be_dragged = self._motion.unaided and self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
-        if config.tracking.ignore_dynamic and may_be_dragged:
-            static = match_without(self._pyramid, predicted.points, match, prior, config.matcher)
-            stabilised, match = (predicted, static) if static else (stabilised, match)
+        if config.tracking.ignore_dynamic and self._motion.unaided:
+            is_unusual = self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
+            stabilised, match = without_dynamic(
+                self._pyramid, predicted, (stabilised, match), prior, config.matcher, is_unusual=is_unusual
+            )
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
             prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)
@@ -199,7 +200,7 @@ class Localiser:
         limit = tracking.unaided_mahalanobis_limit
         doubtful = unaided and exceeds_basin(prior)
         if doubtful and (rejection or distance > limit or tracker.is_poor(match.fit)):
-            better = self._other_motion(scan, match, prior, config)
+            better = self._other_motion(scan, (stabilised, match), prior, config)
             if better is not None:
                 stabilised, match = better
                 distance = mahalanobis_distance(match, prior)
@@ -231,11 +232,12 @@ class Localiser:
         return self._align(scan, stabilised, start, None, config)
 
     def _other_motion(
-        self, scan: LaserScan, match: MatchResult, prior: PlanarGaussian, config: SlamConfig
-    ) -> tuple[StabilisedScan, MatchResult] | None:
+        self, scan: LaserScan, aligned: tuple[StabilisedScan, MatchResult], prior: PlanarGaussian,
+        config: SlamConfig,
+    ) -> tuple[StabilisedScan, MatchResult] | None:  # fmt: skip
         """A clearly better match by another motion of the sweep than the predicted one; None without it."""
         motion = self._motion.planar_fallback
-        return best_match(scan, match, prior, self._pyramid, motion, config) if motion else None
+        return best_match(scan, aligned, prior, self._pyramid, motion, config) if motion else None
 
     def _miss(
         self, verdict: Verdict, prior: PlanarGaussian, time_ns: int, config: SlamConfig

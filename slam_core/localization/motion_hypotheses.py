@@ -13,6 +13,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.deskew_refinement import cost, fused, placed_by, refine
+from slam_core.localization.dynamic_beams import background_cost
 from slam_core.localization.tracking import mahalanobis_distance
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
@@ -32,17 +33,19 @@ FAR = 0.001  # added to the mean cost of a beam for a match one sigma from the p
 
 def best_match(
     scan: LaserScan,
-    match: MatchResult,
+    aligned: tuple[StabilisedScan, MatchResult],
     prior: PlanarGaussian,
     pyramid: Pyramid,
     motion: PlanarMotion,
     config: SlamConfig,
 ) -> tuple[StabilisedScan, MatchResult] | None:
-    """The match of the hypothesis with the lowest cost of eq. (7); None if none is clearly better than `match`.
+    """The match of the hypothesis with the lowest cost of eq. (7); None if none is clearly better than `aligned`.
 
-    motion: the estimate before the match, predicted to the scan; it is left as it is.
+    motion: the estimate before the match, predicted to the scan; it is left as it is. By a motion that follows
+    somebody who walks the background fits worse: it is not taken.
     """
-    best, lowest = None, BETTER * _judged(match, prior)
+    match = aligned[1]
+    best, lowest, background = None, BETTER * _judged(match, prior), background_cost(*aligned)
     for seen in hypotheses(motion):
         placed = stabilise(scan, seen.poses, config.scan)
         if not len(placed.points):
@@ -55,7 +58,8 @@ def best_match(
                 continue
             candidate = straight
         judged = _judged(candidate[1], prior)
-        if judged < lowest and candidate[1].fit.known >= KNOWN * match.fit.known:
+        is_known = candidate[1].fit.known >= KNOWN * match.fit.known
+        if judged < lowest and is_known and background_cost(*candidate) <= background:
             best, lowest = candidate, judged
     return best
 

@@ -64,8 +64,8 @@ class Tracker:
         return self._usual
 
     def is_poor(self, fit: Fit) -> bool:
-        """Whether a match fits worse than most did."""
-        return fit.hit < POOR * self._usual
+        """Whether a match fits worse than most did, or puts a good part of the scan where nothing is known."""
+        return fit.known < MOSTLY or fit.hit < POOR * self._usual
 
     def is_bad(self, fit: Fit) -> bool:
         """Whether a match on mostly known cells fits much worse than most did."""

@@ -36,8 +36,8 @@ class TrackingConfig:
     ignore_dynamic: Annotated[
         bool,
         Param(
-            "Without an IMU and wheels: match a scan far from the prediction without the objects in free space"
-            " there, if the other beams fit better so."
+            "Without an IMU and wheels: match a scan without what may move, if the other beams fit better so: the"
+            " objects in the foreground, and those in free space if the match is far from the prediction."
         ),
     ] = True
     keep_speed: Annotated[

@@ -5,10 +5,22 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.dynamic_beams import is_better, match_without, objects
+from slam_core.localization.deskew_refinement import cost
+from slam_core.localization.dynamic_beams import (
+    foreground,
+    is_better,
+    is_clearly_better,
+    match_background,
+    match_without,
+    objects,
+)
+from slam_core.localization.motion_hypotheses import best_match
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
+from slam_core.measurements import LaserScan
+from slam_core.navigation.planar_motion import PlanarMotion
 from slam_core.results import Fit, MatchResult, PlanarGaussian
+from slam_core.scan.stabilise import stabilise
 
 CONFIG = SlamConfig()
 ANGLES = np.linspace(-np.pi / 2, np.pi / 2, 361)
@@ -89,6 +101,78 @@ def test_the_one_who_drags_the_match_along_may_be_hidden_behind_another() -> Non
     np.testing.assert_allclose(static.pose, true, atol=0.02)
 
 
+def test_people_in_the_foreground_hold_no_match_back() -> None:
+    """They have gone as far as the robot; the match of all beams stays behind, that of the background does not."""
+    true, person = np.array([0.12, 0.0, 0.0]), (0.8, 0.3)
+    pyramid, scan = mapped(person), points(true, (person[0] + true[0], person[1]))
+    prior = PlanarGaussian(np.array([0.06, 0.0, 0.0]), np.diag(PRIOR_SIGMAS**2))
+    match = coarse_to_fine(pyramid, scan, prior.mean, CONFIG.matcher, prior=prior)
+    background = match_background(pyramid, scan, match, prior, CONFIG.matcher)
+    assert match.pose[0] < 0.05
+    assert background is not None
+    np.testing.assert_allclose(background.pose, true, atol=0.02)
+    assert len(background.residuals) == len(scan)
+
+
+def test_no_other_motion_is_taken_that_follows_somebody() -> None:
+    """By half a metre in less than half a second: all beams together fit better so, the background does not."""
+    period_ns, person = 213_000_000, (1.0, 0.3)
+    pyramid, motion = mapped(person), PlanarMotion()
+    for k in range(4):
+        motion.prior(k * period_ns, CONFIG.motion)
+        motion.fuse(PlanarGaussian(np.zeros(3), np.diag([0.005, 0.005, 0.002]) ** 2), CONFIG.fusion)
+    ranges = np.hypot(*points(np.zeros(3), (person[0] - 0.5, person[1])).T)
+    scan = LaserScan(5 * period_ns, ranges, float(ANGLES[0]), float(ANGLES[1] - ANGLES[0]))
+    prior = motion.prior(scan.mid_ns, CONFIG.motion)
+    placed = stabilise(scan, motion.poses, CONFIG.scan)
+    match = coarse_to_fine(pyramid, placed.points, prior.mean, CONFIG.matcher, prior=prior)
+    follows = coarse_to_fine(pyramid, placed.points, np.array([0.5, 0.0, 0.0]), CONFIG.matcher, prior=prior)
+    np.testing.assert_allclose(match.pose, np.zeros(3), atol=0.01)
+    assert cost(follows) < 0.8 * cost(match)
+    assert best_match(scan, (placed, match), prior, pyramid, motion, CONFIG) is None
+
+
+def test_who_stands_still_is_matched_with_the_rest() -> None:
+    """Without them the scan fits no better."""
+    person = (0.8, 0.3)
+    pyramid, scan = mapped(person), points(np.zeros(3), person)
+    prior = PlanarGaussian(np.array([0.06, 0.0, 0.0]), np.diag(PRIOR_SIGMAS**2))
+    match = coarse_to_fine(pyramid, scan, prior.mean, CONFIG.matcher, prior=prior)
+    np.testing.assert_allclose(match.pose, np.zeros(3), atol=0.02)
+    assert foreground(scan).any()
+    assert match_background(pyramid, scan, match, prior, CONFIG.matcher) is None
+
+
+def test_the_foreground_is_what_stands_before_the_rest() -> None:
+    """Everybody who does, whole; not what is seen between them, no single beam, and nothing of nothing."""
+    alone, both = points(np.zeros(3)), points(np.zeros(3), (1.2, 0.3), (1.2, -0.3))
+    np.testing.assert_array_equal(foreground(both), (alone != both).any(axis=1))
+    alone[len(alone) // 2] *= 0.5
+    assert not foreground(alone).any()
+    assert len(foreground(np.empty((0, 2), np.float32))) == 0
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "stands"), [(5.0, 5.0, True), (5.0, 1.0, False), (1.0, 5.0, False), (1.0, 1.0, False)]
+)
+def test_what_has_something_nearer_beside_it_is_no_foreground(before: float, after: float, stands: bool) -> None:
+    """It may be a piece of a wall that the nearer one hides."""
+    angles, ranges = ANGLES[:60], np.repeat([before, 2.0, after], 20)
+    ends = (ranges[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])).astype(np.float32)
+    np.testing.assert_array_equal(foreground(ends), np.repeat([False, stands, False], 20))
+
+
+def test_who_fills_half_of_the_view_leaves_no_background_to_match() -> None:
+    """The few beams that are left would fit anywhere."""
+    person = (0.4, 0.0)
+    pyramid, scan = mapped((AHEAD, 0.3)), points(np.zeros(3), person, (0.3, 0.45), (0.3, -0.45))
+    assert foreground(scan).mean() > 0.5
+    prior = PlanarGaussian(np.array([0.06, 0.0, 0.0]), np.diag(PRIOR_SIGMAS**2))
+    match = coarse_to_fine(pyramid, scan, prior.mean, CONFIG.matcher, prior=prior)
+    wrong = match._replace(residuals=np.ones_like(match.residuals))
+    assert match_background(pyramid, scan, wrong, prior, CONFIG.matcher) is None
+
+
 def judged(x: float, residual: float, known: float) -> MatchResult:
     """A match of ten beams, x metres from a prediction at the origin."""
     matched, eye = np.array([x, 0.0, 0.0]), np.eye(3)
@@ -106,6 +190,23 @@ def test_what_is_asked_of_the_better_match(x: float, residual: float, known: flo
     """To be much nearer to the prediction, to fit better by a twentieth, and to lie on known cells as before."""
     match, prior = judged(0.2, 0.3, 1.0), PlanarGaussian(np.zeros(3), np.eye(3))
     assert is_better(judged(x, residual, known), match, match.residuals, prior) is better
+
+
+@pytest.mark.parametrize(
+    ("residuals", "known", "better"),
+    [
+        ([0.2] * 10, 1.0, True),
+        ([0.29] * 10, 1.0, False),
+        ([0.0] * 2 + [0.3] * 8, 1.0, False),
+        ([0.2] * 10, 0.85, False),
+    ],
+    ids=["as it should be", "fits little better", "two beams fit better", "off the known map"],
+)
+def test_what_is_asked_of_the_match_of_the_background(residuals: list[float], known: float, better: bool) -> None:
+    """To fit better by a tenth, more than by chance, and to lie on known cells as before."""
+    match = judged(0.2, 0.3, 1.0)
+    other = judged(0.0, 0.0, known)._replace(residuals=np.array(residuals, np.float32))
+    assert is_clearly_better(other, match, match.residuals) is better
 
 
 def test_a_robot_that_moves_on_suddenly_is_where_its_match_is() -> None:

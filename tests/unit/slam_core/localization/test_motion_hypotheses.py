@@ -74,7 +74,7 @@ def test_a_turn_that_begins_between_two_scans_is_found():
     prior = motion.prior(scan.mid_ns, CONFIG.motion)
     placed = stabilise(scan, motion.poses, CONFIG.scan)
     first = coarse_to_fine(pyramid, placed.points, prior.mean, CONFIG.matcher, prior=prior)
-    found = best_match(scan, first, prior, pyramid, motion, CONFIG)
+    found = best_match(scan, (placed, first), prior, pyramid, motion, CONFIG)
     assert found is not None
     assert cost(found[1]) < 0.9 * cost(first)
     assert abs(wrap(found[1].pose[2] - true)) < 0.02
@@ -88,7 +88,7 @@ def test_a_good_match_stays():
     prior = motion.prior(scan.mid_ns, CONFIG.motion)
     placed = stabilise(scan, motion.poses, CONFIG.scan)
     match = coarse_to_fine(pyramid, placed.points, prior.mean, CONFIG.matcher, prior=prior)
-    assert best_match(scan, match, prior, pyramid, motion, CONFIG) is None
+    assert best_match(scan, (placed, match), prior, pyramid, motion, CONFIG) is None
 
 
 @pytest.mark.parametrize(("heading", "bent"), [(0.0, True), (0.2, False)], ids=["straight on", "turned"])

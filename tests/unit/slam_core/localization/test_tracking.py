@@ -106,6 +106,13 @@ def test_a_match_that_fits_badly_is_compared_with_one_that_fits_clearly_better()
     assert not tracker.is_better(Fit(0.5, 0.9), Fit(0.9, 0.7))
 
 
+def test_a_match_is_poor_that_hits_less_than_usual_or_lies_on_little_known_map() -> None:
+    """A turn that begins is matched there: what is left of the scan on the map fits."""
+    tracker = Tracker()
+    assert tracker.is_poor(Fit(0.9, 0.8)) and not tracker.is_poor(Fit(0.9, 0.9))
+    assert tracker.is_poor(Fit(0.4, 1.0)) and not tracker.is_poor(Fit(0.6, 1.0))
+
+
 def test_a_scan_on_little_known_map_is_rejected_far_from_the_prediction() -> None:
     """Four tenths of a scan that fit are accepted three sigmas from the prediction, and not ten sigmas away."""
     tracker, little = Tracker(), Fit(0.4, 0.95)
