@@ -25,7 +25,7 @@ from tests.conftest import ROOT
 BATCH, MOST = 30, 60  # variants
 CASES = (
     "offices, 10 min, 1 degree, laser alone",
-    "offices, 5 min, laser alone, 8 m",
+    "people, laser alone, 8 m",
     "mit_csail, laser alone",
 )
 SWITCHED_OFF = (
