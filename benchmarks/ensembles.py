@@ -108,16 +108,15 @@ def simulated(name: str, scene: ScenarioName, options: SceneOptions, *, imu: boo
 
 def within(reach: float, case: Case) -> Case:
     """The same with a laser that sees so many metres far."""
-
-    def load(seed: int) -> list[Item]:
-        return [
-            replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
-            if isinstance(item, LaserScan)
-            else item
-            for item in case.load(seed)
-        ]
-
+    load: Load = lambda seed: [seen_within(reach, item) for item in case.load(seed)]  # noqa: E731
     return replace(case, name=f"{case.name}, {reach:g} m", load=load)
+
+
+def seen_within(reach: float, item: Item) -> Item:
+    """A scan as such a laser measures it; what is no scan as it is."""
+    if not isinstance(item, LaserScan):
+        return item
+    return replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
 
 
 def cases() -> list[Case]:

@@ -23,11 +23,7 @@ from hectorscope.run.warmup import load_everything
 from tests.conftest import ROOT
 
 BATCH, MOST = 30, 60  # variants
-CASES = (
-    "offices, 10 min, 1 degree, laser alone",
-    "people, laser alone, 8 m",
-    "mit_csail, laser alone",
-)
+CASES = ("offices, 10 min, 1 degree, laser alone", "people, laser alone, 8 m", "mit_csail, laser alone")
 SWITCHED_OFF = (
     "matcher.back_face_share",
     "tracking.unaided_mahalanobis_limit",

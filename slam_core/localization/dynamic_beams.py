@@ -68,9 +68,7 @@ def match_background(
     if static.all() or 2 * np.count_nonzero(static) < len(points):
         return None
     other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
-    if not is_clearly_better(other, match, match.residuals[static]):
-        return None
-    return other._replace(residuals=residuals(pyramid.levels[0], points, other.pose))
+    return _of_all(other, pyramid, points) if is_clearly_better(other, match, match.residuals[static]) else None
 
 
 def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
@@ -119,8 +117,13 @@ def match_without(
         static[np.concatenate(found[:k])] = False
         other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
         if is_better(other, match, match.residuals[static], prior):
-            return other._replace(residuals=residuals(pyramid.levels[0], points, other.pose))
+            return _of_all(other, pyramid, points)
     return None
+
+
+def _of_all(match: MatchResult, pyramid: Pyramid, points: Float32s) -> MatchResult:
+    """A match of some endpoints, with the residuals of all of them (n, 2)."""
+    return match._replace(residuals=residuals(pyramid.levels[0], points, match.pose))
 
 
 def objects(points: Float32s, free: NDArray[np.bool_]) -> list[Int64s]:
@@ -150,9 +153,13 @@ def is_better(other: MatchResult, match: MatchResult, before: Float32s, prior: P
     """Whether a match without some beams is the better one. before: residuals of its beams at the match of all."""
     return (
         prior.distance_to(other.pose) <= NEARER * prior.distance_to(match.pose)
-        and other.fit.known >= max(MOSTLY, KNOWN * match.fit.known)
+        and _is_as_known(other, match)
         and float(np.square(other.residuals).sum()) <= BETTER * float(np.square(before).sum())
     )
+
+
+def _is_as_known(other: MatchResult, match: MatchResult) -> bool:
+    return other.fit.known >= max(MOSTLY, KNOWN * match.fit.known)
 
 
 def is_clearly_better(other: MatchResult, match: MatchResult, before: Float32s) -> bool:
@@ -160,7 +167,7 @@ def is_clearly_better(other: MatchResult, match: MatchResult, before: Float32s) 
     costs, others = (np.square(each.astype(np.float64)) for each in (before, other.residuals))
     gains = costs - others
     return (
-        other.fit.known >= max(MOSTLY, KNOWN * match.fit.known)
+        _is_as_known(other, match)
         and float(others.sum()) <= CLEARLY * float(costs.sum())
         and float(gains.sum()) >= SIGMAS * float(np.linalg.norm(gains))
     )

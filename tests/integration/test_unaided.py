@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy import outcome, process
-from benchmarks.ensembles import varied
+from benchmarks.ensembles import seen_within, varied
 from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels
 from hectorscope.inputs import Item
@@ -15,7 +15,7 @@ from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.simulation.options import ScenarioName
 from slam_core.config import SlamConfig, with_value
 from slam_core.kernels.bilinear import UNKNOWN
-from slam_core.measurements import Height, Imu, LaserScan
+from slam_core.measurements import Height, Imu
 
 SWAYING = SceneOptions(scan_rate=5.0, beams=541, sway=15.0, sway_frequency=1.2, imu=False, duration=30.0)
 
@@ -108,12 +108,7 @@ def test_somebody_in_a_corridor_does_not_pull_the_robot_along(options: SceneOpti
 def test_people_who_set_off_with_the_robot_do_not_hold_it_back():
     """A laser of 8 m along a corridor: they are the nearest that it sees, and stay where they were for it."""
     people = SceneOptions(scan_rate=10.0, beams=451, seed=2)
-    part = [
-        replace(item, ranges=np.where(item.ranges > 8.0, np.inf, item.ranges))
-        if isinstance(item, LaserScan)
-        else item
-        for item in begin_of(people, 8, "people")
-    ]
+    part = [seen_within(8.0, item) for item in begin_of(people, 8, "people")]
     off, on = (outcome(process(part, with_value(SlamConfig(), IGNORE, ignore))).raw for ignore in (False, True))
     assert off > 1.0
     assert on < 0.05
