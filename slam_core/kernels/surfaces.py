@@ -26,6 +26,7 @@ STRAIGHT = 0.95
 # of the ranges (metres).
 ROUND = 1.0 / 9.0
 NOISE = 0.02
+ORIGIN = (0.0, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -73,6 +74,38 @@ def between(points, step, longest):
             found[k, 1] = points[i - 1, 1] + share * (points[i, 1] - points[i - 1, 1])
             k += 1
     return found
+
+
+@njit(cache=True, error_model="numpy")
+def foreground(points, gap, extent, fewest):
+    """(n,) which endpoints (n, 2), in the order of the sweep, are on an object that stands before what is around.
+
+    An object is `fewest` endpoints or more, none further than `gap` from the next, in a box with a diagonal below
+    `extent`; it is nearer than what is seen on both sides of it, by more than `gap`. Metres.
+    """
+    n, begin = len(points), 0
+    found = np.zeros(n, np.bool_)
+    for end in range(1, n + 1):
+        if end < n and _distance(points[end], points[end - 1]) <= gap:
+            continue
+        if begin > 0 and end < n and end - begin >= fewest and _diagonal(points[begin:end]) < extent:
+            before = _distance(points[begin - 1], ORIGIN) - _distance(points[begin], ORIGIN)
+            after = _distance(points[end], ORIGIN) - _distance(points[end - 1], ORIGIN)
+            found[begin:end] = min(before, after) > gap
+        begin = end
+    return found
+
+
+@njit(inline="always")
+def _distance(a, b):
+    return math.hypot(np.float64(a[0]) - b[0], np.float64(a[1]) - b[1])
+
+
+@njit(inline="always")
+def _diagonal(points):
+    """Of the box around points (n, 2)."""
+    xs, ys = points[:, 0], points[:, 1]
+    return math.hypot(np.float64(xs.max()) - xs.min(), np.float64(ys.max()) - ys.min())
 
 
 @njit(cache=True, error_model="numpy")

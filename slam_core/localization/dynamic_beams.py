@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam_core.config import MatcherConfig
+from slam_core.kernels import surfaces
 from slam_core.localization.tracking import MOSTLY
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
@@ -82,17 +83,8 @@ def foreground(points: Float32s) -> NDArray[np.bool_]:
 
     What a wall that is seen along shows between two beams is no object: one of its neighbours is nearer.
     """
-    if not len(points):
-        return np.zeros(0, np.bool_)
-    xs, ys = points.T.astype(np.float64)
-    ranges = np.hypot(xs, ys)
-    begins = np.append(0, np.flatnonzero(np.hypot(np.diff(xs), np.diff(ys)) > GAP) + 1)
-    ends = np.append(begins[1:], len(points))
-    widths = [np.maximum.reduceat(each, begins) - np.minimum.reduceat(each, begins) for each in (xs, ys)]
-    before, after = np.append(0.0, ranges[begins[1:] - 1]), np.append(ranges[ends[:-1]], 0.0)
-    is_object = (np.hypot(*widths) < EXTENT) & (ends - begins >= FEWEST)
-    is_object &= (before > ranges[begins] + GAP) & (after > ranges[ends - 1] + GAP)
-    return np.repeat(is_object, ends - begins)
+    found: NDArray[np.bool_] = surfaces.foreground(points, GAP, EXTENT, FEWEST)
+    return found
 
 
 def match_without(

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from slam_core.config import MapConfig, MatcherConfig
 from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
+from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.global_search import agreement
 from slam_core.localization.place_search import PlaceSearch
 from slam_core.mapping.interpolate import interpolate
@@ -115,6 +116,18 @@ def test_matching_stays_within_the_map(kind, points, start, prior):
     level = Level(finest.surfels, finest.corner, 1.0 / finest.resolution)
     xs, ys = np.ascontiguousarray(points.T)
     surfel_equations(level, xs, ys, start)
+
+
+@given(
+    st.lists(
+        st.tuples(st.floats(-6.0, 6.0), st.floats(-6.0, 6.0)) | st.tuples(COORDINATES, COORDINATES), max_size=40
+    )
+)
+def test_the_foreground_is_of_some_beams(ends):
+    """One answer for each endpoint, wherever it is; those in the foreground have others on both sides."""
+    found = foreground(np.array(ends, np.float32).reshape(-1, 2))
+    assert len(found) == len(ends)
+    assert not (found[:1].any() or found[-1:].any())
 
 
 @settings(max_examples=20, derandomize=True)
