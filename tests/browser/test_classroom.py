@@ -55,6 +55,7 @@ def test_a_view_from_a_place_is_that_place(server: PageServer, open_page: Open):
     )
 
 
+@pytest.mark.slow
 def test_who_explores_keeps_the_own_view(server: PageServer, open_page: Open):
     """A drag in the scene ends following and brings the own choices back; a button follows again."""
     student = open_page(server.url, own={"layout": "one", "plots": "off"})

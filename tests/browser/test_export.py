@@ -70,6 +70,7 @@ def test_chosen_formats_come_as_one_archive(page: Page, engine: Engine, tmp_path
     assert "the \\u003cend>" in archive.read("replay.html").decode()
 
 
+@pytest.mark.slow
 def test_many_long_notes_are_kept(page: Page, tmp_path: Path) -> None:
     """As many and as long as the form takes: none gets lost on its way to the server."""
     for box in page.locator("[data-hs-format]").all():
@@ -96,6 +97,7 @@ def test_a_picture_has_the_size_that_was_chosen(page: Page, tmp_path: Path) -> N
     )
 
 
+@pytest.mark.slow
 def test_a_video_of_the_scene_plays(page: Page, tmp_path: Path) -> None:
     """It is a file that a browser plays, as large as the scene."""
     page.get_by_role("button", name="Record a video").click()

@@ -135,6 +135,7 @@ def test_the_sheet_folds(show: Show, open_page: Open, name: str) -> None:
     page.wait_for_function(f"Math.abs({height} - {before}) < 2")
 
 
+@pytest.mark.slow
 def test_each_browser_has_its_own_theme_layout_and_layers(show: Show, open_page: Open) -> None:
     """They are kept in the browser, and nobody else sees them."""
     one, two = open_page(show.url), open_page(show.url)

@@ -136,6 +136,7 @@ def test_browsers_agree_and_changes_are_marked_and_reset(run: Run, open_page: Op
         expect(page.locator(".hs-differs li, .hs-changed")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_a_stream_keeps_its_map_until_somebody_agrees(drive: list[Item], open_page: Open) -> None:
     """A setting that needs a new map asks first, and keeping the map puts the control back."""
     stream = MemoryStream()

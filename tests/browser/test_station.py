@@ -140,6 +140,7 @@ def test_marks_are_drawn_and_listed_as_text(show: Show, open_page: Open) -> None
     assert page.locator(".hs-station-marks li b b").count() == 0
 
 
+@pytest.mark.slow
 def test_a_picture_is_chosen_made_small_and_shown(show: Show, open_page: Open, tmp_path: Path) -> None:
     """A large photograph fits into one request; what is no picture is not sent; other pages show it, too."""
     show.engine.show(live(annotations=MARKS))

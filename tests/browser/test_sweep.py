@@ -109,6 +109,7 @@ def test_two_runs_are_compared(page: Page):
     expect(ticks.nth(0)).not_to_be_checked()
 
 
+@pytest.mark.slow
 def test_a_click_on_a_row_opens_that_run_on_the_bench(page: Page):
     """A new tab has it, with the recording and the settings of the row; one that cannot be opened says why."""
     page.get_by_role("button", name="matcher.sigma").click()
@@ -134,6 +135,7 @@ def test_a_long_path_stays_in_its_button(page: Page):
     assert page.evaluate(cut) == 0
 
 
+@pytest.mark.slow
 def test_a_table_that_cannot_be_read_is_named(page: Page, folder: Path):
     """The runs stay as they were, and the message goes once the table is whole again."""
     csv = folder / "runs.csv"

@@ -246,6 +246,7 @@ def robot(drive: list[Item]) -> Iterator[tuple[Robot, str]]:
         engine.stop()
 
 
+@pytest.mark.slow
 def test_a_stream_is_scrubbed_while_it_goes_on(robot: tuple[Robot, str], open_page: Open) -> None:
     """Dragged back it says how far behind that is; the run goes on, and one key leads back to now."""
     made, url = robot

@@ -168,6 +168,7 @@ def test_the_landscape_shows_the_cost_of_each_level(engine: Engine, url: str, op
     expect(words).to_contain_text("3721 of 3721")
 
 
+@pytest.mark.slow
 def test_the_start_is_dragged_by_its_handle(engine: Engine, url: str, open_page: Open) -> None:
     """The matcher follows while the hand moves, and ends where the core does; the run is not touched."""
     now, found = resting(engine)
@@ -237,6 +238,7 @@ def test_a_click_looks_at_a_cell_through_the_lens(engine: Engine, url: str, open
     expect(page.locator(".hs-closer")).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_each_browser_goes_to_a_scan_of_its_own(engine: Engine, url: str, open_page: Open) -> None:
     """A viewer looks at any scan, also while the run goes on: what is shown is what a seek to it would show."""
     now, _ = resting(engine)

@@ -82,6 +82,7 @@ def test_the_beginning_has_the_same_scans_with_whatever_delay(tmp_path: Path):
         assert len(list(part.items())) == 25
 
 
+@pytest.mark.slow
 def test_every_executor_gives_the_same_table(short_bag: Path, tmp_path: Path):
     """One process, two in the opposite order, and a pool of Python's own: all cells are equal but for times."""
     specs, folders = specs_of(short_bag), [tmp_path / name for name in "abc"]
@@ -98,6 +99,7 @@ def test_every_executor_gives_the_same_table(short_bag: Path, tmp_path: Path):
     assert [row[2] for row in tables[0][1:]] == [str(sigma) for sigma in SIGMAS]
 
 
+@pytest.mark.slow
 def test_a_process_does_many_runs_in_the_same_memory(short_bag: Path, tmp_path: Path):
     """One process loads the kernels once and does all; after 40 runs it takes no more than after a few."""
     specs = specs_of(short_bag, sigmas=tuple(round(0.1 + 0.01 * k, 2) for k in range(40)))
@@ -106,6 +108,7 @@ def test_a_process_does_many_runs_in_the_same_memory(short_bag: Path, tmp_path: 
     assert float(rows[-1]["memory_mb"]) < float(rows[7]["memory_mb"]) + 16.0
 
 
+@pytest.mark.slow
 def test_started_again_it_does_what_is_missing(short_bag: Path, tmp_path: Path):
     """Rows that are there are left as they are, times too."""
     specs = specs_of(short_bag)

@@ -39,6 +39,7 @@ def test_a_sweep_is_shown_or_run(tmp_path: Path):
         assert "looks at a sweep and runs nothing" in refused("sweep", *flags, "--show", tmp_path)
 
 
+@pytest.mark.slow
 def test_a_search_by_halving_ends_with_whole_runs_of_the_best(short_bag: Path, tmp_path: Path):
     """Nine settings on a ninth of the time, three on a third, one on all of it: the best of those before."""
     flags = ["sweep", short_bag, "--out", tmp_path, "--search", 9, "--halving", "--workers", 2]
@@ -52,6 +53,7 @@ def test_a_search_by_halving_ends_with_whole_runs_of_the_best(short_bag: Path, t
     assert rows[-1]["fusion.omega"] == best["fusion.omega"]
 
 
+@pytest.mark.slow
 def test_a_recording_by_address_is_run_as_that_on_the_disk(short_bag: Path, tmp_path: Path):
     """Fsspec brings it; figures are equal, and the table has the address."""
     flags = ["--vary", "matcher.sigma=0.1", "--workers", 1]

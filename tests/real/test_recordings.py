@@ -90,7 +90,9 @@ def test_turtlebot4_needs_no_definitions(recordings: Path) -> None:
     assert not source.report.skipped
 
 
-@pytest.mark.parametrize("name", ["kitchen_1", pytest.param("kitchen_1_mcap", marks=pytest.mark.slow), "straight"])
+@pytest.mark.parametrize(
+    "name", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("kitchen_1", "kitchen_1_mcap")), "straight"]
+)
 def test_mumble_gives_milli_g_and_degrees_and_mirrors_its_scan(recordings: Path, name: str) -> None:
     """Found in the data, with or without definitions in the bag; refused with flags that leave nothing to find."""
     path = recordings / "mumble_lidar_imu" / name
