@@ -69,7 +69,11 @@ def match_background(
     if static.all() or 2 * np.count_nonzero(static) < len(points):
         return None
     other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
-    return _of_all(other, pyramid, points) if is_clearly_better(other, match, match.residuals[static]) else None
+    return (
+        _of_all(other, pyramid, points, static)
+        if is_clearly_better(other, match, match.residuals[static])
+        else None
+    )
 
 
 def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
@@ -109,13 +113,16 @@ def match_without(
         static[np.concatenate(found[:k])] = False
         other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
         if is_better(other, match, match.residuals[static], prior):
-            return _of_all(other, pyramid, points)
+            return _of_all(other, pyramid, points, static)
     return None
 
 
-def _of_all(match: MatchResult, pyramid: Pyramid, points: Float32s) -> MatchResult:
-    """A match of some endpoints, with the residuals of all of them (n, 2)."""
-    return match._replace(residuals=residuals(pyramid.levels[0], points, match.pose))
+def _of_all(match: MatchResult, pyramid: Pyramid, points: Float32s, static: NDArray[np.bool_]) -> MatchResult:
+    """A match of some endpoints, with the residuals of all of them (n, 2).
+
+    static: (n,) which were matched.
+    """
+    return match._replace(residuals=residuals(pyramid.levels[0], points, match.pose), left_out=~static)
 
 
 def objects(points: Float32s, free: NDArray[np.bool_]) -> list[Int64s]:

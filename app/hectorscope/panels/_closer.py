@@ -50,6 +50,8 @@ def _measured(beam: BeamView) -> Iterator[Row]:
 def _matched(beam: BeamView) -> Iterator[Row]:
     first = math.isnan(beam.residual)
     yield "residual in the match", "first scan" if first else f"{fixed(beam.residual, 3)} · level 0"
+    if beam.left_out:
+        yield "in the match", "left out: on an object that may move"
     yield "height over the laser", f"{fixed(beam.height, 2)} m"
     yield "ends in free space", "yes" if beam.unexpected else "no"
 

@@ -4,8 +4,11 @@ import math
 from functools import cache
 from html import escape
 
+import numpy as np
+
 from hectorscope.panels._hints import HINTS
 from slam_core.config import Leaf
+from slam_core.results import MatchResult
 
 GREEK = {"sigma": "σ", "omega": "ω"}
 
@@ -84,6 +87,13 @@ def worded(value: float | bool | str) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
     return value.replace("_", " ") if isinstance(value, str) else number(value, 6)
+
+
+def left_out(match: MatchResult) -> str:
+    """That a match did without some beams; nothing if it took all."""
+    beams = np.count_nonzero(match.left_out)
+    one = "1 beam on an object that may move was left out"
+    return f"{beams} beams on objects that may move were left out" if beams > 1 else one * beams
 
 
 def text(value: object) -> str:

@@ -6,13 +6,14 @@ from html import escape
 
 import numpy as np
 
-from hectorscope.panels._format import fixed, number
+from hectorscope.panels._format import fixed, left_out, number
 from hectorscope.run.xray.attitude import ASIDE, OMEGA, REACH, Passage
 from hectorscope.run.xray.covariances import Cloud, Fusion
 from hectorscope.run.xray.landscape import FOUND, UNTRIED, Basin, Landscape
 from hectorscope.run.xray.lens import Lens
 from slam_core.measurements import Float64s
 from slam_core.reference.scan_matching import Iteration, hessian_covariance
+from slam_core.results import MatchResult
 
 NOTHING = (
     "<p>Pause a recording to look at the match of one scan, or go to a scan of your own. If this text stays, step"
@@ -84,6 +85,12 @@ def steps_html(found: tuple[Iteration, ...], k: int, resolution: float, sigma: f
         )
     parts.append(equation("λ", "of H, position", eigen(now.H)))
     return title + "".join(parts)
+
+
+def left_out_html(match: MatchResult) -> str:
+    """That the run did without some beams, and the X-ray does too; nothing if it took all."""
+    words = left_out(match)
+    return f"<p>{words}, and are here.</p>" if words else ""
 
 
 def eigen(H: Float64s) -> str:

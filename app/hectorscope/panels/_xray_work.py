@@ -63,6 +63,7 @@ def _steps(opened: OpenScan, wanted: Wanted, start: Float64s) -> Iterator[Shown]
     k = min(wanted.step, len(found) - 1)
     resolution = problem.grids[found[k].level].resolution
     text = words.steps_html(found, k, resolution, problem.config.matcher.sigma)
+    text += words.left_out_html(problem.match)
     dots = opened.keep(("dots", k, *start.tolist()), lambda: beams(problem, found[k]))
     yield Shown(
         text, _step_marks(found, k), dots, handle=start, level=found[k].level, steps=len(found), levels=levels

@@ -7,7 +7,7 @@ from viser import Icon
 
 from hectorscope.page.scene import Display, Scene
 from hectorscope.panels import _workspace
-from hectorscope.panels._format import figure, fixed, number, tip
+from hectorscope.panels._format import figure, fixed, left_out, number, tip
 from hectorscope.panels._handles import put
 from hectorscope.run.marks import WEAK
 from hectorscope.run.wording import verdict_text
@@ -74,7 +74,7 @@ def _certainty(result: StepResult, match: MatchResult) -> list[str]:
     return [
         figure("weakest σ", fixed(1e3 * match.weakest_sigma, 1) + " mm"),
         figure("support", f"{100 * match.weakest_share:.0f} %", "bad" if more else "", more=more),
-        figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 0) + " %"),
+        figure("unexpected", fixed(100.0 * float(np.mean(result.unexpected)), 0) + " %", more=left_out(match)),
     ]
 
 

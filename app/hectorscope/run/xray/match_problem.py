@@ -24,7 +24,8 @@ EDGE = 2  # unknown cells around what is known: the same as the endless map for 
 
 @dataclass(frozen=True, eq=False)
 class MatchProblem:
-    """pyramid: the map before the scan. points: (n, 2) endpoints in the stabilised frame, laser: (2,), metres.
+    """pyramid: the map before the scan. points: (n, 2) endpoints in the stabilised frame, laser: (2,), metres;
+    without those that the run left out.
 
     start: (3,) where the match began. match: of the run. prior: the prediction before it. config: in force.
     """
@@ -74,10 +75,10 @@ def problem_of(before: Pipeline, result: StepResult, config: SlamConfig) -> Matc
     if result.match is None or result.prior is None or result.sweep is None or before.slam.map.empty:
         return None
     start = before.slam.start_estimate(result.prior, config)
-    before.slam.map.cover(result.points, start)
-    return MatchProblem(
-        before.slam.map, result.points, result.sweep.laser, start, result.match, result.prior, config
-    )
+    left_out = result.match.left_out
+    points = result.points[~left_out] if len(left_out) else result.points
+    before.slam.map.cover(points, start)
+    return MatchProblem(before.slam.map, points, result.sweep.laser, start, result.match, result.prior, config)
 
 
 def reference_grid(level: GridLevel) -> OccupancyGrid:

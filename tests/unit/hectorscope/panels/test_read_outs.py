@@ -162,7 +162,7 @@ def test_the_legend_names_what_is_there() -> None:
 
 
 def test_the_match_says_whether_it_converged_and_is_believed() -> None:
-    """Mean residual, iterations of each level, outcome, state, weakest direction; a first scan has no match."""
+    """Mean residual, iterations, outcome, state, weakest direction, beams left out; a first scan has no match."""
     snapshot = room_snapshot()
     result = snapshot.result
     assert result is not None
@@ -170,6 +170,11 @@ def test_the_match_says_whether_it_converged_and_is_believed() -> None:
     html = match_html(result, snapshot)
     for part in ("Converged", "3 · 4 · 4", "0.500", "</small>✓ tracking", "weakest σ</small>2.0 mm"):
         assert part in html
+    assert "left out" not in html
+    two = np.array([True, False, True])
+    assert "2 beams on objects that may move were left out." in match_html(
+        result._replace(match=result.match._replace(left_out=two)), snapshot
+    )
     slow = result._replace(match=result.match._replace(converged=False), verdict=Verdict("lost"))
     assert "Out of steps" in match_html(slow, snapshot)
     assert "</small>✕ lost" in match_html(slow, snapshot)

@@ -64,6 +64,16 @@ def test_steps_show_beams_where_the_iteration_places_them(opened: OpenScan):
     assert f"{steps[4].cost:.3f} after the step" not in shown.words or steps[4].level == steps[3].level
 
 
+def test_beams_that_are_left_out_are_told(opened: OpenScan):
+    """One or more of them, as the match of the run did without them; else there is no word of it."""
+    (shown,) = opened.shown(Wanted(), None)
+    assert "left out" not in shown.words
+    for beams, words in ((1, "1 beam on an object"), (3, "3 beams on objects")):
+        match = problem().match._replace(left_out=np.arange(9) < beams)
+        (shown,) = OpenScan(replace(problem(), match=match)).shown(Wanted(), None)
+        assert words in shown.words
+
+
 def test_arrows_at_the_robot_are_eigenvectors_of_h(opened: OpenScan):
     """Both axes through the pose, across each other, as long as the square roots of the eigenvalues."""
     now = problem().iterations(problem().start)[-1]

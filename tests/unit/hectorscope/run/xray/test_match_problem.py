@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from hectorscope.run.settings import Settings
+from hectorscope.run.xray.match_problem import problem_of
 from slam_core.reference.scan_matching import transformed
 from slam_core.slam import HectorSlam
 from tests.xray import PAPER, problem, scanned
@@ -38,6 +39,17 @@ def test_a_direction_that_the_run_left_to_the_prediction_is_left_to_it_here():
     np.testing.assert_allclose(np.linalg.norm(along), 1.0)
     assert abs((found.matched - found.start)[:2] @ along) > 1e-4
     assert abs((held.matched - held.start)[:2] @ along) < 1e-9
+
+
+def test_beams_that_the_run_left_out_are_left_out_here():
+    """Else the X-ray would show another match than that of the run."""
+    rework, result = scanned()
+    assert result.match is not None
+    left_out = np.arange(len(result.points)) < 20
+    without = result._replace(match=result.match._replace(left_out=left_out))
+    found = problem_of(rework.before(Settings(PAPER)), without, PAPER)
+    assert found is not None
+    np.testing.assert_array_equal(found.points, result.points[20:])
 
 
 def test_each_step_leads_to_the_next_pose():
