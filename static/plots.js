@@ -10,6 +10,7 @@
   const WINDOWS = { 10: "10 s", 30: "30 s", 120: "2 min", 1e9: "all" };
   const tables = {};
   let pages = null;
+  let said = ""; // what they were read from
   let heard = null; // the element that the pages are read from
   let answered = () => {}; // ends the asking for rows
   let figures = [];
@@ -51,7 +52,11 @@
     const mark = document.querySelector("[data-hs-charts]");
     if (mark && mark !== heard) {
       heard = mark;
-      pages = JSON.parse(mark.dataset.hsCharts);
+      if (mark.dataset.hsCharts !== said) {
+        said = mark.dataset.hsCharts;
+        pages = JSON.parse(said);
+        tabs.replaceChildren(); // and so built anew
+      }
       // Now the page can take rows. With each connection the mark is a new one, and what was sent may be lost.
       answered();
       answered = window.hectorscope.ask(mark.dataset.hsAsk);

@@ -35,6 +35,21 @@ BESIDE = np.array([0, 0, 0.1, 0, 0, 0, 0, 0])  # metres, as the truth lies
 BOXES = "() => [...document.querySelectorAll('.hs-canvas')].map((e) => JSON.stringify(e.getBoundingClientRect()))"
 
 
+# The element that describes the charts is another one, and the rows that the page asks for then are marked.
+NEW_CONNECTION = """() => {
+  const { rows, plotted } = window.hectorscope, mark = document.querySelector('[data-hs-charts]');
+  window.hectorscope.rows = (...added) => {
+    rows(...added);
+    plotted().tables[added[0]].asked = true;
+  };
+  mark.replaceWith(mark.cloneNode());
+}"""
+DRAWN = """() => new Promise((drawn) => {
+  window.hectorscope.own.set('theme', 'light');
+  requestAnimationFrame(() => requestAnimationFrame(drawn));
+})"""
+
+
 def driven() -> Snapshot:
     """Forty seconds of a recording of sixty, with figures in every column and a truth."""
     series = np.zeros(ROWS, SERIES_DTYPE)
@@ -94,6 +109,18 @@ def test_the_tab_of_charts_without_data_is_not_lit(show: Show, open_page: Open) 
     expect(tab).to_have_attribute("aria-pressed", "true")
     lit = opened(show, open_page).locator(".hs-pages button", has_text="Error against truth")
     expect(lit).not_to_have_css("background-color", DARK)
+
+
+def test_tabs_stay_lit_with_a_new_connection(show: Show, open_page: Open) -> None:
+    """It brings the description of the charts once more, in an element of its own."""
+    page = opened(show, open_page)
+    tabs = page.locator(".hs-pages button:not(.hs-bare)")
+    expect(tabs).not_to_have_count(0)
+    lit = tabs.all_inner_texts()
+    page.evaluate(NEW_CONNECTION)
+    page.wait_for_function("window.hectorscope.plotted().tables.series.asked")
+    page.evaluate(DRAWN)
+    assert tabs.all_inner_texts() == lit
 
 
 def test_charts_lie_side_by_side_below_the_scene(show: Show, open_page: Open) -> None:
