@@ -174,7 +174,7 @@ class Localiser:
         if weak.held:
             prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
         stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
-        if weak.begins(match, prior, scan.mid_ns, lapse_ns):
+        if weak.begins(match, scan.mid_ns, lapse_ns):
             prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
             config = weak.configured(config)
             stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)

@@ -13,19 +13,19 @@ import numpy as np
 
 from slam_core.config import SlamConfig
 from slam_core.measurements import Float64s
-from slam_core.results import NOWHERE, MatchResult, PlanarGaussian
+from slam_core.results import NOWHERE, MatchResult
 
 FEW = 0.1  # of the beams, as a share: fewer fix a direction badly
-WINDOW_NS = 600_000_000  # of the innovations that are looked at, and
+WINDOW_NS = 600_000_000  # of the changes of the step that are looked at, and
 LEAST = 5  # so many of them at least: a slow scanner never has them
-SCATTER = 2.0  # times the usual innovation, and
+SCATTER = 2.0  # times the usual change, and
 ACCELERATION = 4.0  # m/s^2: more than a robot keeps changing its speed by
-MEMORY = 0.05  # weight of the newest innovation in the running mean
+MEMORY = 0.05  # weight of the newest change in the running mean
 USUAL = 0.02  # metres, before there is one
 # Of the poses that give the mean speed: those since few beams fix the direction, within these limits.
 SHORTEST_NS, LONGEST_NS = 1_000_000_000, 1_500_000_000
 STEADY = 0.25  # m/s: a speed that changed by more in that time is no speed to keep
-KEPT = 256  # innovations and poses: a fast scanner has fewer in that time
+KEPT = 256  # changes and poses: a fast scanner has fewer in that time
 
 Position = tuple[int, Float64s]  # nanoseconds, and (2,) metres in the map
 
@@ -42,7 +42,7 @@ class WeakDirection:
         self.direction = NOWHERE
         self.speed = 0.0
         self._usual = USUAL
-        self._innovations = deque[tuple[int, float]](maxlen=KEPT)
+        self._changes = deque[tuple[int, float]](maxlen=KEPT)
         self._positions = deque[Position](maxlen=KEPT)
         self._few_since_ns = 0
 
@@ -53,26 +53,26 @@ class WeakDirection:
         threshold = max(config.matcher.degeneracy_threshold, FEW)
         return replace(config, matcher=replace(config.matcher, degeneracy_threshold=threshold))
 
-    def begins(self, match: MatchResult, prior: PlanarGaussian, time_ns: int, lapse_ns: int) -> bool:
-        """Take in a match and its prediction. Whether its direction is held from now on.
+    def begins(self, match: MatchResult, time_ns: int, lapse_ns: int) -> bool:
+        """Take in a match. Whether its direction is held from now on.
 
         lapse_ns: since the scan before. After a gap, or if a clock was set back, all begins anew.
         """
         if not 0 < lapse_ns < SHORTEST_NS:
-            self._innovations.clear()
+            self._changes.clear()
             self._positions.clear()
             self.held = False
         direction = match.weakest_direction  # its sign stays that of the match before
         self.direction = direction if float(direction @ self.direction) >= 0.0 else -direction
-        innovation = float((match.pose - prior.mean)[:2] @ self.direction)
+        change = self._change(match.pose[:2], time_ns)
         if match.weakest_share >= FEW:
-            self._usual += MEMORY * (abs(innovation) - self._usual)
-            self._innovations.clear()
+            self._usual += MEMORY * (abs(change) - self._usual)
+            self._changes.clear()
             self._few_since_ns, self.held = time_ns, False
         elif not (self.held or match.unobservable.any()):
-            self._innovations.append((time_ns, innovation))
-            while self._innovations[0][0] <= time_ns - WINDOW_NS:
-                self._innovations.popleft()
+            self._changes.append((time_ns, change))
+            while self._changes[0][0] <= time_ns - WINDOW_NS:
+                self._changes.popleft()
             self.held = self._scatter(lapse_ns * 1e-9) and self._is_steady()
             if self.held:
                 self.speed = self._mean_speed(time_ns)
@@ -85,25 +85,32 @@ class WeakDirection:
         while self._positions[0][0] < time_ns - LONGEST_NS:
             self._positions.popleft()
 
+    def _change(self, position: Float64s, time_ns: int) -> float:
+        """By how much the step to a position (2,) differs from the one before, along the direction, metres.
+
+        It tells of the matches alone; an innovation depends on what the filter makes of them as well.
+        """
+        if len(self._positions) < 2:
+            return 0.0
+        (earlier_ns, earlier), (last_ns, last) = self._positions[-2], self._positions[-1]
+        expected = (last - earlier) * ((time_ns - last_ns) / max(last_ns - earlier_ns, 1))
+        return float((position - last - expected) @ self.direction)
+
     def _mean_speed(self, time_ns: int) -> float:
         """Along the direction, m/s, before a time."""
         longest_ns = max(time_ns - self._few_since_ns, SHORTEST_NS)
         return self._speed([each for each in self._positions if time_ns - each[0] <= longest_ns])
 
     def _scatter(self, dt: float) -> bool:
-        """Whether innovations differ much for a time; those of a robot that accelerates are alike.
-
-        dt: seconds between two scans.
-        """
-        span_ns = self._innovations[-1][0] - self._innovations[0][0]
-        if len(self._innovations) < LEAST or span_ns < 0.8 * WINDOW_NS:
+        """Whether steps have changed much for a time. dt: seconds between two scans."""
+        span_ns = self._changes[-1][0] - self._changes[0][0]
+        if len(self._changes) < LEAST or span_ns < 0.8 * WINDOW_NS:
             return False
-        innovations = np.array([innovation for _, innovation in self._innovations])
-        typical = float(np.median(np.abs(innovations - np.median(innovations))))
+        typical = float(np.median([abs(change) for _, change in self._changes]))
         return typical > max(SCATTER * self._usual, ACCELERATION * dt**2)
 
     def _is_steady(self) -> bool:
-        """Whether the speed of the last poses is that of those before."""
+        """Whether the speed of the last poses is that of those before: the robot does not accelerate."""
         positions = list(self._positions)
         half = len(positions) // 2
         return half > 1 and abs(self._speed(positions[half:]) - self._speed(positions[:half])) < STEADY
