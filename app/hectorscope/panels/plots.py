@@ -26,6 +26,7 @@ COMPARED_TABLES = {"apart": APART_COLUMNS, "errors": ERRORS_COLUMNS, "maps": MAP
 MOST_UNSENT = 2**20  # characters that wait for a browser
 BATCH = 4000  # rows sent at once: one who joins a long run gets them over some seconds
 Table = NDArray[np.float32]
+Sent = dict[str, tuple[object, int]]  # of each table the run, and the rows of it
 
 
 class PlotsPanel:
@@ -37,9 +38,7 @@ class PlotsPanel:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._sent: dict[
-            int, dict[str, tuple[object, int]]
-        ] = {}  # by client and table: the run, and the rows of it
+        self._sent: dict[int, Sent] = {}  # by client
         gui = scene.server.gui
         ask = gui.add_button("Send the curves", visible=False)
         ask.on_click(self._begin)
@@ -66,29 +65,29 @@ class PlotsPanel:
 
     def news(self, client: int, snapshot: Snapshot) -> list[str]:
         """The scripts that give this browser the rows that it does not have yet, at most BATCH of each table."""
+        sent = self._sent.setdefault(client, {})  # if the page asks now, it gets another one, and all rows
         known = snapshot.ahead.lineage
         truth = (known, *snapshot.truth_in_map)
         scripts = [
-            self._added(client, "series", known, lambda first: series_rows(snapshot.ahead.series, first)),
-            self._added(client, "truth", truth, lambda first: error_rows(snapshot, first)),
+            added(sent, "series", known, lambda first: series_rows(snapshot.ahead.series, first)),
+            added(sent, "truth", truth, lambda first: error_rows(snapshot, first)),
         ]
         both = (known, snapshot.compared.number if snapshot.compared else 0)
         for table, rows in compared_tables(snapshot).items():
             begun = rows(0)[:1].tobytes() if table == "maps" else b""  # after a jump back they begin anew
-            scripts.append(self._added(client, table, (both, begun), rows))
+            scripts.append(added(sent, table, (both, begun), rows))
         return [script for script in scripts if script]
 
-    def _added(self, client: int, table: str, run: object, rows: Callable[[int], Table]) -> str:
-        """The script that adds the rows after those sent; of another run all from the first. Empty without any."""
-        before, first = self._sent.setdefault(client, {}).get(table, (None, 0))
-        first = first if before == run else 0
-        new = rows(first)[:BATCH]
-        if before == run and not len(new):
-            return ""
-        self._sent[client][table] = run, first + len(new)
-        return (
-            f"window.hectorscope?.rows?.('{table}', {first}, '{b64encode(new.astype('<f4').tobytes()).decode()}')"
-        )
+
+def added(sent: Sent, table: str, run: object, rows: Callable[[int], Table]) -> str:
+    """The script that adds the rows after those sent; of another run all from the first. Empty without any."""
+    before, first = sent.get(table, (None, 0))
+    first = first if before == run else 0
+    new = rows(first)[:BATCH]
+    if before == run and not len(new):
+        return ""
+    sent[table] = run, first + len(new)
+    return f"window.hectorscope?.rows?.('{table}', {first}, '{b64encode(new.astype('<f4').tobytes()).decode()}')"
 
 
 def series_rows(series: NDArray[np.void], first: int) -> Table:

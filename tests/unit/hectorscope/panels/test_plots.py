@@ -4,10 +4,14 @@ import base64
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
+from pytest import MonkeyPatch
 
 from hectorscope.page.scene import Scene
+from hectorscope.panels import plots
 from hectorscope.panels._curves import COLUMNS, PAGES, TIME
 from hectorscope.panels._truth_error import truth_error
 from hectorscope.panels.plots import BATCH, PlotsPanel, charts_json, error_rows, series_rows
@@ -61,6 +65,22 @@ def test_every_row_is_sent_once(scene: Scene) -> None:
     np.testing.assert_array_equal(one.tables["series"], series_rows(whole.ahead.series, 0)[: 25 + BATCH])
     one.take(panel, run_of(5, lineage=1))
     assert len(one.tables["series"]) == 5
+
+
+def test_a_page_that_asks_while_rows_are_sent_gets_all_of_them(scene: Scene, monkeypatch: MonkeyPatch) -> None:
+    """It asks again because what was sent before may be lost."""
+    panel, before, after = PlotsPanel(scene), Browser(1), Browser(1)
+    before.take(panel, run_of(20))
+
+    def asked_meanwhile(series: np.ndarray, first: int) -> np.ndarray:
+        panel._begin(cast(Any, SimpleNamespace(client=SimpleNamespace(client_id=1))))
+        return series_rows(series, first)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(plots, "series_rows", asked_meanwhile)
+        before.take(panel, run_of(30))
+    after.take(panel, run_of(30))
+    assert len(after.tables["series"]) == 30
 
 
 def test_rows_that_are_known_are_sent_before_they_are_shown(scene: Scene) -> None:
