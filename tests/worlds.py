@@ -47,8 +47,8 @@ def room_ranges(
     c, s = np.cos(angles + pose[2]), np.sin(angles + pose[2])
     with np.errstate(divide="ignore"):
         walls = np.minimum(
-            np.where(c > 0, half_width - pose[0], -half_width - pose[0]) / c,
-            np.where(s > 0, half_height - pose[1], -half_height - pose[1]) / s,
+            np.where(c > 0, half_width - pose[0], half_width + pose[0]) / np.abs(c),
+            np.where(s > 0, half_height - pose[1], half_height + pose[1]) / np.abs(s),
         )
     offset = np.array([1.5, 1.0]) - pose[:2]
     along = offset[0] * c + offset[1] * s
