@@ -18,7 +18,7 @@ from slam_core.measurements import Float32s, Float64s, Int64s, LaserScan, Transf
 Tracking = Literal["tracking", "recovered", "degraded", "lost"]
 _NOTHING: Mapping[str, int] = {}
 NOWHERE = np.zeros(2)  # in the place of a direction
-NONE = np.zeros(0, np.bool_)  # in the place of a mask of beams
+NONE = np.zeros(0, np.int64)  # in the place of numbers of beams
 
 
 class PlanarGaussian(NamedTuple):
@@ -59,8 +59,8 @@ class MatchResult(NamedTuple):
     weakest_share: share of the beams that fix the position in the direction that the scan's shape fixes worst.
     unobservable: (2,) that direction in the map, where too few beams fix it and the pose keeps its start estimate
     along it; else zero.
-    fit: at the coarsest level. left_out: (n,) beams that were not matched, as they are on objects that may move;
-    (0,) if there are none.
+    fit: at the coarsest level. left_out: (k,) numbers of the endpoints that were not matched, as they are on
+    objects that may move.
     """
 
     pose: Float64s
@@ -73,7 +73,7 @@ class MatchResult(NamedTuple):
     unobservable: Float64s = NOWHERE
     weakest_share: float = 1.0
     fit: Fit = Fit(1.0, 1.0)
-    left_out: NDArray[np.bool_] = NONE
+    left_out: Int64s = NONE
 
     @property
     def mean_residual(self) -> float:

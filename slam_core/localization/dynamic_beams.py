@@ -69,11 +69,9 @@ def match_background(
     if static.all() or 2 * np.count_nonzero(static) < len(points):
         return None
     other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
-    return (
-        _of_all(other, pyramid, points, static)
-        if is_clearly_better(other, match, match.residuals[static])
-        else None
-    )
+    if not is_clearly_better(other, match, match.residuals[static]):
+        return None
+    return _of_all(other, pyramid, points, static)
 
 
 def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
@@ -122,7 +120,9 @@ def _of_all(match: MatchResult, pyramid: Pyramid, points: Float32s, static: NDAr
 
     static: (n,) which were matched.
     """
-    return match._replace(residuals=residuals(pyramid.levels[0], points, match.pose), left_out=~static)
+    return match._replace(
+        residuals=residuals(pyramid.levels[0], points, match.pose), left_out=np.flatnonzero(~static)
+    )
 
 
 def objects(points: Float32s, free: NDArray[np.bool_]) -> list[Int64s]:

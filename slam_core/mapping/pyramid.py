@@ -226,9 +226,9 @@ def longest_gap(points: Float32s, laser: Float64s, fine: float) -> float:
     if fine == 0.0 or len(points) < 2:
         return fine
     x, y = (points - laser).T
-    across, along = np.abs(x[:-1] * y[1:] - y[:-1] * x[1:]), x[:-1] * x[1:] + y[:-1] * y[1:]
-    wide = np.count_nonzero(across > math.tan(COARSE) * along)  # their tangent; also beyond a right angle
-    return 2.0 * fine if 2 * wide > len(across) else fine
+    sines, cosines = np.abs(x[:-1] * y[1:] - y[:-1] * x[1:]), x[:-1] * x[1:] + y[:-1] * y[1:]  # times both ranges
+    coarse = np.count_nonzero(sines > math.tan(COARSE) * cosines)  # a negative cosine: more than a right angle
+    return 2.0 * fine if 2 * coarse > len(sines) else fine
 
 
 def log_odds(probability: float) -> float:

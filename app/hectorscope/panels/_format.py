@@ -4,8 +4,6 @@ import math
 from functools import cache
 from html import escape
 
-import numpy as np
-
 from hectorscope.panels._hints import HINTS
 from slam_core.config import Leaf
 from slam_core.results import MatchResult
@@ -91,9 +89,9 @@ def worded(value: float | bool | str) -> str:
 
 def left_out(match: MatchResult) -> str:
     """That a match did without some beams; nothing if it took all."""
-    beams = np.count_nonzero(match.left_out)
-    one = "1 beam on an object that may move was left out"
-    return f"{beams} beams on objects that may move were left out" if beams > 1 else one * beams
+    beams = len(match.left_out)
+    told = "beam on an object that may move was" if beams == 1 else "beams on objects that may move were"
+    return f"{beams} {told} left out" if beams else ""
 
 
 def text(value: object) -> str:

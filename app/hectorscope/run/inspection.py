@@ -13,7 +13,7 @@ from hectorscope.run.readings import BeamTarget, BeamView, CellTarget, CellView,
 from slam_core.geometry import transform_points
 from slam_core.mapping.grid import probability_of
 from slam_core.mapping.tiled_map import TiledMap
-from slam_core.results import NONE, StepResult, Sweep
+from slam_core.results import StepResult, Sweep
 from slam_core.scan.beams import beam_of, endpoint_of
 
 
@@ -92,12 +92,11 @@ def _beam(
     if endpoint is None:
         return beam
     x, y = transform_points(result.planar, result.points[endpoint : endpoint + 1])[0].tolist()
-    left_out = result.match.left_out if result.match else NONE
     return replace(
         beam,
         height=float(result.heights[endpoint]),
         residual=float(result.match.residuals[endpoint]) if result.match else math.nan,
-        left_out=bool(len(left_out) and left_out[endpoint]),
+        left_out=endpoint in result.match.left_out if result.match else False,
         unexpected=bool(result.unexpected[endpoint]),
         end=_cell(CellTarget(0, x, y), pipeline, checkpoints),
     )

@@ -56,7 +56,7 @@ class Landscape:
 
 
 def landscape(problem: MatchProblem, level: int, around: Around) -> Landscape:
-    """Of one level, with all beams."""
+    """Of one level, with all beams that the run matched."""
     poses = around.poses(problem.matched).reshape(-1, 3)
     found = costs(problem.pyramid.levels[level], problem.points, poses)
     return Landscape(level, around, found.reshape(SIDE, SIDE), poses[np.argmin(found)])

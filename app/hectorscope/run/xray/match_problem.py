@@ -75,8 +75,7 @@ def problem_of(before: Pipeline, result: StepResult, config: SlamConfig) -> Matc
     if result.match is None or result.prior is None or result.sweep is None or before.slam.map.empty:
         return None
     start = before.slam.start_estimate(result.prior, config)
-    left_out = result.match.left_out
-    points = result.points[~left_out] if len(left_out) else result.points
+    points = np.delete(result.points, result.match.left_out, axis=0)
     before.slam.map.cover(points, start)
     return MatchProblem(before.slam.map, points, result.sweep.laser, start, result.match, result.prior, config)
 

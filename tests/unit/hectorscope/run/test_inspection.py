@@ -1,6 +1,7 @@
 """A closer look at beams and cells, against a run of which all is known."""
 
 import math
+from copy import copy
 
 import numpy as np
 import pytest
@@ -55,6 +56,19 @@ def test_a_beam_is_found_at_its_endpoint_with_its_figures(driven) -> None:
         assert (view.end.x, view.end.y) == pytest.approx(tuple(ends[k]))
         away = math.hypot(view.end.x - view.laser[0], view.end.y - view.laser[1])
         assert away == pytest.approx(view.range_m, abs=0.05)
+
+
+def test_a_beam_tells_whether_the_match_did_without_it(driven) -> None:
+    """By its number among the endpoints, which are fewer than the beams."""
+    pipeline, kept, _ = driven
+    other = copy(pipeline)
+    match = pipeline.result.match._replace(left_out=np.array([3, 5]))
+    other.result = pipeline.result._replace(match=match)
+    ends = transform_points(pipeline.result.planar, pipeline.result.points)
+    for k in range(2, 7):
+        target = target_at([CellTarget(0, *ends[k])], 0.01, pipeline.result, pipeline.slam.map)
+        assert view_of(target, other, kept).left_out == (k in {3, 5})
+        assert not view_of(target, pipeline, kept).left_out
 
 
 def test_a_place_without_a_beam_is_a_cell_of_the_first_known_level(driven) -> None:

@@ -183,12 +183,19 @@ def grazed(degrees: float) -> np.ndarray:
     return np.column_stack([1.0 / np.tan(angles), np.ones(len(angles))]).astype(np.float32)
 
 
+def test_beams_more_than_a_right_angle_apart_leave_wide_gaps():
+    """As of a scan that has lost most of them."""
+    ends = np.array([[1.0, 0.0], [-1.0, 0.5], [0.5, -1.0]], np.float32)
+    assert longest_gap(ends, np.zeros(2), 3.0) == 6.0
+
+
 @pytest.mark.parametrize(("degrees", "times"), [(0.25, 1.0), (0.5, 1.0), (0.75, 1.0), (1.0, 2.0), (2.0, 2.0)])
 def test_a_scanner_with_fewer_beams_may_leave_wider_gaps_in_a_wall(degrees: float, times: float):
     """Twice as wide ones from 0.9 degrees between beams on; three quarters of a degree are not near it."""
     laser = np.array([0.3, -0.2])
     points = grazed(degrees) + np.float32(laser)
     assert longest_gap(points, laser, 3.0) == 3.0 * times
+    assert longest_gap(points[::-1], laser, 3.0) == 3.0 * times
     assert longest_gap(points[:1], laser, 3.0) == 3.0
     assert longest_gap(points, laser, 0.0) == 0.0
 
