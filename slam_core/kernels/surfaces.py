@@ -27,6 +27,8 @@ STRAIGHT = 0.95
 ROUND = 1.0 / 9.0
 NOISE = 0.02
 ORIGIN = (0.0, 0.0)
+# Radians between beams from which on a scanner counts as coarse: one with a beam a degree does.
+COARSE = math.radians(0.9)
 
 
 @njit(cache=True, error_model="numpy")
@@ -74,6 +76,24 @@ def between(points, step, longest):
             found[k, 1] = points[i - 1, 1] + share * (points[i, 1] - points[i - 1, 1])
             k += 1
     return found
+
+
+@njit(cache=True, error_model="numpy")
+def is_coarse(points, laser):
+    """Whether more than half of the endpoints (n, 2) are COARSE or more from the one before, as the laser sees it.
+
+    laser: (2,). Metres.
+    """
+    coarse, limit = 0, math.tan(COARSE)
+    for i in range(1, len(points)):
+        x0, y0, x1, y1 = _from(points[i - 1], laser) + _from(points[i], laser)
+        coarse += abs(x0 * y1 - y0 * x1) > limit * (x0 * x1 + y0 * y1)  # always so above a right angle
+    return 2 * coarse > max(len(points) - 1, 0)
+
+
+@njit(inline="always")
+def _from(point, laser):
+    return point[0] - laser[0], point[1] - laser[1]
 
 
 @njit(cache=True, error_model="numpy")

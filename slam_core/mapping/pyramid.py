@@ -13,7 +13,7 @@ from slam_core.config import ConfigError, MapConfig
 from slam_core.kernels.dynamic_objects import by_bearing
 from slam_core.kernels.map_update import cell_box
 from slam_core.kernels.planar import transform_points
-from slam_core.kernels.surfaces import between
+from slam_core.kernels.surfaces import between, is_coarse
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.tiled_map import TiledMap
 from slam_core.mapping.tiles import TILE, Box, SavedCells, common
@@ -33,8 +33,6 @@ BEHIND = 0.5
 CLEARED_CAP = 4.0
 # A beam is no surprise if it ends this many metres from an occupied cell.
 APART = 0.15
-# Radians between beams from which on a scanner counts as coarse: one with a beam a degree does.
-COARSE = math.radians(0.9)
 
 
 class Pyramid(TiledMap):
@@ -223,12 +221,7 @@ def longest_gap(points: Float32s, laser: Float64s, fine: float) -> float:
     Half as many beams leave gaps twice as wide in the same wall.
     points: in the order of the sweep, and laser: (2,), metres.
     """
-    if fine == 0.0 or len(points) < 2:
-        return fine
-    x, y = (points - laser).T
-    sines, cosines = np.abs(x[:-1] * y[1:] - y[:-1] * x[1:]), x[:-1] * x[1:] + y[:-1] * y[1:]  # times both ranges
-    coarse = np.count_nonzero(sines > math.tan(COARSE) * cosines)  # a negative cosine: more than a right angle
-    return 2.0 * fine if 2 * coarse > len(sines) else fine
+    return 2.0 * fine if fine and is_coarse(points, laser) else fine
 
 
 def log_odds(probability: float) -> float:

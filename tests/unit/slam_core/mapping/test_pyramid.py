@@ -196,7 +196,7 @@ def test_a_scanner_with_fewer_beams_may_leave_wider_gaps_in_a_wall(degrees: floa
     points = grazed(degrees) + np.float32(laser)
     assert longest_gap(points, laser, 3.0) == 3.0 * times
     assert longest_gap(points[::-1], laser, 3.0) == 3.0 * times
-    assert longest_gap(points[:1], laser, 3.0) == 3.0
+    assert longest_gap(points[:1], laser, 3.0) == longest_gap(points[:0], laser, 3.0) == 3.0
     assert longest_gap(points, laser, 0.0) == 0.0
 
 
