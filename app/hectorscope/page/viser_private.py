@@ -50,9 +50,14 @@ def keep_to_server(control: Any) -> None:
 
 
 def run_script(client: viser.ClientHandle, source: str) -> None:
-    """Run JavaScript in one browser, now; nothing stays behind in the buffer that joiners are replayed."""
+    """Run JavaScript in one browser, now; nothing stays behind in the buffer that joiners are replayed.
+
+    A browser that has gone runs nothing; viser would warn of it.
+    """
     try:
-        client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))
+        connection = client._websock_connection
+        if not connection.get_message_buffer().done:
+            connection.queue_message(_messages.RunJavascriptMessage(source=source))
     except AttributeError as error:
         log.warning("this viser cannot run scripts in the page: %s", error)
 

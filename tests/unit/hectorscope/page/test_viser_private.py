@@ -15,6 +15,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from hectorscope.page import viser_private as private
 from hectorscope.page.palette_png import encode
+from tests.live.measurements import wait_for
 
 CAMERA = {
     "type": "ViewerCameraMessage", "wxyz": [1, 0, 0, 0], "position": [0, 0, 0], "fov": 1, "near": 0.1, "far": 10,
@@ -77,6 +78,16 @@ def test_scripts_reach_a_browser_once(server: viser.ViserServer) -> None:
     assert b"".join(talk(server, CAMERA))
     assert seen
     assert not any("marker" in str(m) for m in server._websock_server._broadcast_buffer.message_from_id.values())
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_script_for_a_browser_that_has_gone_is_no_warning(server: viser.ViserServer) -> None:
+    """Browsers leave at any time; the terminal of an operator says nothing of it."""
+    seen: list[viser.ClientHandle] = []
+    server.on_client_connect(seen.append)
+    talk(server, CAMERA)
+    wait_for(lambda: seen[0]._websock_connection.get_message_buffer().done)
+    private.run_script(seen[0], "marker()")
 
 
 def test_images_take_encoded_bytes(server: viser.ViserServer) -> None:
