@@ -126,6 +126,7 @@ def cases() -> list[Case]:
     fast = replace(offices, scan_rate=10.0, speed=1.5, duration=600.0)
     noisy, coarse_noisy = (replace(each, noise=3.0, duration=300.0) for each in (offices, coarse))
     small = SceneOptions(scan_rate=10.0, beams=451)
+    cheap = replace(offices, scan_rate=5.5, duration=300.0)
     slow, moderate = SceneOptions(scan_rate=5.0), SceneOptions(scan_rate=20.0)
     mit_alone = replace(
         REAL[3], name="mit_csail, laser alone", options=replace(REAL[3].options, odometry_topic="none")
@@ -140,6 +141,9 @@ def cases() -> list[Case]:
         simulated("offices, 5 min, 3 times the noise", "offices", noisy, imu=False),
         simulated("offices, 5 min, a degree, 3 times the noise", "offices", coarse_noisy, imu=False),
         within(8.0, simulated("offices, 5 min", "offices", replace(small, duration=300.0), imu=False)),
+        within(12.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=False)),
+        within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=False)),
+        within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=True)),
         within(8.0, simulated("people", "people", small, imu=False)),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),

@@ -22,7 +22,7 @@ PARTS = (
         {"tracking.unaided_mahalanobis_limit": 1000.0},
     ),
     Addition(
-        "Part of `tracking.check`: with scans alone, matches a scan without what may move.",
+        "Part of `tracking.check`: matches a scan without what may move.",
         {"tracking.ignore_dynamic": False},
     ),
     Addition(

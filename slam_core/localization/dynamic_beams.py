@@ -1,9 +1,12 @@
-"""Beams on an object that moves: where nothing but matches observes the motion, they may drag a match along.
+"""Beams on an object that moves: they may drag a match along, most of all where nothing else observes the motion.
 
 Somebody who walks ahead of a robot in a corridor is hit by more beams than all that tells how far the robot has
 come. A match that follows the person is far from the prediction, but so is one of a robot that brakes. What tells
 them apart is the rest of the scan: it fits better at the true pose. People who set off with the robot hold it back
 little by little, so that no match is far from the prediction: each scan is matched without its foreground, too.
+
+Inertial data predict the motion well. With them a scan is matched without its foreground only where its match is
+far from the prediction or fits badly: somebody may stand right before the laser.
 """
 
 import math
@@ -13,10 +16,11 @@ from numpy.typing import NDArray
 
 from slam_core.config import MatcherConfig
 from slam_core.kernels import surfaces
+from slam_core.kernels.planar import sigmas_apart
 from slam_core.localization.tracking import MOSTLY
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
-from slam_core.measurements import Float32s, Int64s
+from slam_core.measurements import Float32s, Float64s, Int64s
 from slam_core.results import MatchResult, PlanarGaussian
 from slam_core.scan.stabilise import StabilisedScan
 
@@ -31,6 +35,7 @@ KNOWN = 0.9  # of the share of them on known cells before: an unknown cell costs
 FEWEST = 3  # beams of an object in the foreground
 CLEARLY = 0.9  # of the cost of the background at the match of all beams, and less by
 SIGMAS = 2.0  # standard deviations of that difference
+EXACT = np.zeros((3, 3))  # covariance of a pose that is compared as it is
 
 
 def without_dynamic(
@@ -65,13 +70,46 @@ def match_background(
 
     The residuals of the result are as of `match_without`.
     """
-    static = ~foreground(points)
-    if static.all() or 2 * np.count_nonzero(static) < len(points):
+    static = _background(points)
+    if static is None:
         return None
     other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
     if not is_clearly_better(other, match, match.residuals[static]):
         return None
     return _of_all(other, pyramid, points, static)
+
+
+def match_as_predicted(
+    pyramid: Pyramid,
+    points: Float32s,
+    match: MatchResult,
+    prior: PlanarGaussian,
+    config: MatcherConfig,
+) -> MatchResult | None:
+    """As `match_background`, by a prediction from inertial data.
+
+    None if it does not explain background and prediction together, by eq. (7) with the prior, better than `match`.
+    """
+    static = _background(points)
+    if static is None:
+        return None
+    other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
+    cost = _joint_cost(match.residuals[static], match.pose, prior, config)
+    if not _is_as_known(other, match) or _joint_cost(other.residuals, other.pose, prior, config) >= cost:
+        return None
+    return _of_all(other, pyramid, points, static)
+
+
+def _joint_cost(residuals: Float32s, pose: Float64s, prior: PlanarGaussian, config: MatcherConfig) -> float:
+    """Of residuals (n,) and of a pose (3,): what the match minimises, as `MatcherConfig.prior_weight` says."""
+    distance = float(sigmas_apart(pose, EXACT, prior.mean, prior.covariance))
+    return float(np.square(residuals).sum()) + config.prior_weight * (config.sigma * distance) ** 2
+
+
+def _background(points: Float32s) -> NDArray[np.bool_] | None:
+    """(n,) which endpoints (n, 2) are not in the foreground; None if all are, or fewer than half."""
+    static = ~foreground(points)
+    return None if static.all() or 2 * np.count_nonzero(static) < len(points) else static
 
 
 def background_cost(scan: StabilisedScan, match: MatchResult) -> float:

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from slam_core import geometry
-from slam_core.config import SlamConfig
+from slam_core.config import MatcherConfig, SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
-from slam_core.localization.dynamic_beams import without_dynamic
+from slam_core.localization.dynamic_beams import match_as_predicted, without_dynamic
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
@@ -100,11 +100,9 @@ class Localiser:
             self._pose = match.pose
             self._forget()
             return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
-        if config.tracking.ignore_dynamic and self._motion.unaided:
-            is_unusual = self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
-            stabilised, match = without_dynamic(
-                self._pyramid, predicted, (stabilised, match), prior, config.matcher, is_unusual=is_unusual
-            )
+        if config.tracking.ignore_dynamic:
+            aligned = stabilised, match
+            stabilised, match = self._without_dynamic(predicted, aligned, prior, lapse_ns, config.matcher)
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
             prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)
@@ -179,6 +177,19 @@ class Localiser:
             config = weak.configured(config)
             stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
         return config, prior, stabilised, match
+
+    def _without_dynamic(
+        self, predicted: StabilisedScan, aligned: tuple[StabilisedScan, MatchResult], prior: PlanarGaussian,
+        lapse_ns: int, config: MatcherConfig,
+    ) -> tuple[StabilisedScan, MatchResult]:  # fmt: skip
+        """A scan and its match without what may move, where that is the better one; else as they are."""
+        scan, match = aligned
+        is_unusual = self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
+        if self._motion.unaided:
+            return without_dynamic(self._pyramid, predicted, aligned, prior, config, is_unusual=is_unusual)
+        if self._motion.inertial and (is_unusual or self._tracker.is_bad(match.fit)):
+            match = match_as_predicted(self._pyramid, scan.points, match, prior, config) or match
+        return scan, match
 
     def _check(
         self,

@@ -82,10 +82,12 @@ IGNORE = "tracking.ignore_dynamic"
 OFFICES = SceneOptions(scan_rate=4.7, beams=361)
 
 
-def begin_of(options: SceneOptions, seconds: int, scene: ScenarioName = "offices") -> list[Item]:
-    """The first seconds of a variant of a drive by the laser alone."""
+def begin_of(
+    options: SceneOptions, seconds: int, scene: ScenarioName = "offices", *, imu: bool = False
+) -> list[Item]:
+    """The first seconds of a variant of a drive, by the laser alone or with an IMU."""
     drive = Simulation(scene, options).items()
-    items = varied((item for item in drive if not isinstance(item, Imu | Height)), options.seed)
+    items = varied((item for item in drive if imu or not isinstance(item, Imu | Height)), options.seed)
     first = next(items)
     return [first, *takewhile(lambda item: item.stamp_ns < first.stamp_ns + seconds * 10**9, items)]
 
@@ -103,6 +105,15 @@ def test_somebody_in_a_corridor_does_not_pull_the_robot_along(options: SceneOpti
     off, on = (outcome(process(part, with_value(SlamConfig(), IGNORE, ignore))).raw for ignore in (False, True))
     assert off > 0.2
     assert on < 0.05
+
+
+def test_somebody_right_before_the_laser_does_not_pull_a_robot_with_an_imu_along():
+    """They are hit by every third beam; the prediction and the walls tell where the robot is."""
+    slow = replace(OFFICES, scan_rate=5.5, duration=300.0, seed=14)
+    part = [seen_within(8.0, item) for item in begin_of(slow, 35, imu=True)]
+    off, on = (outcome(process(part, with_value(SlamConfig(), IGNORE, ignore))).raw for ignore in (False, True))
+    assert off > 1.0
+    assert on < 0.1
 
 
 def test_people_who_set_off_with_the_robot_do_not_hold_it_back():

@@ -36,8 +36,9 @@ class TrackingConfig:
     ignore_dynamic: Annotated[
         bool,
         Param(
-            "Without an IMU and wheels: match a scan without what may move, if the other beams fit better so: the"
-            " objects in the foreground, and those in free space if the match is far from the prediction."
+            "Match a scan without what may move, if the other beams fit better so: the objects in the foreground,"
+            " and those in free space if the match is far from the prediction. With an IMU only the former, if the"
+            " match is far from the prediction or fits badly; never with wheels alone."
         ),
     ] = True
     keep_speed: Annotated[

@@ -10,6 +10,7 @@ from slam_core.localization.dynamic_beams import (
     foreground,
     is_better,
     is_clearly_better,
+    match_as_predicted,
     match_background,
     match_without,
     objects,
@@ -114,6 +115,30 @@ def test_people_in_the_foreground_hold_no_match_back() -> None:
     np.testing.assert_allclose(background.pose, true, atol=0.02)
     assert len(background.residuals) == len(scan)
     np.testing.assert_array_equal(background.left_out, np.flatnonzero(foreground(scan)))
+
+
+def predicted_match(person: tuple[float, float], moved: float) -> tuple[MatchResult, MatchResult | None]:
+    """Of all beams and of the background: the robot stands, its prediction is 1 cm off, a mapped person moves."""
+    true = np.zeros(3)
+    pyramid, scan = mapped(person), points(true, (person[0] + moved, person[1]))
+    prior = PlanarGaussian(np.array([0.01, 0.0, 0.0]), np.diag([0.03, 0.03, 0.02]) ** 2)
+    match = coarse_to_fine(pyramid, scan, prior.mean, CONFIG.matcher, prior=prior)
+    return match, match_as_predicted(pyramid, scan, match, prior, CONFIG.matcher)
+
+
+def test_by_inertial_data_a_match_leaves_out_somebody_right_before_the_laser() -> None:
+    """The person drags the match of all beams along; the background and the prediction know better."""
+    match, background = predicted_match((0.6, 0.1), 0.15)
+    assert match.pose[0] < -0.05
+    assert background is not None
+    np.testing.assert_allclose(background.pose, np.zeros(3), atol=0.02)
+    assert len(background.left_out)
+    assert len(background.residuals) == len(ANGLES)
+
+
+def test_by_inertial_data_a_match_of_all_beams_is_kept_where_nobody_stands_before_the_laser() -> None:
+    """There is nothing to leave out."""
+    assert predicted_match(GONE, 0.0)[1] is None
 
 
 def test_no_other_motion_is_taken_that_follows_somebody() -> None:
