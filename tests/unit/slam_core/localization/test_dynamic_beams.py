@@ -136,6 +136,20 @@ def test_by_inertial_data_a_match_leaves_out_somebody_right_before_the_laser() -
     assert len(background.residuals) == len(ANGLES)
 
 
+def test_by_inertial_data_background_and_prediction_decide_together() -> None:
+    """A match that explains both as well is kept; one far from the prediction is not, however well it fits."""
+    person, true = (0.6, 0.1), np.zeros(3)
+    pyramid, scan = mapped(person), points(true, person)
+    prior = PlanarGaussian(np.array([0.01, 0.0, 0.0]), np.diag([0.03, 0.03, 0.02]) ** 2)
+    match = coarse_to_fine(pyramid, scan[~foreground(scan)], prior.mean, CONFIG.matcher, prior=prior)
+    same = match._replace(residuals=residuals(pyramid.levels[0], scan, match.pose))
+    assert match_as_predicted(pyramid, scan, same, prior, CONFIG.matcher) is None
+    far = match._replace(pose=np.array([2.0, 0.0, 0.0]), residuals=np.zeros(len(scan), np.float32))
+    found = match_as_predicted(pyramid, scan, far, prior, CONFIG.matcher)
+    assert found is not None
+    np.testing.assert_allclose(found.pose, match.pose)
+
+
 def test_by_inertial_data_a_match_of_all_beams_is_kept_where_nobody_stands_before_the_laser() -> None:
     """There is nothing to leave out."""
     assert predicted_match(GONE, 0.0)[1] is None
