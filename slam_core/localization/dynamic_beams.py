@@ -65,51 +65,26 @@ def match_background(
     match: MatchResult,
     prior: PlanarGaussian,
     config: MatcherConfig,
+    *,
+    inertial: bool = False,
 ) -> MatchResult | None:
     """The match without every object in the foreground; None if the background fits not clearly better so.
 
+    inertial: the prediction is from inertial data; None if it and the background together are explained no better.
     The residuals of the result are as of `match_without`.
     """
-    static = _background(points)
-    if static is None:
-        return None
-    other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
-    if not is_clearly_better(other, match, match.residuals[static]):
-        return None
-    return _of_all(other, pyramid, points, static)
-
-
-def match_as_predicted(
-    pyramid: Pyramid,
-    points: Float32s,
-    match: MatchResult,
-    prior: PlanarGaussian,
-    config: MatcherConfig,
-) -> MatchResult | None:
-    """As `match_background`, by a prediction from inertial data.
-
-    None if it does not explain background and prediction together, by eq. (7) with the prior, better than `match`.
-    """
-    static = _background(points)
-    if static is None:
-        return None
-    other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
-    cost = _joint_cost(match.residuals[static], match.pose, prior, config)
-    if not _is_as_known(other, match) or _joint_cost(other.residuals, other.pose, prior, config) >= cost:
-        return None
-    return _of_all(other, pyramid, points, static)
-
-
-def _joint_cost(residuals: Float32s, pose: Float64s, prior: PlanarGaussian, config: MatcherConfig) -> float:
-    """Of residuals (n,) and of a pose (3,): what the match minimises, as `MatcherConfig.prior_weight` says."""
-    distance = float(sigmas_apart(pose, EXACT, prior.mean, prior.covariance))
-    return float(np.square(residuals).sum()) + config.prior_weight * (config.sigma * distance) ** 2
-
-
-def _background(points: Float32s) -> NDArray[np.bool_] | None:
-    """(n,) which endpoints (n, 2) are not in the foreground; None if all are, or fewer than half."""
     static = ~foreground(points)
-    return None if static.all() or 2 * np.count_nonzero(static) < len(points) else static
+    if static.all() or 2 * np.count_nonzero(static) < len(points):
+        return None
+    other, before = (
+        coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior),
+        match.residuals[static],
+    )
+    if inertial:
+        is_taken = is_better_with_prediction(other, match, before, prior, config)
+    else:
+        is_taken = is_clearly_better(other, match, before)
+    return _of_all(other, pyramid, points, static) if is_taken else None
 
 
 def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
@@ -208,3 +183,17 @@ def is_clearly_better(other: MatchResult, match: MatchResult, before: Float32s) 
         and float(others.sum()) <= CLEARLY * float(costs.sum())
         and float(gains.sum()) >= SIGMAS * float(np.linalg.norm(gains))
     )
+
+
+def is_better_with_prediction(
+    other: MatchResult, match: MatchResult, before: Float32s, prior: PlanarGaussian, config: MatcherConfig
+) -> bool:
+    """Whether the beams together with the prediction are explained better: eq. (7) and the prior."""
+    cost = _joint_cost(before, match.pose, prior, config)
+    return _is_as_known(other, match) and _joint_cost(other.residuals, other.pose, prior, config) < cost
+
+
+def _joint_cost(residuals: Float32s, pose: Float64s, prior: PlanarGaussian, config: MatcherConfig) -> float:
+    """Of residuals (n,) and of a pose (3,): what the match minimises, as `MatcherConfig.prior_weight` says."""
+    distance = float(sigmas_apart(pose, EXACT, prior.mean, prior.covariance))
+    return float(np.square(residuals).sum()) + config.prior_weight * (config.sigma * distance) ** 2

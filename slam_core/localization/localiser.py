@@ -8,7 +8,7 @@ from slam_core import geometry
 from slam_core.config import MatcherConfig, SlamConfig
 from slam_core.localization.confirmation import Confirmation
 from slam_core.localization.deskew_refinement import refine
-from slam_core.localization.dynamic_beams import match_as_predicted, without_dynamic
+from slam_core.localization.dynamic_beams import match_background, without_dynamic
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
@@ -188,7 +188,7 @@ class Localiser:
         if self._motion.unaided:
             return without_dynamic(self._pyramid, predicted, aligned, prior, config, is_unusual=is_unusual)
         if self._motion.inertial and (is_unusual or self._tracker.is_bad(match.fit)):
-            match = match_as_predicted(self._pyramid, scan.points, match, prior, config) or match
+            match = match_background(self._pyramid, scan.points, match, prior, config, inertial=True) or match
         return scan, match
 
     def _check(
