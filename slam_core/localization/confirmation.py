@@ -2,8 +2,11 @@
 
 import math
 
+import numpy as np
+
 from slam_core import geometry
 from slam_core.config import TrackingConfig
+from slam_core.localization.rejected_matches import RejectedMatches
 from slam_core.localization.search_parts import AT_REST, Region
 from slam_core.localization.tracking import GOOD, is_good
 from slam_core.measurements import Float64s
@@ -16,6 +19,9 @@ DRIFT = 0.1  # metres a metre: of a motion that matches at a wrong place have sh
 TURNED = 1.0  # radians from the prediction: no robot turns so far between a few scans
 FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and one anywhere
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
+SIGMAS, TURN = 5.0, 0.5  # of an inertial prediction, and radians besides: such a heading a robot can have
+# Metres, metres, radians a second: how inertial data strays while matches at a wrong place correct the filter.
+STRAYS = np.array([0.5, 0.5, 0.02])
 WHILE_NS = 1_000_000_000  # over which a speed is measured
 STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
@@ -24,16 +30,18 @@ class Confirmation:
     """What was sure last, and the pose that waits to be confirmed.
 
     pose: (3,) the last confirmed one, at first the given one. missed: scans since then. is_lost: whether a pose
-    since then was found too far from the prediction to be tracked.
+    since then was found too far from the prediction to be tracked. rejected_matches: those since then.
     """
 
     def __init__(self, pose: Float64s) -> None:
         self.pose = pose.copy()
         self.missed = 0
+        self.rejected_matches = RejectedMatches()
         self._sure_ns: int | None = None
         self._speed = Speed()
         self._found_ns, self._is_followed = 0, False
         self._found: Float64s | None = None  # where the waiting pose was found
+        self._instead_of: PlanarGaussian | None = None  # the prediction there
         self._good = self._steady = 0
         self.is_lost = self._is_best = False
 
@@ -51,28 +59,41 @@ class Confirmation:
         """A search of the map found the pose that waits."""
         self._is_best = True
 
-    def region(self, time_ns: int, pose: Float64s | None = None) -> Region | None:
-        """Where the robot can have come since it was sure of its pose; None if it never was.
+    def region(
+        self, time_ns: int, pose: Float64s | None = None, predicted: PlanarGaussian | None = None
+    ) -> Region | None:
+        """Where the robot can have come since it was sure of its pose; None if nothing is known of that.
 
         pose: (3,) the one that waits, at this time. It may be wrong, but matches followed the robot since it was
-        found: the robot was within reach then, and its motion since is known, but for DRIFT.
+        found: the robot was within reach then, and its motion since is known, but for DRIFT. predicted: where
+        inertial data has it, which limits its heading, too; None without them.
         """
-        if self._sure_ns is None:
-            return None
         motion = AT_REST
-        if pose is not None and self._found is not None and self._is_followed:
-            time_ns, motion = self._found_ns, geometry.compose(geometry.inverse(self._found), pose)
-        speed = max(WALK, FASTER * self._speed.fastest)
-        radius = REACH + speed * max(0.0, (time_ns - self._sure_ns) * 1e-9) + DRIFT * math.hypot(*motion[:2])
-        return Region(self.pose, radius, motion)
+        if pose is not None and self._found is not None:
+            predicted = self._instead_of if predicted is not None and self._is_followed else None
+            if self._is_followed:
+                time_ns, motion = self._found_ns, geometry.compose(geometry.inverse(self._found), pose)
+        reached = None
+        if self._sure_ns is not None:
+            speed = max(WALK, FASTER * self._speed.fastest)
+            since_s = max(0.0, (time_ns - self._sure_ns) * 1e-9)
+            reached = Region(self.pose, REACH + speed * since_s + DRIFT * math.hypot(*motion[:2]), motion)
+        if predicted is None or self.rejected_matches.contradict:
+            return reached
+        x, y, psi = (SIGMAS * math.sqrt(variance) for variance in predicted.covariance.diagonal().tolist())
+        heading, turn = float(predicted.mean[2]), min(math.pi, TURN + psi)
+        if reached is not None and reached.radius <= REACH + max(x, y):
+            return reached._replace(heading=heading, turn=turn)
+        return Region(predicted.mean, REACH + max(x, y), motion, heading, turn)
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
-        config: TrackingConfig, *, is_unusual: bool,
+        config: TrackingConfig, *, is_unusual: bool, inertial: bool,
     ) -> Verdict:  # fmt: skip
         """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it.
 
-        is_unusual: the match is so far from the prediction that it has to fit well.
+        is_unusual: the match is so far from the prediction that it has to fit well. inertial: inertial data makes
+        the prediction, so that a vague one follows a long time without matches.
         """
         step = pose - prior.mean
         off = math.hypot(*step[:2])
@@ -81,9 +102,10 @@ class Confirmation:
         if self._found is None and (self.missed or is_doubtful):
             relocalised = verdict.recovery == "relocalised"
             self._found, self._good, self._steady = pose.copy(), 0, 0
+            self._instead_of = prior
             self._found_ns, self._is_followed = time_ns, True
             self._is_best = relocalised
-            missed_long = self.missed >= config.lost_after and _is_vague(prior)
+            missed_long = (inertial or self.missed >= config.lost_after) and is_vague(prior)
             self.is_lost |= relocalised or missed_long or off > REACH or turned > TURNED
         elif max(off, turned) > NEAR:
             self._is_followed = False
@@ -98,6 +120,7 @@ class Confirmation:
             return verdict._replace(state="lost" if self.is_lost else "degraded", confirmed=False)
         self._speed.forget()
         self._found, self.is_lost, self.missed = None, False, 0
+        self.rejected_matches = RejectedMatches()
         self.pose, self._sure_ns = pose.copy(), time_ns
         return verdict._replace(state="recovered")
 
@@ -106,6 +129,18 @@ class Confirmation:
         self.missed += 1
         failed, self._found = self.pending, None
         return failed
+
+    def as_predicted(self, pose: Float64s, time_ns: int) -> PlanarGaussian | None:
+        """Where inertial data has a robot that was found at a wrong place; None if this is not known to be wrong.
+
+        pose: (3,) where it is by the filter, which followed the motion from the wrong place.
+        """
+        if self._found is None or self._instead_of is None or self.rejected_matches.contradict or not self.is_lost:
+            return None
+        motion = geometry.compose(geometry.inverse(self._found), pose)
+        strayed = STRAYS * (time_ns - self._found_ns) * 1e-9
+        before = self._instead_of
+        return PlanarGaussian(geometry.compose(before.mean, motion), before.covariance + np.diag(strayed**2))
 
     def _is_confirmed(self, pose: Float64s, *, searches: bool) -> bool:
         """Far from the prediction several scans, from different places, must fit better there than elsewhere.
@@ -144,6 +179,6 @@ class Speed:
         self._from = None
 
 
-def _is_vague(prior: PlanarGaussian) -> bool:
+def is_vague(prior: PlanarGaussian) -> bool:
     """Whether three sigmas of a prediction are more than NEAR."""
     return 9.0 * float(prior.covariance.diagonal().max()) > NEAR**2

@@ -6,7 +6,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import MatcherConfig, SlamConfig
-from slam_core.localization.confirmation import Confirmation
+from slam_core.localization.confirmation import Confirmation, is_vague
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_background, without_dynamic
 from slam_core.localization.motion_hypotheses import best_match
@@ -14,6 +14,7 @@ from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.tracking import (
     LEAP_SIGMAS,
+    NEAR,
     Tracker,
     exceeds_basin,
     least_unusual,
@@ -29,6 +30,7 @@ from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import (
     ACCEPTED,
     NOWHERE,
+    Fit,
     MatchResult,
     PlanarGaussian,
     Rejection,
@@ -105,7 +107,7 @@ class Localiser:
             stabilised, match = self._without_dynamic(predicted, aligned, prior, lapse_ns, config.matcher)
         stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
-            prior, verdict = self._miss(verdict, prior, scan.mid_ns, config)
+            prior, verdict = self._miss(verdict, match.fit, prior, scan.mid_ns, config)
         if config.tracking.relocalise and (verdict.state == "lost" or self._confirmation.awaits_search):
             match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, prior, config)
         continues = verdict.outside_map and self._writes and not self._motion.unaided
@@ -121,11 +123,13 @@ class Localiser:
                 scan.mid_ns,
                 config.tracking,
                 is_unusual=self._motion.unaided and self._tracker.is_unusual(match, prior, DOUBTED),
+                inertial=self._motion.inertial,
             )
             if verdict.confirmed:
                 self._tracker.learn(match, prior)
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
+        self._jump(match, verdict, prior, scan.mid_ns)
         self._pose = match.pose if verdict.accepted else prior.mean
         if self._motion.unaided:
             self._weak_direction.moved(scan.mid_ns, self._pose)
@@ -229,7 +233,7 @@ class Localiser:
             if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
                 return placed, candidate, tracker.accept(rejection)
         rejection = rejection or Rejection("mahalanobis_distance", distance, LEAP_SIGMAS if leaps else limit)
-        return stabilised, match, tracker.reject(match.fit, rejection, tracking)
+        return stabilised, match, tracker.reject(rejection, tracking)
 
     def _nearby(
         self, scan: LaserScan, stabilised: StabilisedScan, match: MatchResult, prior: PlanarGaussian,
@@ -251,17 +255,23 @@ class Localiser:
         return best_match(scan, aligned, prior, self._pyramid, motion, config) if motion else None
 
     def _miss(
-        self, verdict: Verdict, prior: PlanarGaussian, time_ns: int, config: SlamConfig
+        self, verdict: Verdict, fit: Fit, prior: PlanarGaussian, time_ns: int, config: SlamConfig
     ) -> tuple[PlanarGaussian, Verdict]:
         """After a rejected match: the pose to go on from, and the verdict.
 
         Where only matches observe the motion, a robot that is lost, or was found at a wrong place, stays where it
-        was sure last.
+        was sure last. Inertial data has one that was found at a wrong place go on from where it was predicted.
         """
-        confirmation = self._confirmation
+        confirmation, rejected = self._confirmation, self._confirmation.rejected_matches
+        rejected.add(fit, self._tracker.usual, config.tracking, is_vague=is_vague(prior))
+        predicted = confirmation.as_predicted(prior.mean, time_ns) if self._motion.inertial else None
         failed = confirmation.rejected()
+        if predicted is not None:
+            self._reset_pose(time_ns, predicted)
+            prior = predicted
         if confirmation.is_lost or confirmation.missed >= config.tracking.lost_after:
-            verdict = verdict._replace(state="lost")
+            lost_long = confirmation.missed >= config.tracking.lost_after
+            verdict = verdict._replace(state="lost", outside_map=lost_long and rejected.outside_map)
         if self._motion.unaided and (failed or verdict.state == "lost"):
             sigmas = np.minimum(HELD + HELD_GROWTH * confirmation.missed, HELD_MOST)
             prior = PlanarGaussian(confirmation.pose.copy(), np.diag(sigmas**2))
@@ -275,7 +285,7 @@ class Localiser:
     ) -> tuple[MatchResult, Verdict]:  # fmt: skip
         """Look for a lost robot where it can have come, or for a better place than the one it was found at."""
         waiting = match.pose if verdict.accepted else None
-        region = self._confirmation.region(time_ns, waiting)
+        region = self._confirmation.region(time_ns, waiting, prior if self._motion.inertial else None)
         found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config, waiting)
         if found is None:
             return match, verdict
@@ -287,6 +297,15 @@ class Localiser:
         self._reset_pose(time_ns, found.gaussian)
         accepted = self._tracker.accept(verdict.rejection)
         return found, accepted._replace(recovery="relocalised")
+
+    def _jump(self, match: MatchResult, verdict: Verdict, prior: PlanarGaussian, time_ns: int) -> None:
+        """Go on at a match that a local search found far beyond the noise of an inertial prediction.
+
+        The robot did not move there: as a measurement it would change the velocity and the tilt.
+        """
+        was_searched = verdict.accepted and verdict.rejection is not None and not verdict.recovery
+        if self._motion.inertial and was_searched and mahalanobis_distance(match, prior) > NEAR:
+            self._reset_pose(time_ns, match.gaussian)
 
     def _continue(
         self, match: MatchResult, verdict: Verdict, prior: PlanarGaussian

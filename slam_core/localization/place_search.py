@@ -59,7 +59,8 @@ class PlaceSearch:
         distances = np.hypot(few[:, 0], few[:, 1])
         inverse = 1.0 / level.resolution
         count = max(8, math.ceil(2.0 * math.pi * float(np.quantile(distances, FAR)) * inverse))
-        self._psi = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
+        around = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
+        self._psi = around if region is None else region.facing(around)
         self._state = np.array([0, 0, max(1, math.ceil(least * self._full)), 0, 0])
         self._found = np.zeros((kernels.MANY, 4), np.int64)
         self._parts = parts(level, region, float(distances.max()))

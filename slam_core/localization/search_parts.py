@@ -38,11 +38,16 @@ class Cells(Protocol):
 
 
 class Region(NamedTuple):
-    """Where the robot can have been: a circle, metres in the map. motion: (3,) of the robot since it was there."""
+    """Where the robot can have been: a circle, metres in the map. motion: (3,) of the robot since it was there.
+
+    turn: by how much its heading there can have differed from `heading`, radians.
+    """
 
     centre: Float64s
     radius: float
     motion: Float64s = AT_REST
+    heading: float = 0.0
+    turn: float = math.pi
 
     @property
     def reach(self) -> float:
@@ -50,9 +55,17 @@ class Region(NamedTuple):
         return self.radius + math.hypot(*self.motion[:2])
 
     def holds(self, pose: Float64s) -> bool:
-        """Whether a robot that is at `pose` (3,) now was in the circle."""
+        """Whether a robot that is at `pose` (3,) now was in the circle, with such a heading."""
         was = geometry.compose(pose, geometry.inverse(self.motion))
-        return math.hypot(*(was - self.centre)[:2]) <= self.radius
+        turned = abs(geometry.wrap(was[2] - self.heading))
+        return math.hypot(*(was - self.centre)[:2]) <= self.radius and turned <= self.turn
+
+    def facing(self, headings: Float64s) -> Float64s:
+        """Those of evenly spaced headings (k,), radians, that the robot can have now, and one beside."""
+        step = 2.0 * math.pi / len(headings)
+        turned = (headings - self.heading - self.motion[2] + math.pi) % (2.0 * math.pi) - math.pi
+        near: Float64s = headings[np.abs(turned) <= self.turn + step]
+        return near
 
 
 class Searched(NamedTuple):

@@ -56,7 +56,6 @@ class Tracker:
         self._usual = USUAL_INLIER_RATIO
         self._usual_distance = 0.0
         self._rejected = 0
-        self._outside_map = True
 
     @property
     def usual(self) -> float:
@@ -119,15 +118,12 @@ class Tracker:
 
     def reset(self) -> None:
         """The pose in the map is known, whatever was rejected before."""
-        self._rejected, self._outside_map = 0, True
+        self._rejected = 0
 
-    def reject(self, fit: Fit, rejection: Rejection, config: TrackingConfig) -> Verdict:
+    def reject(self, rejection: Rejection, config: TrackingConfig) -> Verdict:
         """Continue from the prediction."""
         self._rejected += 1
-        self._outside_map &= fit.known < config.min_overlap
-        if self._rejected < config.lost_after:
-            return Verdict("degraded", rejection, accepted=False)
-        return Verdict("lost", rejection, accepted=False, outside_map=self._outside_map)
+        return Verdict("degraded" if self._rejected < config.lost_after else "lost", rejection, accepted=False)
 
 
 def _astray(fit: Fit, distance: float) -> bool:

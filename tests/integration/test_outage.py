@@ -5,6 +5,7 @@ from statistics import median
 
 import pytest
 
+from benchmarks import ensembles
 from benchmarks.outage import ALONE, laser_fails, satellites_fail
 from hectorscope.simulation import SceneOptions
 from slam_core.config import with_value
@@ -53,3 +54,33 @@ def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
         waiting = laser_fails(options, with_value(ALONE, "tracking.continue_from_prediction", False))
         strayed.append(waiting.after - found.after)
     assert median(strayed) > 5.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [14, 36, 37])
+def test_a_boat_that_returns_to_its_map_beside_the_part_it_continued_is_not_thrown_off(seed: int) -> None:
+    """Matches jump there from one part to the other. As motions they would tilt the filter: it was 70 m off."""
+    found = laser_fails(replace(FEW_BEAMS, seed=seed), ALONE)
+    assert found.after < found.at_return + 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("variant", [1, 2])
+def test_a_room_that_looks_alike_is_not_taken_for_the_one_of_the_prediction(variant: int) -> None:
+    """Four seconds without scans into a corridor: another, ten metres off, fits better than what is not known."""
+    outcome = alone("handheld, no scans for 4 s", variant)
+    assert outcome.error < 0.2
+    assert not (outcome.lost or outcome.misplaced or outcome.silent)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("variant", [1, 3])
+def test_after_ten_seconds_without_scans_no_wrong_place_is_believed(variant: int) -> None:
+    """Inertial data strays by a metre or two, but not by half a turn; a place nearby is no less doubtful."""
+    outcome = alone("arena, no scans for 10 s", variant)
+    assert not (outcome.lost or outcome.misplaced or outcome.silent)
+
+
+def alone(case: str, variant: int) -> ensembles.Outcome:
+    """What becomes of a variant of a case with a truth."""
+    return ensembles.outcomes([ensembles.run(case, variant, {})])[0]

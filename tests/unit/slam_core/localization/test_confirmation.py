@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 
 from slam_core.config import TrackingConfig
-from slam_core.localization.confirmation import DRIFT, FASTER, FEW, REACH, SEVERAL, WALK, Confirmation
+from slam_core.localization.confirmation import (
+    DRIFT,
+    FASTER,
+    FEW,
+    REACH,
+    SEVERAL,
+    SIGMAS,
+    TURN,
+    WALK,
+    Confirmation,
+)
 from slam_core.results import ACCEPTED, Fit, PlanarGaussian, Verdict
 
 USUAL, DT = 0.9, 100_000_000
@@ -28,6 +38,7 @@ class Drive:
         sigma: float = 1.0,
         *,
         is_unusual: bool = False,
+        inertial: bool = False,
     ):
         """The verdict on an accepted match at x, with a standard deviation of the prediction."""
         self.time_ns += DT
@@ -35,7 +46,7 @@ class Drive:
         prior = PlanarGaussian(mean, sigma**2 * np.eye(3))
         pose = np.array([x, 0.0, 0.0])
         return self.confirmation.accepted(
-            pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG, is_unusual=is_unusual
+            pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG, is_unusual=is_unusual, inertial=inertial
         )
 
     def miss(self, times: int = 1) -> bool:
@@ -133,7 +144,9 @@ def test_without_searches_a_pose_far_off_need_not_wait_for_one():
         pose = np.array([50.0 + 0.1 * k, 0.0, 0.0])
         prior, alone = PlanarGaussian(pose, np.eye(3)), TrackingConfig(relocalise=False)
         time_ns = drive.time_ns + k * DT
-        verdict = drive.confirmation.accepted(pose, GOOD, ACCEPTED, prior, USUAL, time_ns, alone, is_unusual=False)
+        verdict = drive.confirmation.accepted(
+            pose, GOOD, ACCEPTED, prior, USUAL, time_ns, alone, is_unusual=False, inertial=False
+        )
     assert verdict.confirmed
     assert not drive.confirmation.pending
 
@@ -181,6 +194,81 @@ def test_a_robot_comes_no_further_than_it_drives():
     assert region.radius == REACH + WALK * 3.0
     assert region.holds(np.array([1.0 + region.radius - 0.1, 0.0, 2.0]))
     assert not region.holds(np.array([1.0 + region.radius + 0.1, 0.0, 2.0]))
+
+
+def test_a_vague_inertial_prediction_makes_a_robot_lost_after_one_bad_match():
+    """It follows a long time without scans: few good ones do not show the place, as they do at a sure one."""
+    for sigma, state in ((1.0, "lost"), (0.1, "recovered")):
+        drive = Drive()
+        drive.match()
+        drive.miss()
+        verdicts = [drive.match(sigma=sigma, inertial=True) for _ in range(FEW)]
+        assert verdicts[-1].state == state
+
+
+def predicted(x: float, sigma: float, heading: float = 0.0) -> PlanarGaussian:
+    """By inertial data."""
+    return PlanarGaussian(np.array([x, 0.0, heading]), sigma**2 * np.diag([1.0, 1.0, 0.01]))
+
+
+def test_inertial_data_limits_where_a_robot_can_be_and_its_heading():
+    """The smaller circle of two counts: what it can have driven, or what its prediction leaves open."""
+    drive = Drive()
+    drive.match()
+    later = drive.time_ns + 10_000_000_000
+    for sigma, centre, radius in ((0.5, 3.0, REACH + SIGMAS * 0.5), (5.0, 0.0, REACH + WALK * 10.0)):
+        region = drive.confirmation.region(later, None, predicted(3.0, sigma, 1.0))
+        assert region is not None
+        assert (region.centre[0], region.radius) == (centre, pytest.approx(radius))
+        assert (region.heading, region.turn) == (1.0, pytest.approx(TURN + SIGMAS * 0.1 * sigma))
+        assert region.holds(np.array([1.0, 0.0, 1.0 + region.turn - 0.1]))
+        assert not region.holds(np.array([1.0, 0.0, 1.0 + region.turn + 0.1]))
+    never_sure = Confirmation(np.zeros(3)).region(later, None, predicted(3.0, 0.5))
+    assert never_sure is not None and never_sure.radius == REACH + SIGMAS * 0.5
+
+
+def test_a_prediction_that_is_known_to_be_wrong_limits_nothing():
+    """The robot was carried: it may be wherever somebody can have walked with it, turned round."""
+    drive = Drive()
+    drive.match()
+    drive.confirmation.rejected_matches.add(Fit(0.9, 0.1), USUAL, CONFIG, is_vague=False)
+    drive.miss()
+    region = drive.confirmation.region(drive.time_ns + 9_000_000_000, None, predicted(0.0, 0.1))
+    assert region is not None
+    assert region.radius > REACH + WALK * 9.0
+    assert region.holds(np.array([8.0, 0.0, np.pi]))
+
+
+def test_where_a_robot_was_predicted_counts_while_a_pose_waits():
+    """Matches may follow it from a wrong place: they show its motion, and the prediction where that began."""
+    drive = Drive()
+    drive.match()
+    drive.miss(CONFIG.lost_after)
+    drive.match(6.0, verdict=SEARCHED, predicted=1.0, sigma=0.2, inertial=True)
+    assert drive.match(8.0, sigma=0.01, inertial=True).state == "lost"
+    region = drive.confirmation.region(drive.time_ns, np.array([8.0, 0.0, 0.0]), predicted(8.0, 0.01))
+    assert region is not None
+    assert region.centre[0] == 1.0 and region.motion[0] == pytest.approx(2.0)
+    assert not region.holds(np.array([8.0, 0.0, 0.0]))
+    back = drive.confirmation.as_predicted(np.array([8.0, 0.0, 0.0]), drive.time_ns + 2_000_000_000 - DT)
+    assert back is not None
+    np.testing.assert_allclose(back.mean, [3.0, 0.0, 0.0], atol=1e-12)
+    assert back.covariance[0, 0] == pytest.approx(0.2**2 + 1.0)
+
+
+def test_only_a_pose_far_from_its_prediction_is_given_up_for_it():
+    """Not a tracked one, one near the prediction, or one of a robot whose prediction is known to be wrong."""
+    drive = Drive()
+    drive.match()
+    assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is None
+    drive.miss()
+    drive.match(0.2, predicted=0.0, sigma=0.1, inertial=True)
+    assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is None
+    drive.miss(CONFIG.lost_after)
+    drive.match(6.0, verdict=SEARCHED, predicted=0.0, sigma=0.1, inertial=True)
+    assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is not None
+    drive.confirmation.rejected_matches.add(Fit(0.9, 0.1), USUAL, CONFIG, is_vague=False)
+    assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is None
 
 
 def test_a_robot_that_was_seen_to_be_fast_may_be_further_off():

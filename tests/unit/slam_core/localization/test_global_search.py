@@ -147,6 +147,25 @@ def test_in_a_region_only_its_places_count(seed: int, x: float, y: float, radius
         assert places.scores[0] >= inside.max() / 30
 
 
+@settings(max_examples=25)
+@given(st.floats(-np.pi, np.pi), st.floats(-np.pi, np.pi), st.floats(0.1, np.pi))
+def test_only_headings_that_a_robot_can_have_are_searched(heading: float, motion: float, turn: float):
+    """All within its limits, and none further than a step of the lattice beside; it may have turned since."""
+    region = Region(np.zeros(3), 1.0, np.array([0.0, 0.0, motion]), heading, turn)
+    headings = np.linspace(0.0, 2.0 * np.pi, 90, endpoint=False)
+    kept = region.facing(headings)
+    turned = np.abs(wrapped(kept - heading - motion))
+    assert np.all(turned <= turn + 2.0 * np.pi / 90 + 1e-9)
+    assert np.count_nonzero(np.abs(wrapped(headings - heading - motion)) <= turn) <= len(kept)
+    assert len(kept) > 0
+    assert len(Region(np.zeros(3), 1.0).facing(headings)) == 90
+
+
+def wrapped(angles: np.ndarray) -> np.ndarray:
+    """The same between -pi and pi."""
+    return (angles + np.pi) % (2.0 * np.pi) - np.pi
+
+
 @settings(max_examples=50)
 @given(st.floats(-3, 5), st.floats(-2, 4), st.floats(0, 4), st.integers(1, 9))
 @example(-0.864, 1.562, 0.089, 9)

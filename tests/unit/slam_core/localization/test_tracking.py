@@ -68,22 +68,12 @@ def test_the_usual_inlier_ratio_follows_the_place():
 def test_the_states_follow_each_other():
     """Degraded, lost after as many scans as set, recovered once, then tracking."""
     tracker = Tracker()
-    rejected = [tracker.reject(BAD, WHY, CONFIG) for _ in range(4)]
+    rejected = [tracker.reject(WHY, CONFIG) for _ in range(4)]
     assert [verdict.state for verdict in rejected] == ["degraded", "degraded", "lost", "lost"]
-    assert not any(verdict.accepted or verdict.outside_map for verdict in rejected)
+    assert not any(verdict.accepted for verdict in rejected)
     found = [tracker.accept(None) for _ in range(2)]
     assert [verdict.state for verdict in found] == ["recovered", "tracking"]
     assert tracker.accept(WHY).state == "recovered"
-
-
-@pytest.mark.parametrize(("fits", "outside"), [([NEW] * 4, True), ([BAD, NEW, NEW, NEW], False)])
-def test_a_robot_is_lost_outside_the_map_if_no_scan_met_known_cells(fits, outside):
-    """A robot that was carried away in known rooms and then leaves them has to be found in the map."""
-    tracker = Tracker()
-    for _ in range(2):  # the second time after it was found
-        rejected = [tracker.reject(fit, WHY, CONFIG) for fit in fits]
-        assert [verdict.outside_map for verdict in rejected] == [False, False, outside, outside]
-        tracker.accept(None)
 
 
 def test_a_pose_from_a_search_needs_a_better_fit():
