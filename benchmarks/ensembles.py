@@ -38,7 +38,7 @@ from slam_core.evaluation.trajectory import (
     relative_errors,
     rms,
 )
-from slam_core.measurements import Float64s, LaserScan
+from slam_core.measurements import Float64s, Height, Imu, LaserScan
 from slam_core.results import StepResult
 from tests.conftest import ROOT
 
@@ -46,7 +46,7 @@ VARIANTS = 20
 RANGE_NOISE, JITTER_NS = 0.003, 2_000_000  # m; ns
 MOST_DROPPED = 20  # scans that a variant leaves out at the start
 EVERY = 10  # scans, of which a variant leaves one out
-BLIND_S = 24.0  # s from the start: when scans cease
+BLIND_S = 23.6  # s from the start: when something ceases
 STRETCH = 5.0  # m of path over which a relation is compared
 SLIDE_S, SLIDE_M = 2.0, 0.1  # a motion over so many seconds that is wrong by more is a slide
 PROCESSES = 2
@@ -120,15 +120,15 @@ def seen_within(reach: float, item: Item) -> Item:
     return replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
 
 
-def without_scans(seconds: float, case: Case) -> Case:
-    """The same with no scan for so long, from BLIND_S on."""
+def without(seconds: float, what: str, kinds: tuple[type, ...], case: Case) -> Case:
+    """The same without measurements of these kinds for so long, from BLIND_S on."""
 
     def load(seed: int) -> list[Item]:
         items = case.load(seed)
         first, last = (items[0].stamp_ns + round(t * 1e9) for t in (BLIND_S, BLIND_S + seconds))
-        return [item for item in items if not (isinstance(item, LaserScan) and first <= item.stamp_ns < last)]
+        return [item for item in items if not (isinstance(item, kinds) and first <= item.stamp_ns < last)]
 
-    return replace(case, name=f"{case.name}, no scans for {seconds:g} s", load=load)
+    return replace(case, name=f"{case.name}, no {what} for {seconds:g} s", load=load)
 
 
 def cases() -> list[Case]:
@@ -157,8 +157,9 @@ def cases() -> list[Case]:
         within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=False)),
         within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=True)),
         within(8.0, simulated("people", "people", small, imu=False)),
-        without_scans(4.0, simulated("handheld", "handheld", moderate, imu=True)),
-        without_scans(10.0, simulated("arena", "arena", moderate, imu=True)),
+        without(4.0, "scans", (LaserScan,), simulated("handheld", "handheld", moderate, imu=True)),
+        without(10.0, "scans", (LaserScan,), simulated("arena", "arena", moderate, imu=True)),
+        without(4.0, "data", (LaserScan, Imu, Height), simulated("arena", "arena", moderate, imu=True)),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),

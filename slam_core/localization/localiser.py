@@ -123,7 +123,7 @@ class Localiser:
                 scan.mid_ns,
                 config.tracking,
                 is_unusual=self._motion.unaided and self._tracker.is_unusual(match, prior, DOUBTED),
-                inertial=self._motion.inertial,
+                inertial=self._is_inertial(prior),
             )
             if verdict.confirmed:
                 self._tracker.learn(match, prior)
@@ -264,14 +264,15 @@ class Localiser:
         """
         confirmation, rejected = self._confirmation, self._confirmation.rejected_matches
         rejected.add(fit, self._tracker.usual, config.tracking, is_vague=is_vague(prior))
-        predicted = confirmation.as_predicted(prior.mean, time_ns) if self._motion.inertial else None
+        predicted = confirmation.as_predicted(prior.mean, time_ns) if self._is_inertial(prior) else None
         failed = confirmation.rejected()
         if predicted is not None:
             self._reset_pose(time_ns, predicted)
             prior = predicted
         if confirmation.is_lost or confirmation.missed >= config.tracking.lost_after:
             lost_long = confirmation.missed >= config.tracking.lost_after
-            verdict = verdict._replace(state="lost", outside_map=lost_long and rejected.outside_map)
+            outside = lost_long and rejected.outside_map and not exceeds_basin(prior)
+            verdict = verdict._replace(state="lost", outside_map=outside)
         if self._motion.unaided and (failed or verdict.state == "lost"):
             sigmas = np.minimum(HELD + HELD_GROWTH * confirmation.missed, HELD_MOST)
             prior = PlanarGaussian(confirmation.pose.copy(), np.diag(sigmas**2))
@@ -285,7 +286,8 @@ class Localiser:
     ) -> tuple[MatchResult, Verdict]:  # fmt: skip
         """Look for a lost robot where it can have come, or for a better place than the one it was found at."""
         waiting = match.pose if verdict.accepted else None
-        region = self._confirmation.region(time_ns, waiting, prior if self._motion.inertial else None)
+        predicted = prior if self._is_inertial(prior) else None
+        region = self._confirmation.region(time_ns, waiting, predicted)
         found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config, waiting)
         if found is None:
             return match, verdict
@@ -297,6 +299,10 @@ class Localiser:
         self._reset_pose(time_ns, found.gaussian)
         accepted = self._tracker.accept(verdict.rejection)
         return found, accepted._replace(recovery="relocalised")
+
+    def _is_inertial(self, prior: PlanarGaussian) -> bool:
+        """Whether inertial data made a prediction: over a gap in them even the heading becomes unknown."""
+        return self._motion.inertial and not exceeds_basin(prior)
 
     def _jump(self, match: MatchResult, verdict: Verdict, prior: PlanarGaussian, time_ns: int) -> None:
         """Go on at a match that a local search found far beyond the noise of an inertial prediction.
