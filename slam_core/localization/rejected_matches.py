@@ -11,22 +11,22 @@ class RejectedMatches:
     """Those since the robot was sure of its pose."""
 
     def __init__(self) -> None:
-        self._count = self._contradicting = 0
         self._first, self._known = 0, 0.0
+        self._certain = self._contradicting = 0
 
     def add(self, fit: Fit, usual: float, config: TrackingConfig, *, is_vague: bool) -> None:
         """One more. usual: the mean inlier ratio of accepted ones. is_vague: it was not known where to match."""
-        self._count += 1
-        if self._count <= config.lost_after:
+        if self._first < config.lost_after:
             self._first += 1
             self._known += fit.known
-        on_map = fit.known >= config.min_overlap
-        self._contradicting += on_map and not is_vague and fit.hit < CONTRADICTS * usual
+        if not is_vague:
+            self._certain += 1
+            self._contradicting += fit.known >= config.min_overlap and fit.hit < CONTRADICTS * usual
 
     @property
     def contradict(self) -> bool:
-        """Whether most of them fit so badly at a certain prediction that this is wrong: the robot was carried."""
-        return 2 * self._contradicting > self._count
+        """Whether most of those at a certain prediction fit so badly that this is wrong: the robot was carried."""
+        return 2 * self._contradicting > self._certain
 
     @property
     def outside_map(self) -> bool:
@@ -34,4 +34,4 @@ class RejectedMatches:
 
         The first, as a wrong prediction leaves the map sooner or later.
         """
-        return self._count > 0 and self._known < MOSTLY * self._first and not self.contradict
+        return self._first > 0 and self._known < MOSTLY * self._first and not self.contradict

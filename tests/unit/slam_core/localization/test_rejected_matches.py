@@ -32,6 +32,9 @@ def test_a_robot_that_was_carried_away_in_known_rooms_has_to_be_found_in_the_map
     carried = rejected([ELSEWHERE] * 4)
     assert carried.contradict and not carried.outside_map
     assert rejected([Fit(0.55, 0.1)] * 4).contradict
+    for _ in range(100):  # and becomes vague meanwhile
+        carried.add(NEW, USUAL, CONFIG, is_vague=True)
+    assert carried.contradict and not carried.outside_map
     assert not rejected([ELSEWHERE] * 4 + [NEW] * 100).outside_map
 
 
