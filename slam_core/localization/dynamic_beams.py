@@ -76,10 +76,8 @@ def match_background(
     static = ~foreground(points)
     if static.all() or 2 * np.count_nonzero(static) < len(points):
         return None
-    other, before = (
-        coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior),
-        match.residuals[static],
-    )
+    other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
+    before = match.residuals[static]
     if inertial:
         is_taken = is_better_with_prediction(other, match, before, prior, config)
     else:

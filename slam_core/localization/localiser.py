@@ -269,8 +269,8 @@ class Localiser:
         if predicted is not None:
             self._reset_pose(time_ns, predicted)
             prior = predicted
-        if confirmation.is_lost or confirmation.missed >= config.tracking.lost_after:
-            lost_long = confirmation.missed >= config.tracking.lost_after
+        lost_long = confirmation.missed >= config.tracking.lost_after
+        if confirmation.is_lost or lost_long:
             outside = lost_long and rejected.outside_map and not exceeds_basin(prior)
             verdict = verdict._replace(state="lost", outside_map=outside)
         if self._motion.unaided and (failed or verdict.state == "lost"):

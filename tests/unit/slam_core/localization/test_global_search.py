@@ -153,17 +153,21 @@ def test_only_headings_that_a_robot_can_have_are_searched(heading: float, motion
     """All within its limits, and none further than a step of the lattice beside; it may have turned since."""
     region = Region(np.zeros(3), 1.0, np.array([0.0, 0.0, motion]), heading, turn)
     headings = np.linspace(0.0, 2.0 * np.pi, 90, endpoint=False)
-    kept = region.facing(headings)
-    turned = np.abs(wrapped(kept - heading - motion))
-    assert np.all(turned <= turn + 2.0 * np.pi / 90 + 1e-9)
-    assert np.count_nonzero(np.abs(wrapped(headings - heading - motion)) <= turn) <= len(kept)
-    assert len(kept) > 0
+    kept = set(region.facing(headings).tolist())
+    turned = {psi: abs(geometry.wrap(psi - heading - motion)) for psi in headings.tolist()}
+    assert {psi for psi, by in turned.items() if by <= turn} <= kept
+    assert all(turned[psi] <= turn + 2.0 * np.pi / 90 + 1e-9 for psi in kept)
     assert len(Region(np.zeros(3), 1.0).facing(headings)) == 90
 
 
-def wrapped(angles: np.ndarray) -> np.ndarray:
-    """The same between -pi and pi."""
-    return (angles + np.pi) % (2.0 * np.pi) - np.pi
+def test_places_with_another_heading_than_a_robot_can_have_are_none():
+    """They would crowd out the right one where much looks alike."""
+    level = made_level(1)
+    points = np.random.default_rng(2).uniform(-2, 2, (15, 2)).astype(np.float32)
+    for heading in (0.0, 3.0):
+        places = find_places(level, points, 0.01, Region(np.zeros(3), 3.0, heading=heading, turn=0.5))
+        assert len(places.poses)
+        assert all(abs(geometry.wrap(psi - heading)) < 0.7 for psi in places.poses[:, 2])
 
 
 @settings(max_examples=50)
