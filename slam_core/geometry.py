@@ -37,6 +37,11 @@ def inverse(pose: Float64s) -> Float64s:
     return np.array([-c * pose[0] - s * pose[1], s * pose[0] - c * pose[1], wrap(-pose[2])])
 
 
+def apart(a: Float64s, b: Float64s, distance: float, angle: float) -> bool:
+    """Whether two poses (3,) are further from each other than a distance, metres, or an angle, radians."""
+    return math.hypot(a[0] - b[0], a[1] - b[1]) > distance or abs(wrap(a[2] - b[2])) > angle
+
+
 def transform_points(pose: Float64s, points: Float32s | Float64s) -> Float64s:
     """Eq. (8): points (n, 2) of the child in the parent, metres."""
     c, s = math.cos(pose[2]), math.sin(pose[2])

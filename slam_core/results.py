@@ -137,10 +137,10 @@ class SearchFailure(NamedTuple):
 
     pending: no search has ended yet. no_place: at best the share `value` of the scan agrees with the map (0: no
     candidate), and `limit` is needed. ambiguous: it fits `value` places alike. crowded: more places than can be
-    compared.
+    compared. unconfirmed: the robot is tracked in a local map, which may lie at `value` places of the map.
     """
 
-    code: Literal["pending", "no_place", "ambiguous", "crowded"]
+    code: Literal["pending", "no_place", "ambiguous", "crowded", "unconfirmed"]
     value: float = 0.0
     limit: float = 0.0
 

@@ -42,13 +42,13 @@ class HectorSlam(SlamState):
             return self._skip(NO_BEAM)
         if self._start and self._start.takes(scan, stabilised, config, self._use):
             return self._skip(NO_ATTITUDE)
-        if not self._localiser.initialise(stabilised, time_ns, config):
+        if not self._locator.initialise(stabilised, time_ns, config):
             return self._skip(NOT_LOCALISED)
         prior = self._predict(time_ns)  # section V-A
         placed, pose, match, verdict = self._locate(scan, stabilised, prior, config)  # sections IV-B, IV-C
         update = self._update(placed, pose, match, verdict, time_ns, config.map, unaided=motion.unaided)
         fused, navigation = self._fuse(time_ns, match, accepted=verdict.accepted)  # section V-B
-        self._localiser.fused = fused.mean
+        fused = self._locator.fused(fused)
         self._scans += 1
         return StepResult(
             index=self._scans - 1,

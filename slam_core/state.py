@@ -8,6 +8,7 @@ import numpy as np
 from slam_core.config import ConfigError, SlamConfig, needs_restart
 from slam_core.diagnostics import NOT_LOCALISED, Diagnostic
 from slam_core.localization.localiser import Localiser
+from slam_core.localization.locator import Locator
 from slam_core.localization.prior_map import PriorMap
 from slam_core.localization.start_in_motion import StartInMotion
 from slam_core.mapping.mapper import Mapper
@@ -52,9 +53,10 @@ class SlamState:
 
     def _use(self, pyramid: Pyramid, localiser: Localiser, mapper: Mapper) -> None:
         """The map, and what locates scans in it and writes them."""
-        self.map, self._localiser, self._mapper = pyramid, localiser, mapper
+        self.map, self._mapper = pyramid, mapper
+        self._locator = Locator(pyramid, self._motion, localiser, mapper)
         timed = self._stopwatch.timed
-        self._locate, self._update = timed("match", localiser.locate), timed("update", mapper.update)
+        self._locate, self._update = timed("match", self._locator.locate), timed("update", mapper.update)
 
     def configure(self, config: SlamConfig) -> None:
         """Change settings from the next measurement on; ConfigError if the map would have to be rebuilt."""
@@ -67,7 +69,7 @@ class SlamState:
 
     def start_estimate(self, prior: PlanarGaussian, config: SlamConfig) -> Float64s:
         """(3,) where the match of the next scan begins, by the prediction at its time and the settings then."""
-        return self._localiser.start_estimate(prior, config)
+        return self._locator.localiser.start_estimate(prior, config)
 
     def reset_pose(self, pose: PlanarGaussian) -> bool:
         """Continue at a pose in the map, with its covariance, as from the last scan on.
@@ -76,8 +78,13 @@ class SlamState:
         """
         possible = self._scans > 0 or self._skipped[NOT_LOCALISED] > 0
         if possible:
-            self._localiser.reset(self._scan_ns, pose)
+            self._locator.reset(self._scan_ns, pose)
         return possible
+
+    @property
+    def matched_map(self) -> Pyramid:
+        """What the next scan is matched with: the map, or a local one while the pose in the map is unknown."""
+        return self._locator.pyramid
 
     @property
     def trajectory(self) -> Poses:
@@ -94,7 +101,7 @@ class SlamState:
     @property
     def status(self) -> Status:
         """Whether the pose in the map is known, and what was not used so far."""
-        relocaliser = self._localiser.relocaliser
+        relocaliser = self._locator.relocaliser
         moved = self._start is not None and self._start.is_over
         return Status(relocaliser.failure, relocaliser.found, moved, self._skipped, self._motion.unused)
 

@@ -23,6 +23,7 @@ SIGMAS, TURN = 5.0, 0.5  # of an inertial prediction, and radians besides: such 
 # Metres, metres, radians a second: how inertial data strays while matches at a wrong place correct the filter.
 STRAYS = np.array([0.5, 0.5, 0.02])
 WHILE_NS = 1_000_000_000  # over which a speed is measured
+RESTED = 0.05  # m/s: slower, the robot stands
 STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
 
@@ -73,11 +74,7 @@ class Confirmation:
             predicted = self._instead_of if predicted is not None and self._is_followed else None
             if self._is_followed:
                 time_ns, motion = self._found_ns, geometry.compose(geometry.inverse(self._found), pose)
-        reached = None
-        if self._sure_ns is not None:
-            speed = max(WALK, FASTER * self._speed.fastest)
-            since_s = max(0.0, (time_ns - self._sure_ns) * 1e-9)
-            reached = Region(self.pose, REACH + speed * since_s + DRIFT * math.hypot(*motion[:2]), motion)
+        reached = self.reached(time_ns, motion)
         if predicted is None or self.rejected_matches.contradict:
             return reached
         x, y, psi = (SIGMAS * math.sqrt(variance) for variance in predicted.covariance.diagonal().tolist())
@@ -85,6 +82,19 @@ class Confirmation:
         if reached is not None and reached.radius <= REACH + max(x, y):
             return reached._replace(heading=heading, turn=turn)
         return Region(predicted.mean, REACH + max(x, y), motion, heading, turn)
+
+    def reached(self, time_ns: int, motion: Float64s) -> Region | None:
+        """Where the robot can have been at a time, with its motion (3,) from then on; None if nothing is known."""
+        if self._sure_ns is None:
+            return None
+        speed = max(WALK, FASTER * self._speed.fastest)
+        since_s = max(0.0, (time_ns - self._sure_ns) * 1e-9)
+        return Region(self.pose, REACH + speed * since_s + DRIFT * math.hypot(*motion[:2]), motion)
+
+    @property
+    def rested(self) -> bool:
+        """Whether the robot stood still when it was sure last."""
+        return self._speed.last < RESTED
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
@@ -158,10 +168,10 @@ class Confirmation:
 
 
 class Speed:
-    """How fast a robot was seen to move, over at least a second. fastest: m/s."""
+    """How fast a robot was seen to move, over at least a second. fastest, last: m/s; at first last is infinite."""
 
     def __init__(self) -> None:
-        self.fastest = 0.0
+        self.fastest, self.last = 0.0, math.inf
         self._from: tuple[Float64s, int] | None = None
 
     def see(self, pose: Float64s, time_ns: int) -> None:
@@ -171,7 +181,8 @@ class Speed:
         if 0 < passed_ns < WHILE_NS:
             return
         if passed_ns > 0:  # else the first one, or the clock was set back
-            self.fastest = max(self.fastest, math.hypot(*(pose - was)[:2]) / (passed_ns * 1e-9))
+            self.last = math.hypot(*(pose - was)[:2]) / (passed_ns * 1e-9)
+            self.fastest = max(self.fastest, self.last)
         self._from = pose.copy(), time_ns
 
     def forget(self) -> None:

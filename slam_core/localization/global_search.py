@@ -82,19 +82,23 @@ class GlobalSearch:
         assert self._places is not None
         if self._places.crowded:
             return SearchResult(None, SearchFailure("crowded"))
-        region = self._region
-        matches = [each for each in self._matches if region is None or region.holds(each.pose)]
-        shares = [agreement(self._pyramid, self.scan, match.pose) for match in matches]
-        if max(shares, default=0.0) < self.wanted:
-            return SearchResult(None, SearchFailure("no_place", max(shares, default=0.0), self.wanted))
-        k = int(np.argmax(shares))
-        rivals = sum(
-            share > shares[k] - CLEARER and apart(match.pose, matches[k].pose)
-            for share, match in zip(shares, matches, strict=True)
-        )
+        explained = self._judged()
+        best, most = max(explained, key=lambda each: each[1], default=(None, 0.0))
+        if best is None or most < self.wanted:
+            return SearchResult(None, SearchFailure("no_place", most, self.wanted))
+        rivals = sum(share > most - CLEARER and apart(match.pose, best.pose) for match, share in explained)
         if rivals:
             return SearchResult(None, SearchFailure("ambiguous", rivals + 1))
-        return SearchResult(matches[k])
+        return SearchResult(best)
+
+    def explained(self) -> list[tuple[MatchResult, float]]:
+        """All places that explain as much of the scan as is wanted, and how much they explain."""
+        return [each for each in self._judged() if each[1] >= self.wanted]
+
+    def _judged(self) -> list[tuple[MatchResult, float]]:
+        region = self._region
+        matches = [each for each in self._matches if region is None or region.holds(each.pose)]
+        return [(match, agreement(self._pyramid, self.scan, match.pose)) for match in matches]
 
 
 def agreement(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> float:

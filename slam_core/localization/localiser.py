@@ -12,6 +12,7 @@ from slam_core.localization.dynamic_beams import match_background, without_dynam
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.place_search import apart
 from slam_core.localization.relocalisation import Relocaliser
+from slam_core.localization.search_parts import Region
 from slam_core.localization.tracking import (
     LEAP_SIGMAS,
     NEAR,
@@ -327,6 +328,25 @@ class Localiser:
             pose=prior.mean, covariance=prior.covariance, residuals=unknown, unobservable=NOWHERE
         )
         return predicted, Verdict("recovered", verdict.rejection, recovery="continued")
+
+    @property
+    def sure(self) -> Float64s:
+        """(3,) the last pose that was sure."""
+        return self._confirmation.pose
+
+    @property
+    def rested(self) -> bool:
+        """Whether the robot stood still when it was sure last."""
+        return self._confirmation.rested
+
+    @property
+    def usual(self) -> float:
+        """The mean inlier ratio of accepted matches."""
+        return self._tracker.usual
+
+    def reached(self, time_ns: int, motion: Float64s) -> Region | None:
+        """Where the robot can have been at a time since it was sure last, with its motion (3,) from then on."""
+        return self._confirmation.reached(time_ns, motion)
 
     def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose that somebody states, and match from there."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from slam_core.geometry import wrap
+from slam_core import geometry
 from slam_core.kernels import global_search as kernels
 from slam_core.localization.search_parts import BLOCK, Cells, Region, parts
 from slam_core.mapping.tiles import Box
@@ -42,7 +42,7 @@ class Places:
 
 def apart(a: Float64s, b: Float64s) -> bool:
     """Whether two poses are different places."""
-    return math.hypot(a[0] - b[0], a[1] - b[1]) > APART[0] or abs(wrap(a[2] - b[2])) > APART[1]
+    return geometry.apart(a, b, *APART)
 
 
 class PlaceSearch:
@@ -153,7 +153,7 @@ class PlaceSearch:
             np.lexsort((found[:, 3], found[:, 2], found[:, 1], -found[:, 0]))
         ].tolist():
             x, y = np.array([column + 0.5, row + 0.5]) * self._level.resolution
-            pose = np.array([x, y, wrap(self._psi[h])])
+            pose = np.array([x, y, geometry.wrap(self._psi[h])])
             if all(apart(pose, other) for other in poses):
                 scores.append(score / self._full)
                 poses.append(pose)

@@ -23,6 +23,7 @@ GIVEN_START = np.diag([0.5, 0.5, 0.3]) ** 2.0
 MOVED = np.diag([0.5, 0.5, 0.3]) ** 2.0
 # The map has to explain this share of a scan at a place, however little it does elsewhere.
 ENOUGH = 0.5
+SOME = 0.35  # the same where a whole local map has to be explained
 BUDGET = 4e7  # looks at a cell a second of the recording: some 40 ms
 AT_ONCE = 2e7  # of these in one step: what was not used is not saved up for longer
 
@@ -61,7 +62,7 @@ class Relocaliser:
             return given
         if not (self._running or self._is_due(time_ns, config)):
             return None
-        near = self._near(given, pyramid, scan, config) if given else None
+        near = self.near(given, pyramid, scan, config) if given else None
         share = agreement(pyramid, scan, near.pose) if near else 0.0
         needed = config.tracking.relocalise_min_inlier_ratio
         found = near if share >= needed else self._search_region(pyramid, scan, time_ns, np.zeros(3), None, config)
@@ -104,6 +105,26 @@ class Relocaliser:
         self.failure = SearchFailure("no_place", share, needed)
         return None
 
+    def spend(self, work: float) -> None:
+        """Count other work for the pose of a lost robot, in looks at a cell, as part of the budget."""
+        self._budget -= work
+
+    def places(
+        self, pyramid: Pyramid, scan: StabilisedScan, time_ns: int, pose: Float64s, region: Region | None,
+        config: SlamConfig,
+    ) -> list[Float64s]:  # fmt: skip
+        """Poses (3,) in a region of the map that explain some of a scan, once a search has ended; else none.
+
+        pose: (3,) in a local map. They are moved by the motion since the scan that was searched for.
+        """
+        if not (self._running or self._is_due(time_ns, config)):
+            return []
+        running = self._advanced(pyramid, scan, time_ns, pose, region, config, SOME)
+        if running is None:
+            return []
+        motion = geometry.compose(geometry.inverse(running.pose), pose)
+        return [geometry.compose(match.pose, motion) for match, _ in running.search.explained()]
+
     def reset(self) -> None:
         """The pose in the map is known."""
         self.failure = self._running = None
@@ -125,6 +146,27 @@ class Relocaliser:
         config: SlamConfig,
         wanted: float | None = None,
     ) -> MatchResult | None:
+        running = self._advanced(pyramid, scan, time_ns, pose, region, config, wanted)
+        if running is None:
+            return None
+        result = running.search.result()
+        self.failure = result.failure
+        if result.match is None or running.time_ns == time_ns:
+            return result.match
+        motion = geometry.compose(geometry.inverse(running.pose), pose)
+        there = PlanarGaussian(geometry.compose(result.match.pose, motion), MOVED)
+        match = self.near(there, pyramid, scan, config)
+        share = agreement(pyramid, scan, match.pose)
+        if share >= running.search.wanted:
+            return match
+        self.failure = SearchFailure("no_place", share, running.search.wanted)
+        return None
+
+    def _advanced(
+        self, pyramid: Pyramid, scan: StabilisedScan, time_ns: int, pose: Float64s, region: Region | None,
+        config: SlamConfig, wanted: float | None,
+    ) -> _Running | None:  # fmt: skip
+        """The search that goes on, or a new one, within the budget; None until it has ended."""
         running = self._running or _Running(GlobalSearch(pyramid, scan, config, region, wanted), time_ns, pose)
         passed_s, self._budget_ns = max(0.0, (time_ns - self._budget_ns) * 1e-9), time_ns
         self._budget = min(AT_ONCE, self._budget + BUDGET * passed_s)
@@ -134,21 +176,11 @@ class Relocaliser:
             self._running, self.failure = running, SearchFailure("pending")
             return None
         self._running = None
-        result = running.search.result()
-        self.failure = result.failure
-        if result.match is None or running.time_ns == time_ns:
-            return result.match
-        motion = geometry.compose(geometry.inverse(running.pose), pose)
-        there = PlanarGaussian(geometry.compose(result.match.pose, motion), MOVED)
-        match = self._near(there, pyramid, scan, config)
-        share = agreement(pyramid, scan, match.pose)
-        if share >= running.search.wanted:
-            return match
-        self.failure = SearchFailure("no_place", share, running.search.wanted)
-        return None
+        return running
 
     @staticmethod
-    def _near(given: PlanarGaussian, pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> MatchResult:
+    def near(given: PlanarGaussian, pyramid: Pyramid, scan: StabilisedScan, config: SlamConfig) -> MatchResult:
+        """The match of a scan that a local search around a pose finds."""
         pyramid.cover(scan.points, given.mean)
         start = find_pose(pyramid.levels[-1], scan.points, given.mean, search_window(given, config.tracking))
         return coarse_to_fine(pyramid, scan.points, start, config.matcher)

@@ -67,6 +67,12 @@ class Mapper:
             self._dynamic_objects.clear(self._pyramid, scan, pose, time_ns, config)
         return MapUpdate(unexpected, written)
 
+    def add(self, scan: StabilisedScan, pose: Float64s, config: MapConfig) -> None:
+        """Write a scan that was made earlier at `pose` (3,) in the map."""
+        if self._writes and config.update:
+            self._pyramid.cover(scan.points, pose)
+            self._pyramid.update(scan.points, scan.cleared, scan.laser, pose, config)
+
     def with_drift(
         self, fused: PlanarGaussian, match: MatchResult | None, verdict: Verdict, prior: PlanarGaussian
     ) -> PlanarGaussian:

@@ -18,7 +18,8 @@ from slam_core.navigation.strapdown import Strapdown
 from slam_core.results import AidingStatus, PlanarGaussian
 
 MOST_CORRECTIONS = 2048
-UNKNOWN_SPAN = 1.0  # s: after a clock was set, the base may have moved for about this long
+SET_SPAN = 1.0  # s: after a clock was set back, the base may have moved for about this long
+GAP_SPAN = 5.0  # s: the same where it seems to be set ahead, as it is more often a gap in the data
 
 
 class Estimate(NamedTuple):
@@ -132,9 +133,10 @@ class History:
 
     def begin_again(self, stamp_ns: int, sample: Float64s | None = None) -> "History":
         """A history on a clock that was set: it begins with the newest estimate, with a larger covariance."""
+        span = SET_SPAN if stamp_ns < self.newest_ns else GAP_SPAN
         last = self.at(self.newest_ns)
         sample = self._samples.last if sample is None else sample
-        other = self._begun(stamp_ns, sample, last.x, self._model.coast(last.x, last.P, UNKNOWN_SPAN))
+        other = self._begun(stamp_ns, sample, last.x, self._model.coast(last.x, last.P, span))
         statuses = {k: s._replace(stamp_ns=stamp_ns, used_ns=stamp_ns, streak=0) for k, s in last.statuses.items()}
         other._estimates = [other._estimates[0]._replace(statuses=statuses)]
         return other

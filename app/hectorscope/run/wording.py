@@ -110,6 +110,11 @@ def search_text(failure: SearchFailure | None) -> str:
             return f"the scan fits in {failure.value:.0f} places of the map alike"
         case "crowded":
             return "the scan fits in very many places of the map"
+        case "unconfirmed":
+            return (
+                "after a gap in the data the robot is tracked in a local map: its place in the map is not sure"
+                f" ({failure.value:.0f} possible)"
+            )
 
 
 def moved_text(seconds: float) -> str:

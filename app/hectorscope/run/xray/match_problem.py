@@ -72,12 +72,13 @@ class MatchProblem:
 
 def problem_of(before: Pipeline, result: StepResult, config: SlamConfig) -> MatchProblem | None:
     """The scan of a result. before: the run before that scan. None for a scan that was matched to nothing."""
-    if result.match is None or result.prior is None or result.sweep is None or before.slam.map.empty:
+    if result.match is None or result.prior is None or result.sweep is None or before.slam.matched_map.empty:
         return None
     start = before.slam.start_estimate(result.prior, config)
     points = np.delete(result.points, result.match.left_out, axis=0)
-    before.slam.map.cover(points, start)
-    return MatchProblem(before.slam.map, points, result.sweep.laser, start, result.match, result.prior, config)
+    pyramid = before.slam.matched_map
+    pyramid.cover(points, start)
+    return MatchProblem(pyramid, points, result.sweep.laser, start, result.match, result.prior, config)
 
 
 def reference_grid(level: GridLevel) -> OccupancyGrid:

@@ -1,0 +1,158 @@
+"""Where each scan lies in the map; after a gap in the data in a local map, until its place in the map is found."""
+
+from collections import deque
+
+from slam_core import geometry
+from slam_core.config import MapConfig, SlamConfig
+from slam_core.localization.local_map import LocalMap
+from slam_core.localization.localiser import LocalisedScan, Localiser
+from slam_core.localization.placements import PARTLY, KeptScan, Placement, Placements, agrees, looked_at
+from slam_core.localization.relocalisation import Relocaliser
+from slam_core.localization.tracking import is_good
+from slam_core.mapping.mapper import Mapper
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.matcher import coarse_to_fine
+from slam_core.measurements import Float64s, LaserScan
+from slam_core.navigation.ego_motion import EgoMotion
+from slam_core.results import MatchResult, PlanarGaussian, SearchFailure, Verdict
+from slam_core.scan.stabilise import StabilisedScan
+
+FAR = 1.0  # metres, one sigma of a prediction: from there on nothing is known of where the robot is
+SILENT_NS = 1_500_000_000  # between two scans: where no inertial data shows a gap
+JUDGED_NS = 50_000_000  # from one look at a placement to the next
+JUDGING = 1e6  # looks at a cell that take as long
+NEAR = (0.3, 0.1)  # metres, radians: so near the scan is matched where the placement has it
+RESTED_NS = 2_000_000_000  # a robot at rest before and after a gap, for so long, was not moved over it
+SAME = (0.15, 0.15)  # metres, radians
+AT_ONCE = 2  # scans of a local map that are written into the map with one scan
+
+
+class Locator:
+    """One for each run. It has what is asked of a localiser.
+
+    mapper: writes the map, and what a local map has seen once its place is found.
+    """
+
+    def __init__(self, pyramid: Pyramid, motion: EgoMotion, localiser: Localiser, mapper: Mapper) -> None:
+        self._pyramid, self._motion, self._mapper = pyramid, motion, mapper
+        self._main = localiser
+        self._local: LocalMap | None = None
+        self._placements = Placements()
+        self._joined: deque[KeptScan] = deque()
+        self._judged_ns = self._located_ns = 0
+
+    @property
+    def pyramid(self) -> Pyramid:
+        """The map that scans are matched with: the local one while the pose in the map is unknown."""
+        return self._local.pyramid if self._local else self._pyramid
+
+    @property
+    def localiser(self) -> Localiser:
+        """What locates scans in that map."""
+        return self._local.localiser if self._local else self._main
+
+    @property
+    def relocaliser(self) -> Relocaliser:
+        """What searches the map."""
+        return self._main.relocaliser
+
+    def initialise(self, scan: StabilisedScan, time_ns: int, config: SlamConfig) -> bool:
+        """Whether the pose in the map is known; at the start in a prior map it is searched for."""
+        return self._main.initialise(scan, time_ns, config)
+
+    def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
+        """Continue at a pose that somebody states, and match from there."""
+        self._local = None
+        self._main.reset(time_ns, pose)
+
+    def fused(self, pose: PlanarGaussian) -> PlanarGaussian:
+        """Take the fused pose of a scan. As it is in the map: while that is unknown, less certain."""
+        self.localiser.fused = pose.mean
+        if self._local is None:
+            return pose
+        return PlanarGaussian(pose.mean, pose.covariance + self._local.origin.covariance)
+
+    def locate(
+        self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
+    ) -> LocalisedScan:
+        """Sections IV-B and IV-C. The pose of a scan in a local map is accepted, but *lost* and not confirmed."""
+        lapse_ns, self._located_ns = scan.mid_ns - self._located_ns, scan.mid_ns
+        if not (config.tracking.check and config.tracking.relocalise) or self._pyramid.empty:
+            self._local = None
+        elif self._is_unknown(prior, lapse_ns):
+            self._begin(stabilised, scan.mid_ns, prior, config)
+        local = self._local
+        if local is None:
+            self._write_joined(config.map)
+            return self._main.locate(scan, stabilised, prior, config)
+        found = local.locate(scan, stabilised, prior, config)
+        if found.verdict.state == "lost":
+            local = self._begin(stabilised, scan.mid_ns, local.prior_at(found.pose), config)
+            found = local.locate(scan, stabilised, prior, config)
+        match = self._look(local, found, scan.mid_ns, config) if found.verdict.accepted else None
+        if match is None:
+            lost = Verdict("lost", found.verdict.rejection, found.verdict.accepted, confirmed=False)
+            return found._replace(verdict=lost)
+        self._local = None
+        self._main.reset(scan.mid_ns, match.gaussian)
+        return LocalisedScan(found.scan, match.pose, match, Verdict("recovered", recovery="relocalised"))
+
+    def _is_unknown(self, prior: PlanarGaussian, lapse_ns: int) -> bool:
+        """Whether a prediction follows so long a gap in the data that it tells nothing."""
+        has_gap = self._motion.inertial or lapse_ns > SILENT_NS
+        return has_gap and float(prior.covariance.diagonal()[:2].max()) > FAR**2
+
+    def _begin(self, scan: StabilisedScan, time_ns: int, prior: PlanarGaussian, config: SlamConfig) -> LocalMap:
+        """A local map. It begins where the scan fits near the prediction, else where the robot was sure last."""
+        main = self._main
+        near = main.relocaliser.near(prior, self._pyramid, scan, config)
+        begin = near.pose if is_good(near.fit, main.usual) else main.sure
+        self._local = local = LocalMap(self._motion, time_ns, begin, prior, config)
+        self._placements = Placements()
+        self._placements.add((begin, main.sure), begin)
+        main.relocaliser.reset()
+        return local
+
+    def _look(self, local: LocalMap, found: LocalisedScan, time_ns: int, config: SlamConfig) -> MatchResult | None:
+        """The match in the map once it is known where the local map lies there."""
+        main, placements, here = self._main, self._placements, found.pose
+        motion = geometry.compose(geometry.inverse(local.origin.mean), here)
+        region = main.reached(local.begin_ns, motion)
+        places = main.relocaliser.places(self._pyramid, found.scan, time_ns, here, region, config)
+        placements.add(places, here)
+        main.relocaliser.failure = SearchFailure("unconfirmed", len(placements))
+        if 0 <= time_ns - self._judged_ns < JUDGED_NS:
+            return None
+        self._judged_ns = time_ns
+        main.relocaliser.spend(JUDGING)
+        if not placements.judge(self._pyramid, local.scans, main.usual, config):
+            return None
+        best = placements.best(here, time_ns) or self._at_rest(local, here, time_ns)
+        return self._join(local, best, found, config) if best else None
+
+    def _at_rest(self, local: LocalMap, here: Float64s, time_ns: int) -> Placement | None:
+        """Where a robot stands that stood before the gap, and stands now."""
+        main = self._main
+        stands = main.rested and time_ns - local.begin_ns >= RESTED_NS
+        if not stands or geometry.apart(here, local.origin.mean, *SAME):
+            return None
+        return self._placements.at(main.sure, here, *SAME)
+
+    def _join(
+        self, local: LocalMap, placement: Placement, found: LocalisedScan, config: SlamConfig
+    ) -> MatchResult | None:
+        """The match where a placement has the robot; what the local map has seen is handed to the mapper."""
+        there = geometry.compose(placement.moved, found.pose)
+        match = coarse_to_fine(self._pyramid, found.scan.points, there, config.matcher)
+        if geometry.apart(match.pose, there, *NEAR):
+            return None
+        self._joined.extend(local.settled(placement.moved))
+        return match
+
+    def _write_joined(self, config: MapConfig) -> None:
+        """Some of what the last local map has seen, but for scans that the map contradicts."""
+        for _ in range(min(AT_ONCE, len(self._joined))):
+            scan, pose, _ = self._joined.popleft()
+            fit, free = looked_at(self._pyramid, scan, pose)
+            if fit.known < PARTLY or agrees(fit, free, self._main.usual):
+                self._mapper.add(scan, pose, config)
