@@ -52,6 +52,18 @@ SLIDE_S, SLIDE_M = 2.0, 0.1  # a motion over so many seconds that is wrong by mo
 PROCESSES = 2
 SURE = ("tracking", "recovered")
 
+# Seconds without any data, as over a link that breaks, the scene, and whether there is an IMU.
+SILENT: tuple[tuple[float, ScenarioName, bool], ...] = (
+    (2.0, "arena", True),
+    (4.0, "arena", True),
+    (10.0, "arena", True),
+    (10.0, "arena", False),
+    (3.0, "handheld", True),
+    (10.0, "handheld", True),
+    (10.0, "rooms", True),
+    (10.0, "people", True),
+)
+
 Load = Callable[[int], list[Item]]
 
 
@@ -159,8 +171,10 @@ def cases() -> list[Case]:
         within(8.0, simulated("people", "people", small, imu=False)),
         without(4.0, "scans", (LaserScan,), simulated("handheld", "handheld", moderate, imu=True)),
         without(10.0, "scans", (LaserScan,), simulated("arena", "arena", moderate, imu=True)),
-        without(4.0, "data", (LaserScan, Imu, Height), simulated("arena", "arena", moderate, imu=True)),
-        without(10.0, "data", (LaserScan, Imu, Height), simulated("handheld", "handheld", moderate, imu=True)),
+        *(
+            without(seconds, "data", (LaserScan, Imu, Height), simulated(scene, scene, moderate, imu=imu))
+            for seconds, scene, imu in SILENT
+        ),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),

@@ -29,7 +29,7 @@ PARTLY = 0.3  # of a scan's endpoints on known cells: with fewer it shows nothin
 # free space.
 HITS, FREE = 0.8, 0.08
 EVIDENCE = 5.0  # scans' worth of known endpoints from which a placement can be judged
-LEAST, MOST = 0.5, 0.75  # of these in scans that agree: for a placement to be kept, and to be the one
+LEAST, MOST = 0.5, 0.7  # of these in scans that agree: for a placement to be kept, and to be the one
 SPREAD = 2.0  # metres between scans that agree
 RIVAL = 2.0  # times the misfit of the best: with less, another placement may be the true one as well
 LONGER = 2.0  # times its known endpoints: with more, too

@@ -78,21 +78,6 @@ def test_after_ten_seconds_without_scans_no_wrong_place_is_believed(variant: int
     assert error_of_a_sound_run("arena, no scans for 10 s", variant) < 1.0
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("variant", [1, 2])
-def test_a_robot_from_which_nothing_came_for_a_while_is_found_again(variant: int) -> None:
-    """Its heading is unknown, too: a search is not limited by it, and the map does not go on from there."""
-    assert error_of_a_sound_run("arena, no data for 4 s", variant) < 0.1
-
-
-@pytest.mark.slow
-def test_a_map_is_not_continued_where_nobody_knows_the_heading() -> None:
-    """After ten seconds without any data, in a new corridor, the walk is lost, and it says so."""
-    (outcome,) = ensembles.outcomes([ensembles.run("handheld, no data for 10 s", 1, {})])
-    assert outcome.lost
-    assert not (outcome.misplaced or outcome.silent)
-
-
 def error_of_a_sound_run(case: str, variant: int) -> float:
     """Metres, of a variant that is neither lost nor far off without a word, and writes at no wrong place."""
     (outcome,) = ensembles.outcomes([ensembles.run(case, variant, {})])

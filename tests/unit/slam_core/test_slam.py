@@ -78,7 +78,7 @@ def test_start_estimates_differ():
         config = with_value(with_value(CONFIG, "matcher.start_estimate", start), "fusion.omega", 0.3)
         slam, _ = run(config, scans=10)
         prior = slam._motion.prior(10 * DT)
-        starts[start] = slam._localiser.start_estimate(prior, config)
+        starts[start] = slam.start_estimate(prior, config)
     assert abs(starts["last_pose"] - drive(9)).max() < 0.02
     assert abs(starts["filter"] - drive(10)).max() < abs(starts["last_pose"] - drive(10)).max()
     assert not np.allclose(starts["filter"], starts["velocity"], atol=1e-9)

@@ -76,6 +76,7 @@ def test_a_failed_search_has_its_reason():
     assert "nothing comes near" in search_text(SearchFailure("no_place", 0.0, 0.85))
     assert "in 2 places of the map alike" in search_text(SearchFailure("ambiguous", 2))
     assert "very many places" in search_text(SearchFailure("crowded"))
+    assert "(3 possible)" in search_text(SearchFailure("unconfirmed", 3))
 
 
 def test_a_start_has_its_pose():

@@ -1,0 +1,176 @@
+"""Where a local map may lie in the map: what the scans of all of it agree with, and nothing else."""
+
+import numpy as np
+import pytest
+
+from slam_core import geometry
+from slam_core.config import MapConfig, SlamConfig
+from slam_core.localization.placements import (
+    EVIDENCE,
+    HELD_NS,
+    MOST,
+    SPREAD,
+    KeptScan,
+    Placement,
+    Placements,
+    Support,
+    refined,
+    support,
+)
+from slam_core.mapping.pyramid import Pyramid
+from slam_core.scan.stabilise import stabilise
+from tests.worlds import room_scan, standing
+
+CONFIG = SlamConfig(map=MapConfig(size=400))
+HERE = np.array([0.5, -0.5, 0.2])
+MOVED = np.array([0.7, -0.4, 0.9])  # of the local map in the map
+ELSEWHERE = np.array([5.0, 1.0, -2.0])
+GOOD = Support(known=8.0, agreeing=8.0, spread=3.0, misfit=0.05)
+
+
+@pytest.fixture(scope="module")
+def room() -> Pyramid:
+    """The test room, mapped from four places."""
+    pyramid = Pyramid(CONFIG.map)
+    for pose in np.array([[0, 0, 0], [1, -1, 1], [-1, 1, 2], [-2, -1, 3]], float):
+        scan = stabilise(room_scan(pose), standing, CONFIG.scan)
+        pyramid.update(scan.points, scan.cleared, scan.laser, pose, CONFIG.map)
+    return pyramid
+
+
+def kept(moved: np.ndarray) -> list[KeptScan]:
+    """Scans of the test room along three metres, as a local map that lies at a placement (3,) has them."""
+    found = []
+    for k, x in enumerate(np.arange(-2.0, 1.0, 0.3)):
+        pose = np.array([x, -1.0 + 0.1 * x, 0.1 * x])
+        scan = stabilise(room_scan(pose), standing, CONFIG.scan)
+        found.append(KeptScan(scan, geometry.compose(geometry.inverse(moved), pose), k))
+    return found
+
+
+def tried(*supports: Support) -> tuple[Placements, list[Placement]]:
+    """Placements apart from each other with a support each."""
+    placements = Placements()
+    placements.add([np.array([3.0 * k, 0.0, 0.0]) for k in range(len(supports))], np.zeros(3))
+    for placement, each in zip(placements._tried, supports, strict=True):
+        placement.support = each
+    return placements, placements._tried
+
+
+def chosen(placements: Placements) -> Placement | None:
+    """The one that is the best for long enough."""
+    placements.best(HERE, 0)
+    return placements.best(HERE, HELD_NS)
+
+
+def test_the_map_explains_the_scans_where_they_were_made(room: Pyramid):
+    """All of them agree, over all of their path, and next to nothing lies in free space."""
+    found = support(room, kept(MOVED), MOVED, 0.95)
+    assert found.known > EVIDENCE
+    assert found.agreeing == found.known
+    assert found.spread > SPREAD
+    assert found.misfit < 0.1
+
+
+def test_elsewhere_the_scans_contradict_the_map(room: Pyramid):
+    """Half a turn off in a nearly symmetric room most endpoints hit no wall, or lie in free space."""
+    turned = geometry.compose(np.array([0.5, 0.5, np.pi]), MOVED)
+    found = support(room, kept(MOVED), turned, 0.95)
+    assert found.contradicts
+    assert found.misfit > 0.3
+
+
+def test_scans_beyond_the_map_show_nothing(room: Pyramid):
+    """Neither for nor against a placement."""
+    found = support(room, kept(MOVED), geometry.compose(np.array([40.0, 0.0, 0.0]), MOVED), 0.95)
+    assert found == Support(0.0, 0.0, 0.0, 1.0)
+    assert not found.contradicts
+
+
+def test_a_placement_is_refined_by_the_scans_of_the_whole_local_map(room: Pyramid):
+    """From 10 cm and 2 degrees off to less than 1 cm at the robot, far from the origin of the local map or not."""
+    local = geometry.compose(MOVED, np.array([-30.0, 20.0, 1.0]))
+    scans = kept(local)
+    off = geometry.compose(np.array([0.1, -0.05, 0.03]), geometry.compose(local, scans[-1].pose))
+    found = refined(room, scans, geometry.compose(off, geometry.inverse(scans[-1].pose)), CONFIG)
+    for scan in (scans[0], scans[-1]):
+        true = geometry.compose(local, scan.pose)
+        np.testing.assert_allclose(geometry.compose(found, scan.pose), true, atol=0.01)
+
+
+def test_the_true_place_remains_of_those_that_were_tried(room: Pyramid):
+    """Places that the scans contradict are given up, each in its turn."""
+    scans = kept(MOVED)
+    placements = Placements()
+    here = scans[-1].pose
+    true = geometry.compose(MOVED, here)
+    placements.add([geometry.compose(np.array([0.5, 0.5, np.pi]), true), true], here)
+    assert len(placements) == 2
+    assert not placements.judge(room, scans, 0.95, CONFIG)
+    assert placements.judge(room, scans, 0.95, CONFIG)
+    assert len(placements) == 1
+    assert placements.best(here, 0) is None  # not at once
+    best = placements.best(here, HELD_NS)
+    assert best is not None
+    np.testing.assert_allclose(geometry.compose(best.moved, here), true, atol=0.01)
+
+
+def test_places_near_one_that_is_tried_are_not_tried_again():
+    """What searches find of one place is one placement."""
+    placements = Placements()
+    placements.add([HERE, HERE + [0.2, 0.0, 0.1], ELSEWHERE], HERE)
+    placements.add([HERE], HERE)
+    assert len(placements) == 2
+
+
+def test_a_placement_must_be_the_best_for_a_while():
+    """Another one that comes first in between starts the time anew."""
+    placements, (first, second) = tried(GOOD, GOOD._replace(misfit=0.2))
+    assert placements.best(HERE, 0) is None
+    assert placements.best(HERE, HELD_NS - 1) is None
+    first.support, second.support = second.support, first.support
+    assert placements.best(HERE, HELD_NS) is None
+    first.support, second.support = second.support, first.support
+    assert placements.best(HERE, HELD_NS + 1) is None
+    assert placements.best(HERE, 2 * HELD_NS) is None
+    assert placements.best(HERE, 2 * HELD_NS + 1) is first
+
+
+@pytest.mark.parametrize(
+    ("lacking", "why"),
+    [
+        (GOOD._replace(known=EVIDENCE - 0.1, agreeing=EVIDENCE - 0.1), "too little is known there"),
+        (GOOD._replace(agreeing=(MOST - 0.01) * 8.0), "too many scans do not agree"),
+        (GOOD._replace(spread=SPREAD - 0.1), "they were made at one place"),
+    ],
+)
+def test_a_placement_needs_scans_from_places_apart_that_agree(lacking: Support, why: str):
+    """Alone, and yet not the one."""
+    assert chosen(tried(GOOD)[0]) is not None
+    assert chosen(tried(lacking)[0]) is None, why
+
+
+def test_no_placement_is_the_one_beside_another_that_fits_nearly_as_well():
+    """One of less than twice the misfit is a rival, and one that explains far more; others are none."""
+    assert chosen(tried(GOOD, GOOD._replace(misfit=0.09))[0]) is None
+    assert chosen(tried(GOOD, GOOD._replace(misfit=0.2, known=17.0, agreeing=17.0))[0]) is None
+    placements, (first, _) = tried(GOOD, GOOD._replace(misfit=0.11))
+    assert chosen(placements) is first
+    contradicted = GOOD._replace(misfit=0.06, agreeing=3.0)
+    placements, (first, _) = tried(GOOD, contradicted)
+    assert chosen(placements) is first
+    unproven = GOOD._replace(misfit=0.01, known=1.0, agreeing=1.0)
+    placements, (first, _) = tried(GOOD, unproven)
+    assert chosen(placements) is first
+
+
+def test_a_robot_that_stands_is_found_by_the_place_where_it_stood():
+    """One scan may do for that, if it agrees there."""
+    stood = Support(known=0.9, agreeing=0.9, spread=0.0, misfit=0.05)
+    placements, (placement, _) = tried(stood, GOOD)
+    assert placements.at(HERE, HERE, 0.15, 0.15) is placement
+    assert placements.at(HERE + [0.2, 0.0, 0.0], HERE, 0.15, 0.15) is None
+    placement.support = stood._replace(agreeing=0.0)
+    assert placements.at(HERE, HERE, 0.15, 0.15) is None
+    placement.support = Support(0.0, 0.0, 0.0, 1.0)
+    assert placements.at(HERE, HERE, 0.15, 0.15) is None
