@@ -168,10 +168,10 @@ class Confirmation:
 
 
 class Speed:
-    """How fast a robot was seen to move, over at least a second. fastest, last: m/s; at first last is infinite."""
+    """How fast a robot was seen to move, over at least a second. fastest, last: m/s."""
 
     def __init__(self) -> None:
-        self.fastest, self.last = 0.0, math.inf
+        self.fastest = self.last = 0.0
         self._from: tuple[Float64s, int] | None = None
 
     def see(self, pose: Float64s, time_ns: int) -> None:

@@ -8,7 +8,7 @@ from slam_core.localization.local_map import LocalMap
 from slam_core.localization.localiser import LocalisedScan, Localiser
 from slam_core.localization.placements import PARTLY, KeptScan, Placement, Placements, agrees, looked_at
 from slam_core.localization.relocalisation import Relocaliser
-from slam_core.localization.tracking import is_good
+from slam_core.localization.tracking import exceeds_basin, is_good
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
@@ -79,7 +79,7 @@ class Locator:
         lapse_ns, self._located_ns = scan.mid_ns - self._located_ns, scan.mid_ns
         if not (config.tracking.check and config.tracking.relocalise) or self._pyramid.empty:
             self._local = None
-        elif self._is_unknown(prior, lapse_ns):
+        elif self._is_unknown(prior, lapse_ns) or (self._local and scan.mid_ns < self._local.begin_ns):
             self._begin(stabilised, scan.mid_ns, prior, config)
         local = self._local
         if local is None:
@@ -99,7 +99,7 @@ class Locator:
 
     def _is_unknown(self, prior: PlanarGaussian, lapse_ns: int) -> bool:
         """Whether a prediction follows so long a gap in the data that it tells nothing."""
-        has_gap = self._motion.inertial or lapse_ns > SILENT_NS
+        has_gap = exceeds_basin(prior) if self._motion.inertial else lapse_ns > SILENT_NS
         return has_gap and float(prior.covariance.diagonal()[:2].max()) > FAR**2
 
     def _begin(self, scan: StabilisedScan, time_ns: int, prior: PlanarGaussian, config: SlamConfig) -> LocalMap:

@@ -24,6 +24,7 @@ from tests.worlds import room_scan, standing
 CONFIG = SlamConfig(map=MapConfig(size=400))
 HERE = np.array([0.5, -0.5, 0.2])
 MOVED = np.array([0.7, -0.4, 0.9])  # of the local map in the map
+ASIDE = np.array([0.7, -0.5, 0.2])
 ELSEWHERE = np.array([5.0, 1.0, -2.0])
 GOOD = Support(known=8.0, agreeing=8.0, spread=3.0, misfit=0.05)
 
@@ -118,7 +119,7 @@ def test_the_true_place_remains_of_those_that_were_tried(room: Pyramid):
 def test_places_near_one_that_is_tried_are_not_tried_again():
     """What searches find of one place is one placement."""
     placements = Placements()
-    placements.add([HERE, HERE + [0.2, 0.0, 0.1], ELSEWHERE], HERE)
+    placements.add([HERE, ASIDE, ELSEWHERE], HERE)
     placements.add([HERE], HERE)
     assert len(placements) == 2
 
@@ -169,7 +170,7 @@ def test_a_robot_that_stands_is_found_by_the_place_where_it_stood():
     stood = Support(known=0.9, agreeing=0.9, spread=0.0, misfit=0.05)
     placements, (placement, _) = tried(stood, GOOD)
     assert placements.at(HERE, HERE, 0.15, 0.15) is placement
-    assert placements.at(HERE + [0.2, 0.0, 0.0], HERE, 0.15, 0.15) is None
+    assert placements.at(ASIDE, HERE, 0.15, 0.15) is None
     placement.support = stood._replace(agreeing=0.0)
     assert placements.at(HERE, HERE, 0.15, 0.15) is None
     placement.support = Support(0.0, 0.0, 0.0, 1.0)
