@@ -63,6 +63,7 @@ class Locator:
     def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose that somebody states, and match from there."""
         self._local = None
+        self._joined.clear()
         self._main.reset(time_ns, pose)
 
     def fused(self, pose: PlanarGaussian) -> PlanarGaussian:

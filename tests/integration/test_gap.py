@@ -193,6 +193,24 @@ def test_a_pose_that_somebody_states_ends_the_local_map():
     assert drive.pipeline.slam.matched_map is drive.pipeline.slam.map
 
 
+def test_a_pose_that_somebody_states_keeps_the_rest_of_a_local_map_out_of_the_map():
+    """Whoever sets the pose right after a place was found takes that for wrong: what is not written yet never is."""
+    written = []
+    for is_reset in (False, True):
+        drive = Drive(*ROOMS)
+        for result in drive.on():
+            if result.verdict.recovery == "relocalised":
+                break
+        slam, before = drive.pipeline.slam, drive.pipeline.slam.map.updates
+        if is_reset:
+            assert slam.reset_pose(result.match.gaussian)
+        for result, _ in zip(drive.on(), range(5), strict=False):
+            assert result.tracking != "lost"
+        written.append(slam.map.updates - before)
+    assert written[0] >= 8
+    assert written[1] <= 2
+
+
 @pytest.mark.parametrize("name", ["tracking.relocalise", "tracking.check"])
 def test_without_a_search_there_is_no_local_map(name: str):
     """What the settings say holds: scans are matched with the map alone."""
