@@ -194,7 +194,7 @@ def test_a_pose_that_somebody_states_ends_the_local_map():
 
 
 def test_a_pose_that_somebody_states_keeps_the_rest_of_a_local_map_out_of_the_map():
-    """Whoever sets the pose right after a place was found takes that for wrong: what is not written yet never is."""
+    """Whoever sets the pose right after a place was found takes that for wrong: the rest is not written."""
     written = []
     for is_reset in (False, True):
         drive = Drive(*ROOMS)
