@@ -68,11 +68,12 @@ class _Compiler(event.Listener):
         self._ready = threading.Event()
         self._depth = self._done = 0
         self._wanted = FIRST
+        self._share = 0.0  # of what is wanted, as last told
         listen("numba:compile", self)
 
     def preparing(self, wanted: int) -> "_Compiler":
         """A context: within it so many functions are prepared, and at its end that is so."""
-        self._wanted = wanted
+        self._wanted, self._share = wanted, 0.0
         return self
 
     def __enter__(self) -> None:
@@ -81,7 +82,7 @@ class _Compiler(event.Listener):
     def __exit__(self, *_: object) -> None:
         while self._helper is not None and not self._ready.wait(PERIOD_S):
             self._tell()
-        if 0 < self._done < self._wanted:  # some were loaded, as the other process had compiled them
+        if self._done and self._share < 1.0:  # some were loaded, or the other process compiled the last one
             self._done = self._wanted
             self._tell()
         self._is_first = False
@@ -127,7 +128,8 @@ class _Compiler(event.Listener):
     def _tell(self) -> None:
         done, what = min(self._done, self._wanted), "first scan" if self._wanted == FIRST else "stream"
         text = f"Compiling for the {what}: {done} of {self._wanted} functions (first start only)"
-        self._say(text, done / self._wanted)
+        self._share = done / self._wanted
+        self._say(text, self._share)
 
     def _say(self, text: str, share: float | None) -> None:
         self.report(text, share)

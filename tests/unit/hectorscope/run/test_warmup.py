@@ -93,6 +93,16 @@ def test_the_first_scan_waits_for_its_own_kernels_only(told: subprocess.Complete
     assert later.startswith("Compiling fuse_part (first start only)|\n")  # what nobody else compiles so soon
 
 
+def test_the_whole_is_told_where_the_helper_comes_to_the_last_function(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It does so at any time: after the last word that the start itself had, too."""
+    told: list[float | None] = []
+    monkeypatch.setattr(warmup._compiler, "report", lambda _text, share=None: told.append(share))
+    monkeypatch.setattr(warmup._compiler, "_done", 0)
+    with warmup._compiler.preparing(1):
+        warmup._compiler._done += 1  # as for a line of the helper
+    assert told == [1.0, None]
+
+
 @pytest.mark.slow
 def test_a_kernel_that_a_run_needs_later_is_told(told: subprocess.CompletedProcess[str]) -> None:
     """Each is named while it is compiled, and then the words are taken back."""
