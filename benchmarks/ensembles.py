@@ -52,6 +52,16 @@ SLIDE_S, SLIDE_M = 2.0, 0.1  # a motion over so many seconds that is wrong by mo
 PROCESSES = 2
 SURE = ("tracking", "recovered")
 
+# Seconds without scans, and the scene.
+BLIND: tuple[tuple[float, ScenarioName], ...] = (
+    (4.0, "handheld"),
+    (6.0, "handheld"),
+    (8.0, "arena"),
+    (10.0, "arena"),
+    (10.0, "handheld"),
+    (10.0, "rooms"),
+    (10.0, "littoral"),
+)
 # Seconds without any data, as over a link that breaks, the scene, and whether there is an IMU.
 SILENT: tuple[tuple[float, ScenarioName, bool], ...] = (
     (2.0, "arena", True),
@@ -169,8 +179,10 @@ def cases() -> list[Case]:
         within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=False)),
         within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=True)),
         within(8.0, simulated("people", "people", small, imu=False)),
-        without(4.0, "scans", (LaserScan,), simulated("handheld", "handheld", moderate, imu=True)),
-        without(10.0, "scans", (LaserScan,), simulated("arena", "arena", moderate, imu=True)),
+        *(
+            without(seconds, "scans", (LaserScan,), simulated(scene, scene, moderate, imu=True))
+            for seconds, scene in BLIND
+        ),
         *(
             without(seconds, "data", (LaserScan, Imu, Height), simulated(scene, scene, moderate, imu=imu))
             for seconds, scene, imu in SILENT

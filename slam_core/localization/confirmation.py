@@ -74,7 +74,14 @@ class Confirmation:
             predicted = self._instead_of if predicted is not None and self._is_followed else None
             if self._is_followed:
                 time_ns, motion = self._found_ns, geometry.compose(geometry.inverse(self._found), pose)
-        reached = self.reached(time_ns, motion)
+        return self.limited(time_ns, motion, predicted)
+
+    def limited(self, time_ns: int, motion: Float64s, predicted: PlanarGaussian | None) -> Region | None:
+        """Where the robot can have been at a time, with its motion (3,) from then on.
+
+        predicted: where inertial data had it at that time; None without them.
+        """
+        reached = self._reached(time_ns, motion)
         if predicted is None or self.rejected_matches.contradict:
             return reached
         x, y, psi = (SIGMAS * math.sqrt(variance) for variance in predicted.covariance.diagonal().tolist())
@@ -83,8 +90,7 @@ class Confirmation:
             return reached._replace(heading=heading, turn=turn)
         return Region(predicted.mean, REACH + max(x, y), motion, heading, turn)
 
-    def reached(self, time_ns: int, motion: Float64s) -> Region | None:
-        """Where the robot can have been at a time, with its motion (3,) from then on; None if nothing is known."""
+    def _reached(self, time_ns: int, motion: Float64s) -> Region | None:
         if self._sure_ns is None:
             return None
         speed = max(WALK, FASTER * self._speed.fastest)

@@ -13,6 +13,7 @@ from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.localiser import LocalisedScan, Localiser
 from slam_core.localization.placements import KeptScan
+from slam_core.localization.rejected_matches import RejectedMatches
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan
@@ -29,17 +30,19 @@ KEPT = 400  # scans: 80 m of path
 class LocalMap:
     """pyramid: in the axes of the map, as if the robot were at `begin` (3,) at its first scan. scans: kept ones.
 
-    begin_ns: time of that scan. origin: `begin` with the covariance that the pose in the map has.
+    begin_ns: time of that scan. prior: the prediction then, with the covariance that the pose in the map has.
+    first: how the first scans meet the map where they are predicted.
     """
 
     def __init__(
         self, motion: EgoMotion, time_ns: int, begin: Float64s, prior: PlanarGaussian, config: SlamConfig
     ) -> None:
-        self.begin_ns, self.origin = time_ns, PlanarGaussian(begin.copy(), prior.covariance)
+        self.begin_ns, self.begin, self.prior = time_ns, begin.copy(), prior
         self.pyramid = Pyramid(replace(config.map, size=min(SIDE, config.map.size)))
         self.localiser = Localiser(self.pyramid, motion, np.zeros(3), is_prior=False, writes=True)
         self.localiser.reset(time_ns, PlanarGaussian(begin.copy(), FIRST_MATCH.covariance))
         self.scans: deque[KeptScan] = deque(maxlen=KEPT)
+        self.first = RejectedMatches()
         self._motion, self._mapper = motion, Mapper(self.pyramid, writes=True)
 
     def locate(
@@ -56,7 +59,7 @@ class LocalMap:
 
     def prior_at(self, pose: Float64s) -> PlanarGaussian:
         """A pose (3,) of this map with the covariance that it has in the map."""
-        return PlanarGaussian(pose.copy(), self.origin.covariance)
+        return PlanarGaussian(pose.copy(), self.prior.covariance)
 
     def settled(self, moved: Float64s) -> list[KeptScan]:
         """The kept scans as they lie in the map at a placement (3,), once tilt and velocity were known again."""

@@ -111,8 +111,7 @@ class Localiser:
             prior, verdict = self._miss(verdict, match.fit, prior, scan.mid_ns, config)
         if config.tracking.relocalise and (verdict.state == "lost" or self._confirmation.awaits_search):
             match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, prior, config)
-        continues = verdict.outside_map and self._writes and not self._motion.unaided
-        if continues and config.tracking.continue_from_prediction:
+        if verdict.outside_map and self.may_continue(prior, config):
             match, verdict = self._continue(match, verdict, prior)
         elif verdict.accepted:
             verdict = self._confirmation.accepted(
@@ -323,11 +322,12 @@ class Localiser:
         """
         self._tracker.reset()
         self._confirmation = Confirmation(prior.mean)
-        unknown = np.full_like(match.residuals, 0.5)
-        predicted = match._replace(
-            pose=prior.mean, covariance=prior.covariance, residuals=unknown, unobservable=NOWHERE
-        )
-        return predicted, Verdict("recovered", verdict.rejection, recovery="continued")
+        return continued(match, prior, verdict)
+
+    def may_continue(self, prior: PlanarGaussian, config: SlamConfig) -> bool:
+        """Whether the map may go on from a prediction outside of it, which nothing shows to be wrong."""
+        possible = self._writes and not self._motion.unaided and config.tracking.continue_from_prediction
+        return possible and not (exceeds_basin(prior) or self._confirmation.rejected_matches.contradict)
 
     @property
     def sure(self) -> Float64s:
@@ -344,9 +344,12 @@ class Localiser:
         """The mean inlier ratio of accepted matches."""
         return self._tracker.usual
 
-    def reached(self, time_ns: int, motion: Float64s) -> Region | None:
-        """Where the robot can have been at a time since it was sure last, with its motion (3,) from then on."""
-        return self._confirmation.reached(time_ns, motion)
+    def region(self, time_ns: int, motion: Float64s, prior: PlanarGaussian) -> Region | None:
+        """Where the robot can have been at a time, with its motion (3,) from then on.
+
+        prior: the prediction at that time.
+        """
+        return self._confirmation.limited(time_ns, motion, prior if self._is_inertial(prior) else None)
 
     def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose that somebody states, and match from there."""
@@ -365,3 +368,10 @@ class Localiser:
         self._motion.reset_pose(time_ns, pose)
         self._weak_direction = WeakDirection()
         self._pose = self.fused = pose.mean
+
+
+def continued(match: MatchResult, prior: PlanarGaussian, verdict: Verdict) -> tuple[MatchResult, Verdict]:
+    """The match and the verdict of a scan outside of the map, which goes on from its prediction."""
+    unknown = np.full_like(match.residuals, 0.5)
+    match = match._replace(pose=prior.mean, covariance=prior.covariance, residuals=unknown, unobservable=NOWHERE)
+    return match, Verdict("recovered", verdict.rejection, recovery="continued")

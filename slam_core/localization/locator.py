@@ -1,14 +1,16 @@
 """Where each scan lies in the map; after a gap in the data in a local map, until its place in the map is found."""
 
+import math
 from collections import deque
 
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig
 from slam_core.localization.local_map import LocalMap
-from slam_core.localization.localiser import LocalisedScan, Localiser
+from slam_core.localization.localiser import LocalisedScan, Localiser, continued
 from slam_core.localization.placements import PARTLY, KeptScan, Placement, Placements, agrees, looked_at
 from slam_core.localization.relocalisation import Relocaliser
-from slam_core.localization.tracking import exceeds_basin, is_good
+from slam_core.localization.search_parts import AT_REST
+from slam_core.localization.tracking import GOOD, exceeds_basin, is_good
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
@@ -18,12 +20,14 @@ from slam_core.results import MatchResult, PlanarGaussian, SearchFailure, Verdic
 from slam_core.scan.stabilise import StabilisedScan
 
 FAR = 1.0  # metres, one sigma of a prediction: from there on nothing is known of where the robot is
+STRAYED = 2.0  # metres, one sigma: the same where inertial data still tells the heading
 SILENT_NS = 1_500_000_000  # between two scans: where no inertial data shows a gap
 JUDGED_NS = 50_000_000  # from one look at a placement to the next
 JUDGING = 1e6  # looks at a cell that take as long
 NEAR = (0.3, 0.1)  # metres, radians: so near the scan is matched where the placement has it
 RESTED_NS = 2_000_000_000  # a robot at rest before and after a gap, for so long, was not moved over it
 SAME = (0.15, 0.15)  # metres, radians
+UNFOUND = 100  # scans of a local map, 20 m of path, that no place of the map explains: the robot has left it
 AT_ONCE = 2  # scans of a local map that are written into the map with one scan
 
 
@@ -71,7 +75,7 @@ class Locator:
         self.localiser.fused = pose.mean
         if self._local is None:
             return pose
-        return PlanarGaussian(pose.mean, pose.covariance + self._local.origin.covariance)
+        return PlanarGaussian(pose.mean, pose.covariance + self._local.prior.covariance)
 
     def locate(
         self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
@@ -91,6 +95,8 @@ class Locator:
             local = self._begin(stabilised, scan.mid_ns, local.prior_at(found.pose), config)
             found = local.locate(scan, stabilised, prior, config)
         match = self._look(local, found, scan.mid_ns, config) if found.verdict.accepted else None
+        if match is None and found.verdict.accepted and self._is_outside(local, found, config):
+            return self._continue(local, found, scan.mid_ns)
         if match is None:
             lost = Verdict("lost", found.verdict.rejection, found.verdict.accepted, confirmed=False)
             return found._replace(verdict=lost)
@@ -99,26 +105,59 @@ class Locator:
         return LocalisedScan(found.scan, match.pose, match, Verdict("recovered", recovery="relocalised"))
 
     def _is_unknown(self, prior: PlanarGaussian, lapse_ns: int) -> bool:
-        """Whether a prediction follows so long a gap in the data that it tells nothing."""
-        has_gap = exceeds_basin(prior) if self._motion.inertial else lapse_ns > SILENT_NS
-        return has_gap and float(prior.covariance.diagonal()[:2].max()) > FAR**2
+        """Whether a prediction follows so long a gap in the data, or in the scans, that it tells too little."""
+        sigma = math.sqrt(float(prior.covariance.diagonal()[:2].max()))
+        if self._motion.inertial and exceeds_basin(prior):
+            return sigma > FAR
+        return lapse_ns > SILENT_NS and sigma > (STRAYED if self._motion.inertial else FAR)
 
     def _begin(self, scan: StabilisedScan, time_ns: int, prior: PlanarGaussian, config: SlamConfig) -> LocalMap:
-        """A local map. It begins where the scan fits near the prediction, else where the robot was sure last."""
+        """A local map. It begins where the scan fits near the prediction, else there if the heading is known.
+
+        With an unknown heading it begins where the robot was sure last.
+        """
         main = self._main
         near = main.relocaliser.near(prior, self._pyramid, scan, config)
-        begin = near.pose if is_good(near.fit, main.usual) else main.sure
+        if exceeds_basin(prior):
+            fits, otherwise = is_good(near.fit, main.usual), main.sure
+        else:
+            fits = near.fit.known >= config.tracking.min_overlap and near.fit.hit >= GOOD * main.usual
+            otherwise = prior.mean
+        begin = near.pose if fits else otherwise
         self._local = local = LocalMap(self._motion, time_ns, begin, prior, config)
         self._placements = Placements()
         self._placements.add((begin, main.sure), begin)
         main.relocaliser.reset()
         return local
 
+    def _is_outside(self, local: LocalMap, found: LocalisedScan, config: SlamConfig) -> bool:
+        """Whether the robot has left the map for good.
+
+        Its first scans lie outside of it where inertial data has them, and no place of it agrees with the scans of
+        20 m of path since.
+        """
+        if not self._main.may_continue(local.prior, config):
+            return False
+        if local.first.count < config.tracking.lost_after:
+            fit, _ = looked_at(self._pyramid, found.scan, found.pose)
+            local.first.add(fit, self._main.usual, config.tracking, is_vague=True)
+        unfound = len(local.scans) >= UNFOUND and not self._placements.any_supported
+        return unfound and local.first.outside_map
+
+    def _continue(self, local: LocalMap, found: LocalisedScan, time_ns: int) -> LocalisedScan:
+        """The map goes on where the robot is in the local map."""
+        assert found.match is not None
+        pose = PlanarGaussian(found.pose, found.match.covariance + local.prior.covariance)
+        self._joined.extend(local.settled(AT_REST))
+        self._local = None
+        self._main.reset(time_ns, pose)
+        return LocalisedScan(found.scan, found.pose, *continued(found.match, pose, found.verdict))
+
     def _look(self, local: LocalMap, found: LocalisedScan, time_ns: int, config: SlamConfig) -> MatchResult | None:
         """The match in the map once it is known where the local map lies there."""
         main, placements, here = self._main, self._placements, found.pose
-        motion = geometry.compose(geometry.inverse(local.origin.mean), here)
-        region = main.reached(local.begin_ns, motion)
+        motion = geometry.compose(geometry.inverse(local.begin), here)
+        region = main.region(local.begin_ns, motion, local.prior)
         places = main.relocaliser.places(self._pyramid, found.scan, time_ns, here, region, config)
         placements.add(places, here)
         main.relocaliser.failure = SearchFailure("unconfirmed", len(placements))
@@ -135,7 +174,7 @@ class Locator:
         """Where a robot stands that stood before the gap, and stands now."""
         main = self._main
         stands = main.rested and time_ns - local.begin_ns >= RESTED_NS
-        if not stands or geometry.apart(here, local.origin.mean, *SAME):
+        if not stands or geometry.apart(here, local.begin, *SAME):
             return None
         return self._placements.at(main.sure, here, *SAME)
 

@@ -24,13 +24,14 @@ from slam_core.scan.stabilise import StabilisedScan
 
 COMPARED = 60  # scans of a local map, the newest: 12 m of path
 POINTS = 40  # of each scan, with which a placement is refined
+REFINED = (0.5, 0.3)  # metres, radians by which a match corrects a placement at most
 PARTLY = 0.3  # of a scan's endpoints on known cells: with fewer it shows nothing
 # A scan agrees if it hits walls nearly as often as usual, and no more endpoints than usual and this share lie in
 # free space.
 HITS, FREE = 0.8, 0.08
 EVIDENCE = 5.0  # scans' worth of known endpoints from which a placement can be judged
 LEAST, MOST = 0.5, 0.7  # of these in scans that agree: for a placement to be kept, and to be the one
-SPREAD = 2.0  # metres between scans that agree
+SPREAD = 2.75  # metres between scans that agree
 RIVAL = 2.0  # times the misfit of the best: with less, another placement may be the true one as well
 LONGER = 2.0  # times its known endpoints: with more, too
 HELD_NS = 1_000_000_000  # for which a placement has to be the best
@@ -144,6 +145,11 @@ class Placements:
                 return None
         return best if best.support.spread >= SPREAD else None
 
+    @property
+    def any_supported(self) -> bool:
+        """Whether the scans agree with the map at one of them."""
+        return any(each.support.known >= EVIDENCE for each in self._tried)
+
     def at(self, place: Float64s, here: Float64s, distance: float, angle: float) -> Placement | None:
         """The one that explains the scans and has the robot near a place (3,), in metres and radians."""
         for each in self._tried:
@@ -154,7 +160,10 @@ class Placements:
 
 
 def refined(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, config: SlamConfig) -> Float64s:
-    """A placement (3,) after a match of endpoints of all scans that are compared."""
+    """A placement (3,) after a match of endpoints of all scans that are compared; as it was if too few are known.
+
+    A match of next to nothing goes anywhere.
+    """
     compared = list(scans)[-COMPARED:]
     here = compared[-1].pose
     back = geometry.inverse(here)
@@ -165,8 +174,9 @@ def refined(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, config
     points = np.concatenate(parts).astype(np.float32)
     # Their beams have no origin in common, so walls have no side from which they were seen.
     matcher = replace(config.matcher, back_face_share=1.0, surfel_weight=0.0)
-    match = coarse_to_fine(pyramid, points, geometry.compose(moved, here), matcher)
-    return geometry.compose(match.pose, back)
+    there = geometry.compose(moved, here)
+    match = coarse_to_fine(pyramid, points, there, matcher)
+    return moved if geometry.apart(match.pose, there, *REFINED) else geometry.compose(match.pose, back)
 
 
 def support(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, usual: float) -> Support:

@@ -1,4 +1,4 @@
-"""What rejected matches show where the pose is not sure: the robot left its map, or its prediction is wrong."""
+"""What matches show where the pose is not sure: the robot left its map, or its prediction is wrong."""
 
 from slam_core.config import TrackingConfig
 from slam_core.localization.tracking import MOSTLY
@@ -8,16 +8,16 @@ CONTRADICTS = 0.5  # of the usual inlier ratio: a scan on known cells that hits 
 
 
 class RejectedMatches:
-    """Those since the robot was sure of its pose."""
+    """Those since the robot was sure of its pose. count: the first ones, up to `tracking.lost_after`."""
 
     def __init__(self) -> None:
-        self._first, self._known = 0, 0.0
+        self.count, self._known = 0, 0.0
         self._certain = self._contradicting = 0
 
     def add(self, fit: Fit, usual: float, config: TrackingConfig, *, is_vague: bool) -> None:
         """One more. usual: the mean inlier ratio of accepted ones. is_vague: it was not known where to match."""
-        if self._first < config.lost_after:
-            self._first += 1
+        if self.count < config.lost_after:
+            self.count += 1
             self._known += fit.known
         if not is_vague:
             self._certain += 1
@@ -34,4 +34,4 @@ class RejectedMatches:
 
         The first, as a wrong prediction leaves the map sooner or later.
         """
-        return self._first > 0 and self._known < MOSTLY * self._first and not self.contradict
+        return self.count > 0 and self._known < MOSTLY * self.count and not self.contradict

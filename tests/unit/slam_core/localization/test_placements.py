@@ -40,9 +40,9 @@ def room() -> Pyramid:
 
 
 def kept(moved: np.ndarray) -> list[KeptScan]:
-    """Scans of the test room along three metres, as a local map that lies at a placement (3,) has them."""
+    """Scans of the test room along 3.5 m, as a local map that lies at a placement (3,) has them."""
     found = []
-    for k, x in enumerate(np.arange(-2.0, 1.0, 0.3)):
+    for k, x in enumerate(np.arange(-2.0, 1.5, 0.3)):
         pose = np.array([x, -1.0 + 0.1 * x, 0.1 * x])
         scan = stabilise(room_scan(pose), standing, CONFIG.scan)
         found.append(KeptScan(scan, geometry.compose(geometry.inverse(moved), pose), k))
@@ -97,6 +97,13 @@ def test_a_placement_is_refined_by_the_scans_of_the_whole_local_map(room: Pyrami
     for scan in (scans[0], scans[-1]):
         true = geometry.compose(local, scan.pose)
         np.testing.assert_allclose(geometry.compose(found, scan.pose), true, atol=0.01)
+
+
+def test_a_placement_of_which_next_to_nothing_is_known_stays_where_it_is(room: Pyramid):
+    """A match of so few endpoints would carry it off, up to kilometres a round."""
+    scans = kept(MOVED)
+    aside = geometry.compose(np.array([7.0, 0.5, 0.0]), MOVED)
+    np.testing.assert_array_equal(refined(room, scans, aside, CONFIG), aside)
 
 
 def test_the_true_place_remains_of_those_that_were_tried(room: Pyramid):
@@ -163,6 +170,12 @@ def test_no_placement_is_the_one_beside_another_that_fits_nearly_as_well():
     unproven = GOOD._replace(misfit=0.01, known=1.0, agreeing=1.0)
     placements, (first, _) = tried(GOOD, unproven)
     assert chosen(placements) is first
+
+
+def test_whether_the_map_may_explain_a_local_map_shows_once_enough_is_known():
+    """Before that nothing speaks for a placement."""
+    assert tried(GOOD._replace(known=EVIDENCE - 0.1), GOOD)[0].any_supported
+    assert not tried(GOOD._replace(known=EVIDENCE - 0.1))[0].any_supported
 
 
 def test_a_robot_that_stands_is_found_by_the_place_where_it_stood():
