@@ -164,6 +164,10 @@ def test_no_placement_is_the_one_beside_another_that_fits_nearly_as_well():
     assert chosen(tried(GOOD, GOOD._replace(misfit=0.2, known=17.0, agreeing=17.0))[0]) is None
     placements, (first, _) = tried(GOOD, GOOD._replace(misfit=0.11))
     assert chosen(placements) is first
+    much = GOOD._replace(known=20.0, agreeing=17.0)
+    placements, (first, _) = tried(much, GOOD._replace(misfit=0.09))
+    assert chosen(placements) is first  # which explains far more, and fits better
+    assert chosen(tried(much, GOOD._replace(misfit=0.049))[0]) is None
     contradicted = GOOD._replace(misfit=0.06, agreeing=3.0)
     placements, (first, _) = tried(GOOD, contradicted)
     assert chosen(placements) is first
