@@ -56,6 +56,7 @@ SURE = ("tracking", "recovered")
 BLIND: tuple[tuple[float, ScenarioName], ...] = (
     (4.0, "handheld"),
     (6.0, "handheld"),
+    (8.0, "handheld"),
     (8.0, "arena"),
     (10.0, "arena"),
     (10.0, "handheld"),

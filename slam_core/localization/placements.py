@@ -33,7 +33,7 @@ EVIDENCE = 5.0  # scans' worth of known endpoints from which a placement can be 
 LEAST, MOST = 0.5, 0.7  # of these in scans that agree: for a placement to be kept, and to be the one
 SPREAD = 2.75  # metres between scans that agree
 RIVAL = 2.0  # times the misfit of the best: with less, another placement may be the true one as well
-# Times the agreeing scans of the best: with more, it may be, too. With as many times less, and a worse fit, it is not.
+# Times the agreeing scans of the best: with more, it may be, too. With as many times less, and a worse fit, not.
 LONGER = 2.0
 HELD_NS = 1_000_000_000  # for which a placement has to be the best
 TRIED = 12  # placements at most

@@ -88,6 +88,26 @@ def test_after_ten_seconds_without_scans_no_wrong_place_is_believed(variant: int
 
 
 @pytest.mark.slow
+def test_a_scan_that_fits_near_the_prediction_places_the_local_map() -> None:
+    """It knows less than half of it. At the prediction the walk would go on with its map 0.3 m off."""
+    assert error_of_a_sound_run("handheld, no scans for 8 s", 1) < 0.05
+
+
+@pytest.mark.slow
+def test_inertial_data_carries_a_walk_for_six_seconds() -> None:
+    """It is right at once, and nothing has to be waited for."""
+    run = ensembles.run("handheld, no scans for 6 s", 1, {})
+    assert run.sure.all()
+    assert error_of_a_sound_run("handheld, no scans for 6 s", 1) < 0.05
+
+
+@pytest.mark.slow
+def test_one_rejected_match_does_not_show_that_a_robot_left_its_map() -> None:
+    """It was right, and waited for a search. It was set back to its prediction, 0.9 m off, and lost for good."""
+    assert error_of_a_sound_run("handheld, no scans for 6 s", 4) < 0.5
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ["arena", "rooms"])
 def test_a_robot_that_comes_back_to_its_map_is_found_to_the_centimetre(scene: str) -> None:
     """It went on with its map a metre off, into rooms that it knew only half, and drew walls twice."""
