@@ -61,6 +61,7 @@ BLIND: tuple[tuple[float, ScenarioName], ...] = (
     (10.0, "arena"),
     (10.0, "handheld"),
     (10.0, "rooms"),
+    (8.0, "littoral"),
     (10.0, "littoral"),
 )
 # Seconds without any data, as over a link that breaks, the scene, and whether there is an IMU.

@@ -93,6 +93,16 @@ def rooms() -> Drive:
     return Drive(*ROOMS).to_the_end()
 
 
+def cells_along(way: np.ndarray, pipeline: Pipeline) -> np.ndarray:
+    """(n,) log-odds of the cells of the map in which poses (n, 3) lie."""
+    level = pipeline.slam.map.levels[0]
+    columns, rows = np.floor(way[:, :2] / level.resolution).astype(int).T
+    cells = [
+        level.gather((row, row + 1, column, column + 1))[0, 0] for row, column in zip(rows, columns, strict=True)
+    ]
+    return np.array(cells)
+
+
 def assert_found(drive: Drive) -> None:
     """The robot was lost, is found in the end, and was nowhere far off while it was called tracked."""
     assert drive.lost.any()
@@ -132,12 +142,7 @@ def test_a_lost_robot_does_not_claim_to_know_its_pose_in_the_map(rooms: Drive):
 def test_what_was_seen_while_the_robot_was_lost_is_in_the_map_afterwards(rooms: Drive):
     """All of its way is free there, of which half was unknown; while it was lost nothing was written."""
     way = rooms.truth[rooms.lost]
-    level = rooms.pipeline.slam.map.levels[0]
-    columns, rows = np.floor(way[:, :2] / level.resolution).astype(int).T
-    cells = [
-        level.gather((row, row + 1, column, column + 1))[0, 0] for row, column in zip(rows, columns, strict=True)
-    ]
-    assert (np.array(cells) < 0.0).all()
+    assert (cells_along(way, rooms.pipeline) < 0.0).all()
 
 
 def test_nothing_is_written_while_the_robot_is_lost():

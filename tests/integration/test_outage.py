@@ -8,9 +8,13 @@ import pytest
 
 from benchmarks import ensembles
 from benchmarks.outage import ALONE, laser_fails, satellites_fail
+from hectorscope.run.pipeline import Pipeline
+from hectorscope.run.settings import Settings
 from hectorscope.simulation import SceneOptions
-from slam_core.config import SlamConfig, with_values
+from slam_core.config import SlamConfig, with_value
 from slam_core.evaluation.trajectory import first_on_first, move
+from slam_core.results import StepResult
+from tests.integration.test_gap import cells_along
 
 FEW_BEAMS = SceneOptions(seed=2, beams=361, scan_rate=20.0)
 SEEDS = (2, 3, 4)
@@ -55,14 +59,26 @@ def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
 def test_the_map_goes_on_once_twenty_metres_show_that_the_robot_has_left_it(continues: bool) -> None:
     """What was seen from the outage on is in it then. Who does not want that keeps the map as it was."""
     case = next(each for each in ensembles.cases() if each.name == "handheld, no scans for 10 s")
-    items, settings = case.load(1), {"tracking.continue_from_prediction": continues}
-    run = ensembles.follow(items, with_values(SlamConfig(), settings), items[0].stamp_ns)
-    assert run.truth is not None
-    assert run.lost_at_the_end is not continues
-    lost = run.poses[:, 0] > ensembles.BLIND_S + 10.0
-    assert run.written[lost].any() == continues
-    off = np.hypot(*(run.poses[lost, 1:] - run.truth[lost])[:, :2].T)
-    assert off.max() < off[0] + 0.5
+    items = case.load(1)
+    settings = Settings(with_value(SlamConfig(), "tracking.continue_from_prediction", continues))
+    pipeline, lost = Pipeline(settings, items[0].stamp_ns), list[StepResult]()
+    for result in (pipeline.step(each) for item in items for each in pipeline.admit(item)):
+        if result and result.tracking == "lost":
+            lost.append(result)
+            assert not result.map_updated
+    way = np.array([result.planar for result in lost])
+    path = np.hypot(*np.diff(way[:, :2], axis=0).T).sum()
+    assert (18.0 < path < 24.0) == continues
+    assert (pipeline.result is not None and pipeline.result.tracking == "tracking") == continues
+    assert (cells_along(way, pipeline) < 0.0).mean() > 0.95 if continues else path > 24.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("variant", [4, 12])
+def test_a_boat_that_comes_back_to_its_map_is_found_where_inertial_data_has_it(variant: int) -> None:
+    """Its first scans lie on cells that are known, or a place of the map agrees with them: it has not left it."""
+    run = ensembles.run("littoral, no scans for 8 s", variant, {})
+    assert off_at_the_end(run) < 0.1
 
 
 @pytest.mark.slow
@@ -112,11 +128,8 @@ def test_one_rejected_match_does_not_show_that_a_robot_left_its_map() -> None:
 def test_a_robot_that_comes_back_to_its_map_is_found_to_the_centimetre(scene: str) -> None:
     """It went on with its map a metre off, into rooms that it knew only half, and drew walls twice."""
     run = ensembles.run(f"{scene}, no scans for 10 s", 2, {})
-    assert run.truth is not None
-    raw = move(first_on_first(run.truth, run.poses[:, 1:]), run.truth)
-    off = np.hypot(*(run.poses[:, 1:] - raw)[:, :2].T)
-    assert off[-20:].max() < 0.05
-    assert off[run.written].max() < 0.25
+    assert off_truth(run)[run.written].max() < 0.25
+    assert off_at_the_end(run) < 0.05
 
 
 def error_of_a_sound_run(case: str, variant: int) -> float:
@@ -124,3 +137,15 @@ def error_of_a_sound_run(case: str, variant: int) -> float:
     (outcome,) = ensembles.outcomes([ensembles.run(case, variant, {})])
     assert not (outcome.lost or outcome.misplaced or outcome.silent)
     return outcome.error
+
+
+def off_at_the_end(run: ensembles.Run) -> float:
+    """Metres that the last scans err at most."""
+    return float(off_truth(run)[-20:].max())
+
+
+def off_truth(run: ensembles.Run) -> np.ndarray:
+    """(n,) metres that each pose errs."""
+    assert run.truth is not None
+    raw = move(first_on_first(run.truth, run.poses[:, 1:]), run.truth)
+    return np.hypot(*(run.poses[:, 1:] - raw)[:, :2].T)
