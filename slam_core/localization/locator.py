@@ -24,6 +24,7 @@ STRAYED = 2.0  # metres, one sigma: the same where inertial data still tells the
 SILENT_NS = 1_500_000_000  # between two scans: where no inertial data shows a gap
 JUDGED_NS = 50_000_000  # from one look at a placement to the next
 JUDGING = 1e6  # looks at a cell that take as long
+MOST_JUDGED = 4  # placements with one scan
 NEAR = (0.3, 0.1)  # metres, radians: so near the scan is matched where the placement has it
 RESTED_NS = 2_000_000_000  # a robot at rest before and after a gap, for so long, was not moved over it
 SAME = (0.15, 0.15)  # metres, radians
@@ -161,14 +162,22 @@ class Locator:
         places = main.relocaliser.places(self._pyramid, found.scan, time_ns, here, region, config)
         placements.add(places, here)
         main.relocaliser.failure = SearchFailure("unconfirmed", len(placements))
-        if 0 <= time_ns - self._judged_ns < JUDGED_NS:
-            return None
-        self._judged_ns = time_ns
-        main.relocaliser.spend(JUDGING)
-        if not placements.judge(self._pyramid, local.scans, main.usual, config):
+        if not self._judge(local, time_ns, config):
             return None
         best = placements.best(here, time_ns) or self._at_rest(local, here, time_ns)
         return self._join(local, best, found, config) if best else None
+
+    def _judge(self, local: LocalMap, time_ns: int, config: SlamConfig) -> bool:
+        """Look at a placement for each JUDGED_NS since the last one. Whether all of them were looked at by now."""
+        passed_ns = time_ns - self._judged_ns
+        if 0 <= passed_ns < JUDGED_NS:
+            return False
+        self._judged_ns = time_ns
+        for _ in range(min(MOST_JUDGED, max(1, passed_ns // JUDGED_NS))):
+            self._main.relocaliser.spend(JUDGING)
+            if self._placements.judge(self._pyramid, local.scans, self._main.usual, config):
+                return True
+        return False
 
     def _at_rest(self, local: LocalMap, here: Float64s, time_ns: int) -> Placement | None:
         """Where a robot stands that stood before the gap, and stands now."""
