@@ -13,7 +13,6 @@ from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.localiser import LocalisedScan, Localiser
 from slam_core.localization.placements import KeptScan
-from slam_core.localization.rejected_matches import RejectedMatches
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s, LaserScan
@@ -31,7 +30,7 @@ class LocalMap:
     """pyramid: in the axes of the map, as if the robot were at `begin` (3,) at its first scan. scans: kept ones.
 
     begin_ns: time of that scan. prior: the prediction then, with the covariance that the pose in the map has.
-    first: how the first scans meet the map where they are predicted.
+    known: shares of the first scans that lie on known cells of the map, where they are predicted.
     """
 
     def __init__(
@@ -42,7 +41,7 @@ class LocalMap:
         self.localiser = Localiser(self.pyramid, motion, np.zeros(3), is_prior=False, writes=True)
         self.localiser.reset(time_ns, PlanarGaussian(begin.copy(), FIRST_MATCH.covariance))
         self.scans: deque[KeptScan] = deque(maxlen=KEPT)
-        self.first = RejectedMatches()
+        self.known: list[float] = []
         self._motion, self._mapper = motion, Mapper(self.pyramid, writes=True)
 
     def locate(

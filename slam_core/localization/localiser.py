@@ -271,8 +271,7 @@ class Localiser:
             prior = predicted
         lost_long = confirmation.missed >= config.tracking.lost_after
         if confirmation.is_lost or lost_long:
-            shown = rejected.count >= config.tracking.lost_after
-            outside = shown and rejected.outside_map and not exceeds_basin(prior)
+            outside = rejected.count >= config.tracking.lost_after and rejected.outside_map
             verdict = verdict._replace(state="lost", outside_map=outside)
         if self._motion.unaided and (failed or verdict.state == "lost"):
             sigmas = np.minimum(HELD + HELD_GROWTH * confirmation.missed, HELD_MOST)

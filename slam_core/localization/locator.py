@@ -10,7 +10,7 @@ from slam_core.localization.localiser import LocalisedScan, Localiser, continued
 from slam_core.localization.placements import PARTLY, KeptScan, Placement, Placements, agrees, looked_at
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.search_parts import AT_REST
-from slam_core.localization.tracking import GOOD, exceeds_basin, is_good
+from slam_core.localization.tracking import GOOD, MOSTLY, exceeds_basin, is_good
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
@@ -139,11 +139,10 @@ class Locator:
         """
         if not self._main.may_continue(local.prior, config):
             return False
-        if local.first.count < config.tracking.lost_after:
-            fit, _ = looked_at(self._pyramid, found.scan, found.pose)
-            local.first.add(fit, self._main.usual, config.tracking, is_vague=True)
+        if len(local.known) < config.tracking.lost_after:
+            local.known.append(looked_at(self._pyramid, found.scan, found.pose)[0].known)
         unfound = len(local.scans) >= UNFOUND and not self._placements.any_supported
-        return unfound and local.first.outside_map
+        return unfound and sum(local.known) < MOSTLY * len(local.known)
 
     def _continue(self, local: LocalMap, found: LocalisedScan, time_ns: int) -> LocalisedScan:
         """The map goes on where the robot is in the local map."""

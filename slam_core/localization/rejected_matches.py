@@ -1,4 +1,4 @@
-"""What matches show where the pose is not sure: the robot left its map, or its prediction is wrong."""
+"""What rejected matches show where the pose is not sure: the robot left its map, or its prediction is wrong."""
 
 from slam_core.config import TrackingConfig
 from slam_core.localization.tracking import MOSTLY
