@@ -13,6 +13,7 @@ from hectorscope.run.settings import Settings
 from hectorscope.simulation import SceneOptions
 from slam_core.config import SlamConfig, with_value
 from slam_core.evaluation.trajectory import first_on_first, move
+from slam_core.localization.placements import Placements
 from slam_core.results import StepResult
 from tests.integration.test_gap import cells_along
 
@@ -71,6 +72,13 @@ def test_the_map_goes_on_once_twenty_metres_show_that_the_robot_has_left_it(cont
     assert (18.0 < path < 24.0) == continues
     assert (pipeline.result is not None and pipeline.result.tracking == "tracking") == continues
     assert (cells_along(way, pipeline) < 0.0).mean() > 0.95 if continues else path > 24.0
+
+
+@pytest.mark.slow
+def test_the_map_does_not_go_on_while_a_place_of_it_may_be_the_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The scans agree with one that is not sure yet: the robot stays lost."""
+    monkeypatch.setattr(Placements, "any_supported", True)
+    assert ensembles.run("handheld, no scans for 10 s", 1, {}).lost_at_the_end
 
 
 @pytest.mark.slow
