@@ -50,6 +50,7 @@ BLIND_S = 23.6  # s from the start, when something ceases: the walk is about to 
 STRETCH = 5.0  # m of path over which a relation is compared
 SLIDE_S, SLIDE_M = 2.0, 0.1  # a motion over so many seconds that is wrong by more is a slide
 PROCESSES = 2
+EVERYTHING = (LaserScan, Imu, Height)  # that a scene sends
 SURE = ("tracking", "recovered")
 
 # Seconds without scans, and the scene.
@@ -74,6 +75,13 @@ SILENT: tuple[tuple[float, ScenarioName, bool], ...] = (
     (10.0, "handheld", True),
     (10.0, "rooms", True),
     (10.0, "people", True),
+)
+# The same while the map is small; the last number is seconds from the start.
+EARLY: tuple[tuple[float, ScenarioName, bool, float], ...] = (
+    (5.0, "arena", True, 10.0),
+    (5.0, "arena", False, 10.0),
+    (7.0, "arena", True, 16.0),
+    (5.0, "rooms", True, 10.0),
 )
 
 Load = Callable[[int], list[Item]]
@@ -144,15 +152,16 @@ def seen_within(reach: float, item: Item) -> Item:
     return replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
 
 
-def without(seconds: float, what: str, kinds: tuple[type, ...], case: Case) -> Case:
-    """The same without measurements of these kinds for so long, from BLIND_S on."""
+def without(seconds: float, what: str, kinds: tuple[type, ...], case: Case, begin: float = BLIND_S) -> Case:
+    """The same without measurements of these kinds for so long, from so many seconds on."""
 
     def load(seed: int) -> list[Item]:
         items = case.load(seed)
-        first, last = (items[0].stamp_ns + round(t * 1e9) for t in (BLIND_S, BLIND_S + seconds))
+        first, last = (items[0].stamp_ns + round(t * 1e9) for t in (begin, begin + seconds))
         return [item for item in items if not (isinstance(item, kinds) and first <= item.stamp_ns < last)]
 
-    return replace(case, name=f"{case.name}, no {what} for {seconds:g} s", load=load)
+    early = f" from {begin:g} s" if begin != BLIND_S else ""
+    return replace(case, name=f"{case.name}, no {what} for {seconds:g} s{early}", load=load)
 
 
 def cases() -> list[Case]:
@@ -186,8 +195,8 @@ def cases() -> list[Case]:
             for seconds, scene in BLIND
         ),
         *(
-            without(seconds, "data", (LaserScan, Imu, Height), simulated(scene, scene, moderate, imu=imu))
-            for seconds, scene, imu in SILENT
+            without(seconds, "data", EVERYTHING, simulated(scene, scene, moderate, imu=imu), begin)
+            for seconds, scene, imu, begin in (*((*each, BLIND_S) for each in SILENT), *EARLY)
         ),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),

@@ -3,11 +3,22 @@
 import math
 from collections import deque
 
+import numpy as np
+
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig
 from slam_core.localization.local_map import LocalMap
 from slam_core.localization.localiser import LocalisedScan, Localiser, continued
-from slam_core.localization.placements import PARTLY, KeptScan, Placement, Placements, agrees, looked_at
+from slam_core.localization.placements import (
+    PARTLY,
+    KeptScan,
+    Placement,
+    Placements,
+    Usual,
+    agrees,
+    crossings,
+    looked_at,
+)
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.search_parts import AT_REST
 from slam_core.localization.tracking import GOOD, MOSTLY, exceeds_basin, is_good
@@ -22,13 +33,16 @@ from slam_core.scan.stabilise import StabilisedScan
 FAR = 1.0  # metres, one sigma of a prediction: from there on nothing is known of where the robot is
 STRAYED = 2.0  # metres, one sigma: the same where inertial data still tells the heading
 SILENT_NS = 1_500_000_000  # between two scans: where no inertial data shows a gap
-JUDGED_NS = 50_000_000  # from one look at a placement to the next
-JUDGING = 1e6  # looks at a cell that take as long
+JUDGED_NS = 100_000_000  # from one look at a placement to the next
+JUDGING = 2e6  # looks at a cell that take as long where enough is known; elsewhere it takes little
 MOST_JUDGED = 4  # placements with one scan
 NEAR = (0.3, 0.1)  # metres, radians: so near the scan is matched where the placement has it
+PLACED = np.diag([0.03, 0.03, 0.01]) ** 2.0  # covariance of a placement: metres, metres, radians
 RESTED_NS = 2_000_000_000  # a robot at rest before and after a gap, for so long, was not moved over it
 SAME = (0.15, 0.15)  # metres, radians
 UNFOUND = 100  # scans of a local map, 20 m of path, that no place of the map explains: the robot has left it
+LEARNED = 10  # scans, of which one shows how many beams cross walls where the place is sure
+CROSSING, MEMORY = 0.02, 0.03  # of the beams at first; weight of the newest such scan
 AT_ONCE = 2  # scans of a local map that are written into the map with one scan
 
 
@@ -45,6 +59,7 @@ class Locator:
         self._placements = Placements()
         self._joined: deque[KeptScan] = deque()
         self._judged_ns = self._located_ns = 0
+        self._crossing, self._located = CROSSING, 0
 
     @property
     def pyramid(self) -> Pyramid:
@@ -90,7 +105,9 @@ class Locator:
         local = self._local
         if local is None:
             self._write_joined(config.map)
-            return self._main.locate(scan, stabilised, prior, config)
+            found = self._main.locate(scan, stabilised, prior, config)
+            self._learn(found)
+            return found
         found = local.locate(scan, stabilised, prior, config)
         if found.verdict.state == "lost":
             local = self._begin(stabilised, scan.mid_ns, local.prior_at(found.pose), config)
@@ -104,6 +121,14 @@ class Locator:
         self._local = None
         self._main.reset(scan.mid_ns, match.gaussian)
         return LocalisedScan(found.scan, match.pose, match, Verdict("recovered", recovery="relocalised"))
+
+    def _learn(self, found: LocalisedScan) -> None:
+        """Now and then: how many beams cross walls of the map at a place that is sure."""
+        self._located += 1
+        if self._located % LEARNED == 0 and found.match and found.verdict.accepted and found.verdict.confirmed:
+            known, crossed = crossings(self._pyramid, found.scan, found.pose)
+            if known:
+                self._crossing += MEMORY * (crossed / known - self._crossing)
 
     def _is_unknown(self, prior: PlanarGaussian, lapse_ns: int) -> bool:
         """Whether a prediction follows so long a gap in the data, or in the scans, that it tells too little."""
@@ -172,9 +197,11 @@ class Locator:
         if 0 <= passed_ns < JUDGED_NS:
             return False
         self._judged_ns = time_ns
+        usual = Usual(self._main.usual, self._crossing)
         for _ in range(min(MOST_JUDGED, max(1, passed_ns // JUDGED_NS))):
-            self._main.relocaliser.spend(JUDGING)
-            if self._placements.judge(self._pyramid, local.scans, self._main.usual, config):
+            if self._placements.any_supported:
+                self._main.relocaliser.spend(JUDGING)
+            if self._placements.judge(self._pyramid, local.scans, usual, config):
                 return True
         return False
 
@@ -189,9 +216,13 @@ class Locator:
     def _join(
         self, local: LocalMap, placement: Placement, found: LocalisedScan, config: SlamConfig
     ) -> MatchResult | None:
-        """The match where a placement has the robot; what the local map has seen is handed to the mapper."""
+        """The match where a placement has the robot; what the local map has seen is handed to the mapper.
+
+        The placement comes from all scans, so that it counts where this one alone tells little.
+        """
         there = geometry.compose(placement.moved, found.pose)
-        match = coarse_to_fine(self._pyramid, found.scan.points, there, config.matcher)
+        prior = PlanarGaussian(there, PLACED)
+        match = coarse_to_fine(self._pyramid, found.scan.points, there, config.matcher, prior=prior)
         if geometry.apart(match.pose, there, *NEAR):
             return None
         self._joined.extend(local.settled(placement.moved))

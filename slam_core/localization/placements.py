@@ -1,7 +1,7 @@
 """Where in the map a local map may lie: places that searches found, until the map explains the scans at one alone.
 
 A place that merely looks alike explains some of the scans as well as the true one does. Sooner or later endpoints
-lie in what was free space there. What counts is therefore the local map as a whole.
+lie in what was free space there, and beams cross walls. What counts is therefore the local map as a whole.
 """
 
 import math
@@ -14,6 +14,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.kernels.correlative import count_hits
+from slam_core.kernels.crossings import count_crossing
 from slam_core.kernels.planar import transform_points
 from slam_core.localization.place_search import apart
 from slam_core.mapping.pyramid import Pyramid
@@ -32,9 +33,12 @@ HITS, FREE = 0.8, 0.08
 EVIDENCE = 5.0  # scans' worth of known endpoints from which a placement can be judged
 LEAST, MOST = 0.5, 0.7  # of these in scans that agree: for a placement to be kept, and to be the one
 SPREAD = 2.75  # metres between scans that agree
+# Beams may cross walls, and end on none, so many times as often as usual, and this share of them besides. With more,
+# a placement is not the one; with far more, it is given up.
+OFTEN, CROSSING, UNLIKELY = 1.5, 0.04, 0.15
+BEAMS = 20  # of each scan that are followed
+SLACK = 0.4  # metres before its end in which a beam may touch walls: those that it ends on
 RIVAL = 2.0  # times the misfit of the best: with less, another placement may be the true one as well
-# Times the agreeing scans of the best: with more, it may be, too. With as many times less, and a worse fit, not.
-LONGER = 2.0
 HELD_NS = 1_000_000_000  # for which a placement has to be the best
 TRIED = 12  # placements at most
 
@@ -47,39 +51,48 @@ class KeptScan(NamedTuple):
     time_ns: int
 
 
+class Usual(NamedTuple):
+    """Of scans whose place is sure: mean shares of endpoints that hit, and of beams that cross walls."""
+
+    hit: float
+    crossing: float
+
+
 class Support(NamedTuple):
     """How a map explains the scans of a local map at a placement.
 
     known: how many scans' worth of endpoints lie on known cells. agreeing: of these, in scans that agree. spread:
     metres between two of these scans at most. misfit: mean share of their known endpoints that hit no wall, plus
-    that in free space.
+    that in free space. crossing: share of beams that cross walls, less what is usual; 0 with too little evidence.
     """
 
     known: float
     agreeing: float
     spread: float
     misfit: float
+    crossing: float
 
     @property
     def contradicts(self) -> bool:
         """Whether the local map does not lie there."""
-        return self.known >= EVIDENCE and self.agreeing < LEAST * self.known
+        return self.known >= EVIDENCE and (self.agreeing < LEAST * self.known or self.crossing > UNLIKELY)
 
     @property
     def suffices(self) -> bool:
         """Whether it may lie there, and enough of it is known."""
-        return self.known >= EVIDENCE and self.agreeing >= MOST * self.known
+        return self.known >= EVIDENCE and self.agrees and self.crossing <= CROSSING
+
+    @property
+    def agrees(self) -> bool:
+        """Whether most of what is known there agrees."""
+        return self.agreeing >= MOST * self.known > 0.0
 
     def rivals(self, best: "Support") -> bool:
         """Whether the local map may lie here as well as at the best placement."""
-        if self.known < EVIDENCE or self.contradicts:
-            return False
-        if LONGER * self.agreeing < best.agreeing and self.misfit > best.misfit:
-            return False
-        return self.misfit < RIVAL * best.misfit or self.agreeing > LONGER * best.agreeing
+        return self.known >= EVIDENCE and not self.contradicts and self.misfit < RIVAL * best.misfit
 
 
-NOTHING = Support(0.0, 0.0, 0.0, 1.0)
+NOTHING = Support(0.0, 0.0, 0.0, 1.0, 0.0)
 
 
 @dataclass(slots=True, eq=False)
@@ -109,11 +122,8 @@ class Placements:
             if len(self._tried) < TRIED and all(apart(place, other) for other in known):
                 self._tried.append(Placement(geometry.compose(place, geometry.inverse(here))))
 
-    def judge(self, pyramid: Pyramid, scans: Sequence[KeptScan], usual: float, config: SlamConfig) -> bool:
-        """Look at one placement, and give it up if the scans contradict it. Whether it was the last one in turn.
-
-        usual: the mean inlier ratio of the scans in the map.
-        """
+    def judge(self, pyramid: Pyramid, scans: Sequence[KeptScan], usual: Usual, config: SlamConfig) -> bool:
+        """Look at one placement, and give it up if scans contradict it. Whether it was the last one in turn."""
         if not self._tried:
             return True
         placement = self._tried[self._next]
@@ -156,8 +166,8 @@ class Placements:
     def at(self, place: Float64s, here: Float64s, distance: float, angle: float) -> Placement | None:
         """The one that explains the scans and has the robot near a place (3,), in metres and radians."""
         for each in self._tried:
-            fits = each.support.known > 0.0 and each.support.agreeing >= MOST * each.support.known
-            if fits and not geometry.apart(geometry.compose(each.moved, here), place, distance, angle):
+            there = geometry.compose(each.moved, here)
+            if each.support.agrees and not geometry.apart(there, place, distance, angle):
                 return each
         return None
 
@@ -182,21 +192,38 @@ def refined(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, config
     return moved if geometry.apart(match.pose, there, *REFINED) else geometry.compose(match.pose, back)
 
 
-def support(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, usual: float) -> Support:
-    """How a map explains the scans at a placement (3,). usual: the mean inlier ratio of the scans in the map."""
+def support(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, usual: Usual) -> Support:
+    """How a map explains the scans at a placement (3,)."""
     known = misfit = 0.0
     agreeing, poses = 0.0, []
-    for scan, pose, _ in list(scans)[-COMPARED:]:
-        fit, free = looked_at(pyramid, scan, geometry.compose(moved, pose))
+    compared = [(scan, pose, geometry.compose(moved, pose)) for scan, pose, _ in list(scans)[-COMPARED:]]
+    for scan, pose, there in compared:
+        fit, free = looked_at(pyramid, scan, there)
         if fit.known < PARTLY:
             continue
         known += fit.known
         misfit += fit.known * (1.0 - fit.hit + free)
-        if agrees(fit, free, usual):
+        if agrees(fit, free, usual.hit):
             agreeing += fit.known
             poses.append(pose)
     spread = max((math.hypot(*(pose - poses[0])[:2]) for pose in poses), default=0.0)
-    return Support(known, agreeing, spread, misfit / known if known else 1.0)
+    share = 0.0
+    if known >= EVIDENCE:
+        beams, crossing = np.sum([crossings(pyramid, scan, there) for scan, _, there in compared], axis=0)
+        share = float(crossing / max(beams, 1)) - OFTEN * usual.crossing
+    return Support(known, agreeing, spread, misfit / known if known else 1.0, share)
+
+
+def crossings(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> tuple[int, int]:
+    """How many of some beams of a scan at a pose (3,) the map knows something of, and how many cross walls."""
+    pyramid.cover(scan.points, pose)
+    level, every = pyramid.levels[0], max(1, len(scan.points) // BEAMS)
+    inverse = 1.0 / level.resolution
+    slack = SLACK * inverse
+    counts: tuple[int, int] = count_crossing(
+        level.cells, level.corner, inverse, scan.points, scan.laser, pose, slack, every
+    )
+    return counts
 
 
 def looked_at(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> tuple[Fit, float]:
@@ -209,5 +236,8 @@ def looked_at(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> tuple[F
 
 
 def agrees(fit: Fit, free: float, usual: float) -> bool:
-    """Whether a scan may have been made there. free: the share of its known endpoints in free space."""
+    """Whether a scan may have been made there. free: the share of its known endpoints in free space.
+
+    usual: the mean inlier ratio of the scans in the map.
+    """
     return fit.hit >= HITS * usual and free <= 1.0 - usual + FREE

@@ -15,6 +15,7 @@ from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
 from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.global_search import agreement
+from slam_core.localization.placements import crossings
 from slam_core.localization.place_search import PlaceSearch
 from slam_core.mapping.interpolate import interpolate
 from slam_core.mapping.pyramid import Pyramid
@@ -163,3 +164,5 @@ def test_searches_stay_within_the_map(kind, points, pose):
     if not pyramid.empty:
         PlaceSearch(pyramid.levels[1], ends, 0.7).advance()
         assert 0.0 <= agreement(pyramid, scan, pose) <= 1.0
+        known, crossing = crossings(pyramid, scan, pose)
+        assert 0 <= crossing <= known <= len(ends)

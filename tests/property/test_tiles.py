@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.localization.global_search import agreement, locate
+from slam_core.localization.placements import crossings
 from slam_core.localization.search_parts import Region
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
@@ -86,7 +87,7 @@ def test_the_maps_of_these_tests_are_in_tiles():
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 10_000), st.floats(-1.0, 1.0), st.floats(-0.3, 0.3))
 def test_matches_and_searches_read_the_same(seed: int, shift: float, turn: float):
-    """At places that were left long ago: match, local search, surprises and agreement, to the last bit."""
+    """At places that were left long ago: match, local search, surprises, agreement and crossings, to the last bit."""
     tiled, dense, scans = made(seed)
     for points, laser, pose in scans[:4]:
         start = pose + np.array([shift, -shift, turn])
@@ -102,6 +103,7 @@ def test_matches_and_searches_read_the_same(seed: int, shift: float, turn: float
         assert ours.tobytes() == theirs.tobytes()
         assert tiled.unexpected(points, start).tobytes() == dense.unexpected(points, start).tobytes()
         assert agreement(tiled, scan, start) == agreement(dense, scan, start)
+        assert crossings(tiled, scan, start) == crossings(dense, scan, start)
 
 
 @settings(max_examples=5, deadline=None)

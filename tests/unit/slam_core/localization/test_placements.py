@@ -8,12 +8,18 @@ from slam_core.config import MapConfig, SlamConfig
 from slam_core.localization.placements import (
     EVIDENCE,
     HELD_NS,
+    CROSSING,
     MOST,
+    NOTHING,
+    OFTEN,
     SPREAD,
+    UNLIKELY,
     KeptScan,
     Placement,
     Placements,
     Support,
+    Usual,
+    crossings,
     refined,
     support,
 )
@@ -26,7 +32,8 @@ HERE = np.array([0.5, -0.5, 0.2])
 MOVED = np.array([0.7, -0.4, 0.9])  # of the local map in the map
 ASIDE = np.array([0.7, -0.5, 0.2])
 ELSEWHERE = np.array([5.0, 1.0, -2.0])
-GOOD = Support(known=8.0, agreeing=8.0, spread=3.0, misfit=0.05)
+USUAL = Usual(hit=0.95, crossing=0.02)
+GOOD = Support(known=8.0, agreeing=8.0, spread=3.0, misfit=0.05, crossing=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -66,26 +73,67 @@ def chosen(placements: Placements) -> Placement | None:
 
 def test_the_map_explains_the_scans_where_they_were_made(room: Pyramid):
     """All of them agree, over all of their path, and next to nothing lies in free space."""
-    found = support(room, kept(MOVED), MOVED, 0.95)
+    found = support(room, kept(MOVED), MOVED, USUAL)
     assert found.known > EVIDENCE
     assert found.agreeing == found.known
     assert found.spread > SPREAD
     assert found.misfit < 0.1
+    assert found.crossing < 0.0
 
 
 def test_elsewhere_the_scans_contradict_the_map(room: Pyramid):
     """Half a turn off in a nearly symmetric room most endpoints hit no wall, or lie in free space."""
     turned = geometry.compose(np.array([0.5, 0.5, np.pi]), MOVED)
-    found = support(room, kept(MOVED), turned, 0.95)
+    found = support(room, kept(MOVED), turned, USUAL)
     assert found.contradicts
     assert found.misfit > 0.3
 
 
 def test_scans_beyond_the_map_show_nothing(room: Pyramid):
     """Neither for nor against a placement."""
-    found = support(room, kept(MOVED), geometry.compose(np.array([40.0, 0.0, 0.0]), MOVED), 0.95)
-    assert found == Support(0.0, 0.0, 0.0, 1.0)
+    found = support(room, kept(MOVED), geometry.compose(np.array([40.0, 0.0, 0.0]), MOVED), USUAL)
+    assert found == NOTHING
     assert not found.contradicts
+
+
+@pytest.fixture(scope="module")
+def half_room() -> Pyramid:
+    """The test room, mapped where x is above 1 m."""
+    pyramid = Pyramid(CONFIG.map)
+    pose = np.array([-1.0, -1.0, 0.0])
+    scan = stabilise(room_scan(pose), standing, CONFIG.scan)
+    seen = scan.points[scan.points[:, 0] - 1.0 > 1.0]
+    pyramid.update(seen, scan.cleared[:0], scan.laser, pose, CONFIG.map)
+    return pyramid
+
+
+def test_beams_that_cross_walls_into_the_unknown_contradict_a_placement(half_room: Pyramid):
+    """Endpoints alone say little there: those that lie beyond the map count for nothing, however they came there."""
+    scans = 2 * kept(MOVED)
+    true, wrong = (
+        support(half_room, scans, geometry.compose(np.array([x, 0.0, 0.0]), MOVED), USUAL) for x in (0.0, 2.5)
+    )
+    assert true.crossing < 0.0
+    assert wrong.agreeing == wrong.known > EVIDENCE
+    assert wrong.crossing > UNLIKELY
+    assert wrong.contradicts
+    often = support(half_room, scans, MOVED, USUAL._replace(crossing=0.5))
+    assert often.crossing == pytest.approx(true.crossing - OFTEN * 0.48)
+
+
+def test_a_beam_that_ends_on_a_wall_crosses_none(room: Pyramid):
+    """It was seen through glass: walls before its end do not count, nor those within reach of its end."""
+    scan = stabilise(room_scan(np.zeros(3)), standing, CONFIG.scan)
+    known, crossing = crossings(room, scan, np.zeros(3))
+    assert known >= 20
+    assert crossing == 0
+    beyond = scan._replace(points=scan.points * np.float32(1.5))
+    known, crossing = crossings(room, beyond, np.zeros(3))
+    assert crossing > 0.9 * known
+    behind = scan._replace(points=(scan.points * np.float32(1.02)))
+    assert crossings(room, behind, np.zeros(3))[1] == 0
+    assert crossings(room, scan, np.full(3, np.nan)) == (0, 0)
+    assert crossings(room, scan, np.array([1e18, -1e18, 0.0])) == (0, 0)
 
 
 def test_a_placement_is_refined_by_the_scans_of_the_whole_local_map(room: Pyramid):
@@ -114,8 +162,8 @@ def test_the_true_place_remains_of_those_that_were_tried(room: Pyramid):
     true = geometry.compose(MOVED, here)
     placements.add([geometry.compose(np.array([0.5, 0.5, np.pi]), true), true], here)
     assert len(placements) == 2
-    assert not placements.judge(room, scans, 0.95, CONFIG)
-    assert placements.judge(room, scans, 0.95, CONFIG)
+    assert not placements.judge(room, scans, USUAL, CONFIG)
+    assert placements.judge(room, scans, USUAL, CONFIG)
     assert len(placements) == 1
     assert placements.best(here, 0) is None  # not at once
     best = placements.best(here, HELD_NS)
@@ -150,6 +198,7 @@ def test_a_placement_must_be_the_best_for_a_while():
         (GOOD._replace(known=EVIDENCE - 0.1, agreeing=EVIDENCE - 0.1), "too little is known there"),
         (GOOD._replace(agreeing=(MOST - 0.01) * 8.0), "too many scans do not agree"),
         (GOOD._replace(spread=SPREAD - 0.1), "they were made at one place"),
+        (GOOD._replace(crossing=CROSSING + 0.01), "too many beams cross walls"),
     ],
 )
 def test_a_placement_needs_scans_from_places_apart_that_agree(lacking: Support, why: str):
@@ -159,18 +208,13 @@ def test_a_placement_needs_scans_from_places_apart_that_agree(lacking: Support, 
 
 
 def test_no_placement_is_the_one_beside_another_that_fits_nearly_as_well():
-    """One of less than twice the misfit is a rival, and one that explains far more; others are none."""
+    """One of less than twice the misfit is a rival; others are none."""
     assert chosen(tried(GOOD, GOOD._replace(misfit=0.09))[0]) is None
-    assert chosen(tried(GOOD, GOOD._replace(misfit=0.2, known=17.0, agreeing=17.0))[0]) is None
     placements, (first, _) = tried(GOOD, GOOD._replace(misfit=0.11))
     assert chosen(placements) is first
-    much = GOOD._replace(known=20.0, agreeing=17.0)
-    placements, (first, _) = tried(much, GOOD._replace(misfit=0.09))
-    assert chosen(placements) is first  # which explains far more, and fits better
-    assert chosen(tried(much, GOOD._replace(misfit=0.049))[0]) is None
-    contradicted = GOOD._replace(misfit=0.06, agreeing=3.0)
-    placements, (first, _) = tried(GOOD, contradicted)
-    assert chosen(placements) is first
+    for contradicted in (GOOD._replace(agreeing=3.0), GOOD._replace(crossing=UNLIKELY + 0.01)):
+        placements, (first, _) = tried(GOOD, contradicted._replace(misfit=0.06))
+        assert chosen(placements) is first
     unproven = GOOD._replace(misfit=0.01, known=1.0, agreeing=1.0)
     placements, (first, _) = tried(GOOD, unproven)
     assert chosen(placements) is first
@@ -184,11 +228,11 @@ def test_whether_the_map_may_explain_a_local_map_shows_once_enough_is_known():
 
 def test_a_robot_that_stands_is_found_by_the_place_where_it_stood():
     """One scan may do for that, if it agrees there."""
-    stood = Support(known=0.9, agreeing=0.9, spread=0.0, misfit=0.05)
+    stood = GOOD._replace(known=0.9, agreeing=0.9, spread=0.0)
     placements, (placement, _) = tried(stood, GOOD)
     assert placements.at(HERE, HERE, 0.15, 0.15) is placement
     assert placements.at(ASIDE, HERE, 0.15, 0.15) is None
     placement.support = stood._replace(agreeing=0.0)
     assert placements.at(HERE, HERE, 0.15, 0.15) is None
-    placement.support = Support(0.0, 0.0, 0.0, 1.0)
+    placement.support = NOTHING
     assert placements.at(HERE, HERE, 0.15, 0.15) is None
