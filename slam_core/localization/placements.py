@@ -33,8 +33,8 @@ HITS, FREE = 0.8, 0.08
 EVIDENCE = 5.0  # scans' worth of known endpoints from which a placement can be judged
 LEAST, MOST = 0.5, 0.7  # of these in scans that agree: for a placement to be kept, and to be the one
 SPREAD = 2.75  # metres between scans that agree
-# Beams may cross walls, and end on none, so many times as often as usual, and this share of them besides. With more,
-# a placement is not the one; with far more, it is given up.
+# Beams may cross walls, and end on none, so many times as often as usual, and this share of them besides. With
+# more, a placement is not the one; with far more, it is given up.
 OFTEN, CROSSING, UNLIKELY = 1.5, 0.04, 0.15
 BEAMS = 20  # of each scan that are followed
 SLACK = 0.4  # metres before its end in which a beam may touch walls: those that it ends on

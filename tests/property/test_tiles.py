@@ -87,7 +87,7 @@ def test_the_maps_of_these_tests_are_in_tiles():
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 10_000), st.floats(-1.0, 1.0), st.floats(-0.3, 0.3))
 def test_matches_and_searches_read_the_same(seed: int, shift: float, turn: float):
-    """At places that were left long ago: match, local search, surprises, agreement and crossings, to the last bit."""
+    """At places that were left long ago: match, local search, surprises, agreement, crossings: to the last bit."""
     tiled, dense, scans = made(seed)
     for points, laser, pose in scans[:4]:
         start = pose + np.array([shift, -shift, turn])

@@ -6,9 +6,9 @@ import pytest
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig
 from slam_core.localization.placements import (
+    CROSSING,
     EVIDENCE,
     HELD_NS,
-    CROSSING,
     MOST,
     NOTHING,
     OFTEN,
@@ -108,7 +108,7 @@ def half_room() -> Pyramid:
 
 
 def test_beams_that_cross_walls_into_the_unknown_contradict_a_placement(half_room: Pyramid):
-    """Endpoints alone say little there: those that lie beyond the map count for nothing, however they came there."""
+    """Endpoints alone say little there: those beyond the map count for nothing, however they came there."""
     scans = 2 * kept(MOVED)
     true, wrong = (
         support(half_room, scans, geometry.compose(np.array([x, 0.0, 0.0]), MOVED), USUAL) for x in (0.0, 2.5)
