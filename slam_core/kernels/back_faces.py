@@ -5,11 +5,14 @@ wall away: eq. (7) draws the scan there. The surfels tell from where a wall was 
 of points whose normals contradict each other: Rusinkiewicz and Levoy 2001.)
 """
 
+import math
+
 import numpy as np
 from numba import njit
 
 from slam_core.kernels.gauss_newton import TOGETHER, in_lattice, joint_cost, place
 from slam_core.kernels.memory import pair
+from slam_core.kernels.structures import Beams
 from slam_core.kernels.surfels import RIGHT, unpacked
 
 AWAY = np.float32(0.2)  # cosine of beam and normal of a surface that looks away
@@ -43,6 +46,19 @@ def count_behind(walls, beams, pose, behind):
             behind[begin + i] = hidden
             count += hidden
     return count
+
+
+@njit(cache=True, error_model="numpy")
+def find_behind(walls, beams, ends, poses, place, behind):
+    """`count_behind` of the beams of many scans: those of scan k are from ends[k] to ends[k + 1].
+
+    poses: (m, 3) of the scans in a frame that lies at `place` (3,) in the map.
+    """
+    c, s, pose = math.cos(place[2]), math.sin(place[2]), np.empty(3)
+    for k in range(len(poses)):
+        x, y, a, b = poses[k, 0], poses[k, 1], ends[k], ends[k + 1]
+        pose[0], pose[1], pose[2] = place[0] + c * x - s * y, place[1] + s * x + c * y, place[2] + poses[k, 2]
+        count_behind(walls, Beams(beams.xs[a:b], beams.ys[a:b]), pose, behind[a:b])
 
 
 @njit(cache=True, error_model="numpy")

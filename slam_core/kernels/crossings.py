@@ -19,6 +19,7 @@ def count_crossing(cells, corner, inverse, points, laser, pose, slack, every):
     c, s = math.cos(pose[2]) * inverse, math.sin(pose[2]) * inverse
     shift_u, shift_v = pose[0] * inverse, pose[1] * inverse
     u0, v0 = c * laser[0] - s * laser[1] + shift_u, s * laser[0] + c * laser[1] + shift_v
+    longest = np.float64(cells.shape[0] + cells.shape[1])  # a beam from within has left the cells by then
     known = crossing = 0
     for k in range(0, len(points), every):
         x, y = np.float64(points[k, 0]), np.float64(points[k, 1])
@@ -27,7 +28,7 @@ def count_crossing(cells, corner, inverse, points, laser, pose, slack, every):
         crosses = False
         if end <= UNKNOWN:
             length = math.hypot(x - laser[0], y - laser[1]) * inverse
-            for step in range(1, int(length - slack)):
+            for step in range(1, int(min(length - slack, longest))):
                 t = step / length
                 if _cell(cells, corner, u0 + t * (u - u0), v0 + t * (v - v0)) > UNKNOWN:
                     crosses = True

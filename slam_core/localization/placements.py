@@ -13,12 +13,14 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
+from slam_core.kernels.back_faces import find_behind
 from slam_core.kernels.correlative import count_hits
 from slam_core.kernels.crossings import count_crossing
 from slam_core.kernels.planar import transform_points
+from slam_core.kernels.structures import Level
 from slam_core.localization.place_search import apart
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.matching.matcher import coarse_to_fine
+from slam_core.matching.matcher import beams_of, coarse_to_fine
 from slam_core.measurements import Float64s
 from slam_core.results import Fit
 from slam_core.scan.stabilise import StabilisedScan
@@ -175,21 +177,30 @@ class Placements:
 def refined(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, config: SlamConfig) -> Float64s:
     """A placement (3,) after a match of endpoints of all scans that are compared; as it was if too few are known.
 
-    A match of next to nothing goes anywhere.
+    A match of next to nothing goes anywhere. Endpoints that come to lie on walls seen from behind are left out:
+    the side that they belong to lies the thickness of the wall further on.
     """
     compared = list(scans)[-COMPARED:]
     here = compared[-1].pose
-    back = geometry.inverse(here)
-    parts = [
-        transform_points(geometry.compose(back, pose), scan.points[:: max(1, len(scan.points) // POINTS)])
-        for scan, pose, _ in compared
-    ]
-    points = np.concatenate(parts).astype(np.float32)
-    # Their beams have no origin in common, so walls have no side from which they were seen.
+    there, back = geometry.compose(moved, here), geometry.inverse(here)
+    ends = [scan.points[:: max(1, len(scan.points) // POINTS)] for scan, _, _ in compared]
+    poses = [geometry.compose(back, pose) for _, pose, _ in compared]
+    points = np.concatenate([transform_points(*each) for each in zip(poses, ends, strict=True)]).astype(np.float32)
+    beams, first = beams_of(np.concatenate(ends)), np.cumsum([0, *map(len, ends)])
+    # They have no origin in common, so that the match itself cannot tell from which side a wall is seen.
     matcher = replace(config.matcher, back_face_share=1.0, surfel_weight=0.0)
-    there = geometry.compose(moved, here)
-    match = coarse_to_fine(pyramid, points, there, matcher)
-    return moved if geometry.apart(match.pose, there, *REFINED) else geometry.compose(match.pose, back)
+    place, kept, behind = there, np.ones(len(points), np.bool_), np.empty(len(points), np.bool_)
+    while True:
+        pyramid.cover(points, place)
+        level = pyramid.levels[0]
+        walls = Level(level.surfels, level.corner, 1.0 / level.resolution)
+        find_behind(walls, beams, first, np.array(poses), place, behind)
+        if place is not there and not (kept & behind).any():
+            return geometry.compose(place, back)
+        kept &= ~behind
+        place = coarse_to_fine(pyramid, points[kept], there, matcher).pose
+        if geometry.apart(place, there, *REFINED):
+            return moved
 
 
 def support(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, usual: Usual) -> Support:

@@ -24,7 +24,7 @@ from slam_core.localization.placements import (
     support,
 )
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.scan.stabilise import stabilise
+from slam_core.scan.stabilise import StabilisedScan, stabilise
 from tests.worlds import room_scan, standing
 
 CONFIG = SlamConfig(map=MapConfig(size=400))
@@ -132,6 +132,8 @@ def test_a_beam_that_ends_on_a_wall_crosses_none(room: Pyramid):
     assert crossing > 0.9 * known
     behind = scan._replace(points=(scan.points * np.float32(1.02)))
     assert crossings(room, behind, np.zeros(3))[1] == 0
+    endless = scan._replace(points=scan.points * np.float32(1e30))
+    assert crossings(room, endless, np.zeros(3))[1] > 0.9 * known
     assert crossings(room, scan, np.full(3, np.nan)) == (0, 0)
     assert crossings(room, scan, np.array([1e18, -1e18, 0.0])) == (0, 0)
 
@@ -145,6 +147,24 @@ def test_a_placement_is_refined_by_the_scans_of_the_whole_local_map(room: Pyrami
     for scan in (scans[0], scans[-1]):
         true = geometry.compose(local, scan.pose)
         np.testing.assert_allclose(geometry.compose(found, scan.pose), true, atol=0.01)
+
+
+def test_a_placement_is_not_drawn_to_the_other_side_of_a_wall():
+    """The scans see a wall from behind, 15 cm thick: its mapped side is not where they end."""
+    pyramid, xs = Pyramid(CONFIG.map), np.arange(-3.0, 3.0, 0.02)
+    scan = stabilise(room_scan(np.zeros(3)), standing, CONFIG.scan)
+
+    def seen(distance: float) -> StabilisedScan:
+        points = np.column_stack([xs, np.full_like(xs, distance)]).astype(np.float32)
+        return scan._replace(points=points, heights=np.zeros(len(points), np.float32))
+
+    for _ in range(3):
+        pyramid.update(seen(1.0).points, scan.cleared[:0], scan.laser, np.zeros(3), CONFIG.map)
+    for thickness, drawn in ((0.15, 0.0), (-0.1, 0.1)):
+        away = np.array([0.0, 3.0 + thickness, 0.0]) if thickness > 0.0 else np.array([0.0, thickness, 0.0])
+        kept_scan = KeptScan(seen(-2.0 if thickness > 0.0 else 1.0), away, 0)
+        found = refined(pyramid, [kept_scan], np.zeros(3), CONFIG)
+        np.testing.assert_allclose(found[1], drawn, atol=0.03)
 
 
 def test_a_placement_of_which_next_to_nothing_is_known_stays_where_it_is(room: Pyramid):
