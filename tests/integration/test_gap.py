@@ -120,6 +120,18 @@ def test_the_place_is_found_once_the_scans_of_the_local_map_agree_with_the_map(r
     assert rooms.seconds(recovered[0]) > 28.0
 
 
+@pytest.mark.parametrize("variant", [1, 4])
+def test_a_robot_is_not_taken_to_a_wrong_place_of_a_small_map(variant: int):
+    """Most of what it sees after the gap is unknown. Where the rest fits it looks through walls."""
+    run = ensembles.run("arena, no data for 5 s from 10 s", variant, {})
+    assert run.truth is not None
+    true = move(first_on_first(run.truth, run.poses[:, 1:]), run.truth)
+    off = np.hypot(*(run.poses[:, 1:] - true)[:, :2].T)
+    assert off[run.sure].max() < 0.3
+    assert off[-20:].max() < 0.1
+    assert not run.lost_at_the_end
+
+
 def test_a_lost_robot_is_followed_in_its_local_map(rooms: Drive):
     """Its pose does not run away: where it is in the map is wrong by one motion, but its way is right to 5 cm."""
     ours, true = rooms.poses[rooms.lost], rooms.truth[rooms.lost]
