@@ -33,8 +33,8 @@ from slam_core.scan.stabilise import StabilisedScan
 FAR = 1.0  # metres, one sigma of a prediction: from there on nothing is known of where the robot is
 STRAYED = 2.0  # metres, one sigma: the same where inertial data still tells the heading
 SILENT_NS = 1_500_000_000  # between two scans: where no inertial data shows a gap
-JUDGED_NS = 100_000_000  # from one look at a placement to the next
-JUDGING = 2.5e6  # looks at a cell that take as long where enough is known; elsewhere it takes little
+JUDGED_NS = 50_000_000  # from one look at a placement to the next
+JUDGING = 2e6  # looks at a cell that take as long
 MOST_JUDGED = 4  # placements with one scan
 NEAR = (0.3, 0.1)  # metres, radians: so near the scan is matched where the placement has it
 PLACED = np.diag([0.03, 0.03, 0.01]) ** 2.0  # covariance of a placement: metres, metres, radians
@@ -199,10 +199,9 @@ class Locator:
         self._judged_ns = time_ns
         usual = Usual(self._main.usual, self._crossing)
         for _ in range(min(MOST_JUDGED, max(1, passed_ns // JUDGED_NS))):
-            if self._placements.any_supported:
-                self._main.relocaliser.spend(JUDGING)
-            if self._placements.judge(self._pyramid, local.scans, usual, config):
+            if not self._placements.judge(self._pyramid, local.scans, usual, config):
                 return True
+            self._main.relocaliser.spend(JUDGING)
         return False
 
     def _at_rest(self, local: LocalMap, here: Float64s, time_ns: int) -> Placement | None:

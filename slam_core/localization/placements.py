@@ -99,10 +99,11 @@ NOTHING = Support(0.0, 0.0, 0.0, 1.0, 0.0)
 
 @dataclass(slots=True, eq=False)
 class Placement:
-    """moved: (3,) the pose of the local map in the map."""
+    """moved: (3,) the pose of the local map in the map. compared_ns: the newest scan that it was compared with."""
 
     moved: Float64s
     support: Support = NOTHING
+    compared_ns: int = 0
 
 
 class Placements:
@@ -125,19 +126,25 @@ class Placements:
                 self._tried.append(Placement(geometry.compose(place, geometry.inverse(here))))
 
     def judge(self, pyramid: Pyramid, scans: Sequence[KeptScan], usual: Usual, config: SlamConfig) -> bool:
-        """Look at one placement, and give it up if scans contradict it. Whether it was the last one in turn."""
-        if not self._tried:
-            return True
+        """Look at the next placement that was not compared with the newest scan. It may be given up then.
+
+        False if there was none any more: each had its turn, and the first is the next.
+        """
+        newest_ns = scans[-1].time_ns if scans else 0
+        while self._next < len(self._tried) and self._tried[self._next].compared_ns == newest_ns:
+            self._next += 1
+        if self._next >= len(self._tried):
+            self._next = 0
+            return False
         placement = self._tried[self._next]
+        placement.compared_ns = newest_ns
         placement.moved = refined(pyramid, scans, placement.moved, config)
         placement.support = support(pyramid, scans, placement.moved, usual)
         if placement.support.contradicts:
             del self._tried[self._next]
         else:
             self._next += 1
-        ended = self._next >= len(self._tried)
-        self._next = 0 if ended else self._next
-        return ended
+        return True
 
     def best(self, here: Float64s, time_ns: int) -> Placement | None:
         """The one that has explained the scans for a while, and no other nearly as well; None without.

@@ -5,6 +5,7 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig
+from slam_core.localization import placements as module
 from slam_core.localization.placements import (
     CROSSING,
     EVIDENCE,
@@ -182,13 +183,26 @@ def test_the_true_place_remains_of_those_that_were_tried(room: Pyramid):
     true = geometry.compose(MOVED, here)
     placements.add([geometry.compose(np.array([0.5, 0.5, np.pi]), true), true], here)
     assert len(placements) == 2
-    assert not placements.judge(room, scans, USUAL, CONFIG)
     assert placements.judge(room, scans, USUAL, CONFIG)
+    assert placements.judge(room, scans, USUAL, CONFIG)
+    assert not placements.judge(room, scans, USUAL, CONFIG)
     assert len(placements) == 1
     assert placements.best(here, 0) is None  # not at once
     best = placements.best(here, HELD_NS)
     assert best is not None
     np.testing.assert_allclose(geometry.compose(best.moved, here), true, atol=0.01)
+
+
+def test_a_placement_is_looked_at_again_only_with_a_new_scan(room: Pyramid, monkeypatch: pytest.MonkeyPatch):
+    """Nothing has changed without one. A new one begins the next round with the first placement."""
+    looked = []
+    monkeypatch.setattr(module, "refined", lambda _, __, moved, ___: looked.append(moved[0]) or moved)
+    placements, scans = Placements(), kept(MOVED)
+    placements.add([np.array([50.0 * k, 0.0, 0.0]) for k in (1, 2)], np.zeros(3))
+    rounds = [placements.judge(room, each, USUAL, CONFIG) for each in (scans[:-1],) * 4 + (scans,) * 3]
+    assert rounds == [True, True, False, False, True, True, False]
+    assert looked == [50.0, 100.0, 50.0, 100.0]
+    assert not Placements().judge(room, [], USUAL, CONFIG)
 
 
 def test_places_near_one_that_is_tried_are_not_tried_again():
