@@ -46,6 +46,7 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from numba.core.dispatcher import Dispatcher
 from slam_core.config import SlamConfig, with_value
+from tests.integration.test_gap import ROOMS, Drive
 from tests.integration.test_recovery import kidnapped
 
 def loaded():
@@ -62,6 +63,7 @@ for inertial, planar in ((True, False), (False, False), (True, True)):
             pipeline.step(measurement)
             if pipeline.result is not None:
                 states.append(pipeline.result.tracking)
+assert Drive(*ROOMS).to_the_end().lost.any()
 print(*(state for state in ("lost", "recovered") if state in states), *map(str, loaded() - before), sep="\\n")
 """
 COLD_S = 900  # of a busy machine
@@ -133,7 +135,10 @@ def test_the_second_start_compiles_nothing() -> None:
 
 
 def test_a_stream_that_loses_its_pose_compiles_nothing() -> None:
-    """All is there before it begins, in a plane, too: a robot that is carried away compiles no new signature."""
+    """All is there before it begins, in a plane, too: a robot that is carried away compiles no new signature.
+
+    Nor does one whose data breaks off for some seconds.
+    """
     done = output(LOSES).stdout.splitlines()
     assert done[:2] == ["lost", "recovered"]
     assert not done[2:]
