@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
@@ -191,23 +192,28 @@ def refined(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, config
     here = compared[-1].pose
     there, back = geometry.compose(moved, here), geometry.inverse(here)
     ends = [scan.points[:: max(1, len(scan.points) // POINTS)] for scan, _, _ in compared]
-    poses = [geometry.compose(back, pose) for _, pose, _ in compared]
+    poses = np.array([geometry.compose(back, pose) for _, pose, _ in compared])
     points = np.concatenate([transform_points(*each) for each in zip(poses, ends, strict=True)]).astype(np.float32)
     beams, first = beams_of(np.concatenate(ends)), np.cumsum([0, *map(len, ends)])
+
+    def in_front(place: Float64s) -> NDArray[np.bool_]:
+        pyramid.cover(points, place)
+        level, behind = pyramid.levels[0], np.empty(len(points), np.bool_)
+        walls = Level(level.surfels, level.corner, 1.0 / level.resolution)
+        find_behind(walls, beams, first, poses, place, behind)
+        return ~behind
+
     # They have no origin in common, so that the match itself cannot tell from which side a wall is seen.
     matcher = replace(config.matcher, back_face_share=1.0, surfel_weight=0.0)
-    place, kept, behind = there, np.ones(len(points), np.bool_), np.empty(len(points), np.bool_)
+    kept = in_front(there)
     while True:
-        pyramid.cover(points, place)
-        level = pyramid.levels[0]
-        walls = Level(level.surfels, level.corner, 1.0 / level.resolution)
-        find_behind(walls, beams, first, np.array(poses), place, behind)
-        if place is not there and not (kept & behind).any():
-            return geometry.compose(place, back)
-        kept &= ~behind
         place = coarse_to_fine(pyramid, points[kept], there, matcher).pose
         if geometry.apart(place, there, *REFINED):
             return moved
+        fewer = kept & in_front(place)
+        if fewer.sum() == kept.sum():
+            return geometry.compose(place, back)
+        kept = fewer
 
 
 def support(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, usual: Usual) -> Support:
