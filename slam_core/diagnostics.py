@@ -8,6 +8,7 @@ SHOWN_NS = 5_000_000_000  # a diagnostic that no longer holds is reported for th
 # Reasons for which a scan has no result.
 NO_BEAM = "scan without a beam in range"
 NO_ATTITUDE = "scan before the attitude was known"
+REPEATED = "scan that repeats the one before while the robot moves"
 NOT_LOCALISED = "scan before the robot was found in the map"
 
 Code = Literal[
@@ -20,6 +21,7 @@ Code = Literal[
     "imu_clock_set_ahead",
     "imu_implausible",  # values that are not finite or out of any sensor's range
     "no_beam_in_range",
+    "scans_repeated",
     "height_unknown",  # nothing measures the height of a platform that stays level
     "aid_implausible",  # source: which one, as in AidingStatus
     "aid_too_late",

@@ -104,10 +104,11 @@ class Rejection(NamedTuple):
     """Why a match was rejected: which figure, its value, and the limit or the usual value that it missed.
 
     overlap: share of the scan on known cells. inlier_ratio: share of the known endpoints on occupied cells,
-    against its running mean. mahalanobis_distance: sigmas from the prediction.
+    against its running mean. mahalanobis_distance: sigmas from the prediction. hidden: share of the beams that end
+    before the walls of the map.
     """
 
-    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance"]
+    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance", "hidden"]
     value: float
     limit: float
 
@@ -127,6 +128,11 @@ class Verdict(NamedTuple):
     outside_map: bool = False
     recovery: Literal["", "relocalised", "continued"] = ""
     confirmed: bool = True
+
+    @property
+    def hidden(self) -> bool:
+        """Whether something near the laser hides the map: the scan tells nothing of the pose."""
+        return self.rejection is not None and self.rejection.code == "hidden"
 
 
 ACCEPTED = Verdict()

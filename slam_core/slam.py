@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from slam_core.diagnostics import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED
+from slam_core.diagnostics import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED, REPEATED
 from slam_core.measurements import LaserScan, Measurement
 from slam_core.results import StepResult, Sweep
 from slam_core.state import SlamState
@@ -45,10 +45,13 @@ class HectorSlam(SlamState):
         if not self._locator.initialise(stabilised, time_ns, config):
             return self._skip(NOT_LOCALISED)
         prior = self._predict(time_ns)  # section V-A
+        if self._repeats.takes(scan, prior.mean, measured=not motion.unaided):
+            return self._skip(REPEATED)
         placed, pose, match, verdict = self._locate(scan, stabilised, prior, config)  # sections IV-B, IV-C
         update = self._update(placed, pose, match, verdict, time_ns, config.map, unaided=motion.unaided)
         fused, navigation = self._fuse(time_ns, match, accepted=verdict.accepted)  # section V-B
         fused = self._locator.fused(fused)
+        self._repeats.located(fused.mean)
         self._scans += 1
         return StepResult(
             index=self._scans - 1,

@@ -16,6 +16,7 @@ from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float64s
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import PlanarGaussian, PoseRecord, Poses, Status
+from slam_core.scan.repeats import Repeats
 from slam_core.scan.stabilise import stabilise
 from slam_core.sequencer import Sequencer
 from slam_core.timing import Stopwatch
@@ -44,6 +45,7 @@ class SlamState:
         self._start = None if prior_map else StartInMotion(self._motion)
         self._scans, self._scan_ns = 0, 0
         self._record = PoseRecord()
+        self._repeats = Repeats()
         self._stopwatch = Stopwatch(clock)
         # The stages of figure 1, with their durations.
         timed = self._stopwatch.timed

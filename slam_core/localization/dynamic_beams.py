@@ -82,7 +82,7 @@ def match_background(
         is_taken = is_better_with_prediction(other, match, before, prior, config)
     else:
         is_taken = is_clearly_better(other, match, before)
-    return _of_all(other, pyramid, points, static) if is_taken else None
+    return of_all(other, pyramid, points, static) if is_taken else None
 
 
 def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
@@ -122,11 +122,11 @@ def match_without(
         static[np.concatenate(found[:k])] = False
         other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
         if is_better(other, match, match.residuals[static], prior):
-            return _of_all(other, pyramid, points, static)
+            return of_all(other, pyramid, points, static)
     return None
 
 
-def _of_all(match: MatchResult, pyramid: Pyramid, points: Float32s, static: NDArray[np.bool_]) -> MatchResult:
+def of_all(match: MatchResult, pyramid: Pyramid, points: Float32s, static: NDArray[np.bool_]) -> MatchResult:
     """A match of some endpoints, with the residuals of all of them (n, 2).
 
     static: (n,) which were matched.

@@ -5,27 +5,23 @@ from typing import NamedTuple
 import numpy as np
 
 from slam_core import geometry
-from slam_core.config import MatcherConfig, SlamConfig
+from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation, is_vague
-from slam_core.localization.deskew_refinement import refine
-from slam_core.localization.dynamic_beams import match_background, without_dynamic
-from slam_core.localization.motion_hypotheses import best_match
+from slam_core.localization.hidden_walls import covered, misled
 from slam_core.localization.place_search import apart
+from slam_core.localization.rejected_matches import CONTRADICTS
 from slam_core.localization.relocalisation import Relocaliser
+from slam_core.localization.scan_matching import ScanMatching
 from slam_core.localization.search_parts import Region
 from slam_core.localization.tracking import (
-    LEAP_SIGMAS,
     NEAR,
-    Tracker,
     exceeds_basin,
+    is_good,
     least_unusual,
     mahalanobis_distance,
-    search_window,
 )
 from slam_core.localization.weak_direction import WeakDirection
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.matching.correlative import find_pose
-from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import Float64s, LaserScan
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import (
@@ -35,6 +31,7 @@ from slam_core.results import (
     MatchResult,
     PlanarGaussian,
     Rejection,
+    Tracking,
     Verdict,
 )
 from slam_core.scan.stabilise import StabilisedScan
@@ -73,8 +70,7 @@ class Localiser:
         self._is_localised = not is_prior
         self._writes = writes
         self._located_ns = 0
-        self._tracker = Tracker()
-        self._weak_direction = WeakDirection()
+        self._matching = ScanMatching(pyramid, motion)
         self._confirmation = Confirmation(self._pose)
 
     def initialise(self, scan: StabilisedScan, time_ns: int, config: SlamConfig) -> bool:
@@ -90,23 +86,23 @@ class Localiser:
         self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
     ) -> LocalisedScan:
         """Sections IV-B and IV-C. The first scan of a map is not matched: its pose is the origin."""
-        lapse_ns, self._located_ns = scan.mid_ns - self._located_ns, scan.mid_ns
-        if self._pyramid.empty:
-            return LocalisedScan(stabilised, self._pose, None, ACCEPTED)
-        predicted = stabilised
-        if self._motion.unaided and config.tracking.check and config.tracking.keep_speed:
-            config, prior, stabilised, match = self._steadied(scan, predicted, prior, lapse_ns, config)
-        else:
-            self._weak_direction.held = False
-            stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
-        if not config.tracking.check:
-            self._pose = match.pose
-            self._forget()
-            return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
-        if config.tracking.ignore_dynamic:
-            aligned = stabilised, match
-            stabilised, match = self._without_dynamic(predicted, aligned, prior, lapse_ns, config.matcher)
-        stabilised, match, verdict = self._check(scan, stabilised, match, prior, config)
+        lapse_ns, checks = scan.mid_ns - self._located_ns, config.tracking.check
+        if self._pyramid.empty or not checks:
+            self._located_ns = scan.mid_ns
+            return self._unchecked(scan, stabilised, prior, config)
+        matching, tracker = self._matching, self._matching.tracker
+        config, prior, stabilised, match = matching.matched(
+            scan, stabilised, self.start_estimate, prior, lapse_ns, config
+        )
+        why = None
+        if self._motion.inertial and tracker.is_unusual(match, prior, least_unusual(lapse_ns)):
+            why = misled(self._pyramid, stabilised, match, prior)
+        if not (why or self._fits(match.fit, prior)):
+            why = covered(self._pyramid, stabilised, prior, self.sure, lapse_ns)
+        if why:
+            return self._hidden(stabilised, match, prior, why)
+        self._located_ns = scan.mid_ns
+        stabilised, match, verdict = matching.check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
             prior, verdict = self._miss(verdict, match.fit, prior, scan.mid_ns, config)
         if config.tracking.relocalise and (verdict.state == "lost" or self._confirmation.awaits_search):
@@ -119,21 +115,57 @@ class Localiser:
                 match.fit,
                 verdict,
                 prior,
-                self._tracker.usual,
+                tracker.usual,
                 scan.mid_ns,
                 config.tracking,
-                is_unusual=self._motion.unaided and self._tracker.is_unusual(match, prior, DOUBTED),
+                is_unusual=self._motion.unaided and tracker.is_unusual(match, prior, DOUBTED),
                 inertial=self._is_inertial(prior),
             )
             if verdict.confirmed:
-                self._tracker.learn(match, prior)
+                tracker.learn(match, prior)
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
         self._jump(match, verdict, prior, scan.mid_ns)
         self._pose = match.pose if verdict.accepted else prior.mean
         if self._motion.unaided:
-            self._weak_direction.moved(scan.mid_ns, self._pose)
+            matching.weak_direction.moved(scan.mid_ns, self._pose)
         return LocalisedScan(stabilised, self._pose, match, verdict)
+
+    def _unchecked(
+        self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
+    ) -> LocalisedScan:
+        """The first scan of a map, or the match of another as it is."""
+        if self._pyramid.empty:
+            return LocalisedScan(stabilised, self._pose, None, ACCEPTED)
+        self._matching.weak_direction.held = False
+        stabilised, match = self._matching.align(
+            scan, stabilised, self.start_estimate(prior, config), prior, config
+        )
+        self._pose = match.pose
+        self._forget()
+        return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
+
+    def _fits(self, fit: Fit, prior: PlanarGaussian) -> bool:
+        """Whether a match fits so well that the laser is not covered.
+
+        Between two scans at a low rate a robot that only matches observe moves on: the others may fit badly, too.
+        """
+        if self._motion.unaided and is_vague(prior):
+            return fit.hit >= CONTRADICTS * self._matching.tracker.usual
+        return is_good(fit, self._matching.tracker.usual)
+
+    def _hidden(
+        self, scan: StabilisedScan, match: MatchResult, prior: PlanarGaussian, why: Rejection
+    ) -> LocalisedScan:
+        """A scan that tells neither for nor against the prediction, where it stays.
+
+        Without other sensors a vague one is worth less than the last sure pose.
+        """
+        vague = is_vague(prior)
+        self._matching.tracker.miss()
+        self._pose = self.sure if vague and self._motion.unaided else prior.mean
+        state: Tracking = "lost" if vague or self._confirmation.is_lost else "degraded"
+        return LocalisedScan(scan, self._pose, match, Verdict(state, why, accepted=False))
 
     def start_estimate(self, prior: PlanarGaussian, config: SlamConfig) -> Float64s:
         """Section V-B: the filter projected to the plane, its motion since the last match, or that match."""
@@ -144,116 +176,6 @@ class Localiser:
             return geometry.compose(self._pose, moved)
         return self._pose
 
-    def _align(
-        self,
-        scan: LaserScan,
-        stabilised: StabilisedScan,
-        start: Float64s,
-        prior: PlanarGaussian | None,
-        config: SlamConfig,
-    ) -> tuple[StabilisedScan, MatchResult]:
-        """A scan matched from a start estimate, and its beams as the motion of the match places them."""
-        match = coarse_to_fine(self._pyramid, stabilised.points, start, config.matcher, prior=prior)
-        motion = self._motion.planar_fallback
-        if motion is None:
-            return stabilised, match
-        return refine(scan, stabilised, match, prior, self._pyramid, motion, config)
-
-    def _steadied(
-        self,
-        scan: LaserScan,
-        stabilised: StabilisedScan,
-        prior: PlanarGaussian,
-        lapse_ns: int,
-        config: SlamConfig,
-    ) -> tuple[SlamConfig, PlanarGaussian, StabilisedScan, MatchResult]:
-        """A scan matched by the prediction; matches that scatter leave their direction to the mean speed before.
-
-        Returns the settings and the prediction to go on with as well.
-        """
-        weak, motion, predicted = self._weak_direction, self._motion, stabilised
-        config = weak.configured(config)
-        if weak.held:
-            prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
-        stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
-        if weak.begins(match, scan.mid_ns, lapse_ns):
-            prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
-            config = weak.configured(config)
-            stabilised, match = self._align(scan, predicted, self.start_estimate(prior, config), prior, config)
-        return config, prior, stabilised, match
-
-    def _without_dynamic(
-        self, predicted: StabilisedScan, aligned: tuple[StabilisedScan, MatchResult], prior: PlanarGaussian,
-        lapse_ns: int, config: MatcherConfig,
-    ) -> tuple[StabilisedScan, MatchResult]:  # fmt: skip
-        """A scan and its match without what may move, where that is the better one; else as they are."""
-        scan, match = aligned
-        is_unusual = self._tracker.is_unusual(match, prior, least_unusual(lapse_ns))
-        if self._motion.unaided:
-            return without_dynamic(self._pyramid, predicted, aligned, prior, config, is_unusual=is_unusual)
-        if self._motion.inertial and (is_unusual or self._tracker.is_bad(match.fit)):
-            match = match_background(self._pyramid, scan.points, match, prior, config, inertial=True) or match
-        return scan, match
-
-    def _check(
-        self,
-        scan: LaserScan,
-        stabilised: StabilisedScan,
-        match: MatchResult,
-        prior: PlanarGaussian,
-        config: SlamConfig,
-    ) -> tuple[StabilisedScan, MatchResult, Verdict]:
-        """The match if it is accepted, else one that a local search finds, else the verdict against both.
-
-        Where only matches observe the motion, at a low rate, a sudden turn and a wrong match look alike. A match
-        that is far from the prediction is compared with the outcome of a search then. One that leaps is no motion.
-        Wheels slip in a turn: where they alone observe it besides, a match that fits badly is compared, too.
-        """
-        tracker, tracking, unaided = self._tracker, config.tracking, self._motion.unaided
-        distance = mahalanobis_distance(match, prior)
-        rejection = tracker.check(match.fit, distance, tracking)
-        limit = tracking.unaided_mahalanobis_limit
-        doubtful = unaided and exceeds_basin(prior)
-        if doubtful and (rejection or distance > limit or tracker.is_poor(match.fit)):
-            better = self._other_motion(scan, (stabilised, match), prior, config)
-            if better is not None:
-                stabilised, match = better
-                distance = mahalanobis_distance(match, prior)
-                rejection = tracker.check(match.fit, distance, tracking)
-        leaps = unaided and tracker.leaps(match, prior)
-        if not (rejection or (doubtful and distance > limit) or leaps):
-            if not (unaided or self._motion.inertial) and tracker.is_bad(match.fit):
-                placed, found = self._nearby(scan, stabilised, match, prior, config)
-                if tracker.is_better(found.fit, match.fit):
-                    stabilised, match = placed, found
-            return stabilised, match, tracker.accept(None)
-        for placed, candidate in (self._nearby(scan, stabilised, match, prior, config), (stabilised, match)):
-            if unaided and tracker.leaps(candidate, prior):
-                continue
-            if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
-                return placed, candidate, tracker.accept(rejection)
-        rejection = rejection or Rejection("mahalanobis_distance", distance, LEAP_SIGMAS if leaps else limit)
-        return stabilised, match, tracker.reject(rejection, tracking)
-
-    def _nearby(
-        self, scan: LaserScan, stabilised: StabilisedScan, match: MatchResult, prior: PlanarGaussian,
-        config: SlamConfig,
-    ) -> tuple[StabilisedScan, MatchResult]:  # fmt: skip
-        """The match that a local search finds, in place of one that is suspect."""
-        self._pyramid.cover(stabilised.points, prior.mean)
-        window = search_window(prior, config.tracking)
-        start = find_pose(self._pyramid.levels[-1], stabilised.points, prior.mean, window)
-        start[:2] -= match.unobservable * (match.unobservable @ (start - prior.mean)[:2])  # any place fits there
-        return self._align(scan, stabilised, start, None, config)
-
-    def _other_motion(
-        self, scan: LaserScan, aligned: tuple[StabilisedScan, MatchResult], prior: PlanarGaussian,
-        config: SlamConfig,
-    ) -> tuple[StabilisedScan, MatchResult] | None:  # fmt: skip
-        """A clearly better match by another motion of the sweep than the predicted one; None without it."""
-        motion = self._motion.planar_fallback
-        return best_match(scan, aligned, prior, self._pyramid, motion, config) if motion else None
-
     def _miss(
         self, verdict: Verdict, fit: Fit, prior: PlanarGaussian, time_ns: int, config: SlamConfig
     ) -> tuple[PlanarGaussian, Verdict]:
@@ -263,7 +185,7 @@ class Localiser:
         was sure last. Inertial data has one that was found at a wrong place go on from where it was predicted.
         """
         confirmation, rejected = self._confirmation, self._confirmation.rejected_matches
-        rejected.add(fit, self._tracker.usual, config.tracking, is_vague=is_vague(prior))
+        rejected.add(fit, self._matching.tracker.usual, config.tracking, is_vague=is_vague(prior))
         predicted = confirmation.as_predicted(prior.mean, time_ns) if self._is_inertial(prior) else None
         failed = confirmation.rejected()
         if predicted is not None:
@@ -277,7 +199,7 @@ class Localiser:
             sigmas = np.minimum(HELD + HELD_GROWTH * confirmation.missed, HELD_MOST)
             prior = PlanarGaussian(confirmation.pose.copy(), np.diag(sigmas**2))
             self._motion.hold(time_ns, prior)
-            self._weak_direction = WeakDirection()
+            self._matching.weak_direction = WeakDirection()
         return prior, verdict
 
     def _relocalise(
@@ -297,7 +219,7 @@ class Localiser:
                 return match, verdict
             self._confirmation.rejected()
         self._reset_pose(time_ns, found.gaussian)
-        accepted = self._tracker.accept(verdict.rejection)
+        accepted = self._matching.tracker.accept(verdict.rejection)
         return found, accepted._replace(recovery="relocalised")
 
     def _is_inertial(self, prior: PlanarGaussian) -> bool:
@@ -320,7 +242,7 @@ class Localiser:
 
         With nothing to match against the pose would drift for good.
         """
-        self._tracker.reset()
+        self._matching.tracker.reset()
         self._confirmation = Confirmation(prior.mean)
         return continued(match, prior, verdict)
 
@@ -328,6 +250,11 @@ class Localiser:
         """Whether the map may go on from a prediction outside of it, which nothing shows to be wrong."""
         possible = self._writes and not self._motion.unaided and config.tracking.continue_from_prediction
         return possible and not (exceeds_basin(prior) or self._confirmation.rejected_matches.contradict)
+
+    @property
+    def pending(self) -> bool:
+        """Whether matches follow the robot from a place that waits to be confirmed."""
+        return self._confirmation.pending
 
     @property
     def sure(self) -> Float64s:
@@ -342,7 +269,7 @@ class Localiser:
     @property
     def usual(self) -> float:
         """The mean inlier ratio of accepted matches."""
-        return self._tracker.usual
+        return self._matching.tracker.usual
 
     def region(self, time_ns: int, motion: Float64s, prior: PlanarGaussian) -> Region | None:
         """Where the robot can have been at a time, with its motion (3,) from then on.
@@ -359,14 +286,14 @@ class Localiser:
 
     def _forget(self) -> None:
         """What matches before the present pose showed, and a search that has not ended."""
-        self._tracker.reset()
+        self._matching.tracker.reset()
         self._confirmation = Confirmation(self._pose)
         self.relocaliser.reset()
 
     def _reset_pose(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose in the map, wherever the robot was estimated before."""
         self._motion.reset_pose(time_ns, pose)
-        self._weak_direction = WeakDirection()
+        self._matching.weak_direction = WeakDirection()
         self._pose = self.fused = pose.mean
 
 

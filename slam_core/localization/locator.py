@@ -1,49 +1,28 @@
 """Where each scan lies in the map; after a gap in the data in a local map, until its place in the map is found."""
 
 import math
-from collections import deque
 
-import numpy as np
-
-from slam_core import geometry
-from slam_core.config import MapConfig, SlamConfig
+from slam_core.config import SlamConfig
+from slam_core.localization.hidden_walls import covered
+from slam_core.localization.joining import Joining
 from slam_core.localization.local_map import LocalMap
 from slam_core.localization.localiser import LocalisedScan, Localiser, continued
-from slam_core.localization.placements import (
-    PARTLY,
-    KeptScan,
-    Placement,
-    Placements,
-    Usual,
-    agrees,
-    crossings,
-    looked_at,
-)
+from slam_core.localization.map_view import HITS, looked_at
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.search_parts import AT_REST
 from slam_core.localization.tracking import GOOD, MOSTLY, exceeds_basin, is_good
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.matching.matcher import coarse_to_fine
-from slam_core.measurements import Float64s, LaserScan
+from slam_core.measurements import LaserScan
 from slam_core.navigation.ego_motion import EgoMotion
-from slam_core.results import MatchResult, PlanarGaussian, SearchFailure, Verdict
+from slam_core.results import PlanarGaussian, Verdict
 from slam_core.scan.stabilise import StabilisedScan
 
 FAR = 1.0  # metres, one sigma of a prediction: from there on nothing is known of where the robot is
 STRAYED = 2.0  # metres, one sigma: the same where inertial data still tells the heading
+LOST_NS, LOST_UNAIDED_NS = 5_000_000_000, 1_500_000_000  # from so long on, where only matches observe the motion
 SILENT_NS = 1_500_000_000  # between two scans: where no inertial data shows a gap
-JUDGED_NS = 50_000_000  # from one look at a placement to the next
-JUDGING = 2e6  # looks at a cell that take as long
-MOST_JUDGED = 4  # placements with one scan
-NEAR = (0.1, 0.05)  # metres, radians: so near the scan is matched where the placement has it, or it waits
-PLACED = np.diag([0.03, 0.03, 0.01]) ** 2.0  # covariance of a placement: metres, metres, radians
-RESTED_NS = 2_000_000_000  # a robot at rest before and after a gap, for so long, was not moved over it
-SAME = (0.15, 0.15)  # metres, radians
 UNFOUND = 100  # scans of a local map, 20 m of path, that no place of the map explains: the robot has left it
-LEARNED = 10  # scans, of which one shows how many beams cross walls where the place is sure
-CROSSING, MEMORY = 0.02, 0.03  # of the beams at first; weight of the newest such scan
-AT_ONCE = 2  # scans of a local map that are written into the map with one scan
 
 
 class Locator:
@@ -53,13 +32,10 @@ class Locator:
     """
 
     def __init__(self, pyramid: Pyramid, motion: EgoMotion, localiser: Localiser, mapper: Mapper) -> None:
-        self._pyramid, self._motion, self._mapper = pyramid, motion, mapper
-        self._main = localiser
+        self._pyramid, self._motion, self._main = pyramid, motion, localiser
         self._local: LocalMap | None = None
-        self._placements = Placements()
-        self._joined: deque[KeptScan] = deque()
-        self._judged_ns = self._located_ns = 0
-        self._crossing, self._located = CROSSING, 0
+        self._joining = Joining(pyramid, localiser, mapper)
+        self._located_ns = self._lost_ns = 0
 
     @property
     def pyramid(self) -> Pyramid:
@@ -83,7 +59,8 @@ class Locator:
     def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose that somebody states, and match from there."""
         self._local = None
-        self._joined.clear()
+        self._joining.forget()
+        self._lost_ns = 0
         self._main.reset(time_ns, pose)
 
     def fused(self, pose: PlanarGaussian) -> PlanarGaussian:
@@ -97,22 +74,35 @@ class Locator:
         self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
     ) -> LocalisedScan:
         """Sections IV-B and IV-C. The pose of a scan in a local map is accepted, but *lost* and not confirmed."""
-        lapse_ns, self._located_ns = scan.mid_ns - self._located_ns, scan.mid_ns
         if not (config.tracking.check and config.tracking.relocalise) or self._pyramid.empty:
             self._local = None
-        elif self._is_unknown(prior, lapse_ns) or (self._local and scan.mid_ns < self._local.begin_ns):
+        elif self._is_unknown(stabilised, scan.mid_ns, prior, config):
             self._begin(stabilised, scan.mid_ns, prior, config)
-        local = self._local
-        if local is None:
-            self._write_joined(config.map)
+        if self._local is None:
+            self._joining.write(config.map)
             found = self._main.locate(scan, stabilised, prior, config)
-            self._learn(found)
-            return found
+            self._joining.learn(found)
+        else:
+            found = self._locate_in(self._local, scan, stabilised, prior, config)
+        if not found.verdict.hidden:
+            self._count(found.verdict, scan.mid_ns - self._located_ns)
+            self._located_ns = scan.mid_ns
+        return found
+
+    def _count(self, verdict: Verdict, lapse_ns: int) -> None:
+        """How long the robot has been lost, without gaps."""
+        self._lost_ns = self._lost_ns + min(max(lapse_ns, 0), SILENT_NS) if verdict.state == "lost" else 0
+
+    def _locate_in(
+        self, local: LocalMap, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian,
+        config: SlamConfig,
+    ) -> LocalisedScan:  # fmt: skip
+        """A scan in the local map, or in the map once it is known where the local map lies there."""
         found = local.locate(scan, stabilised, prior, config)
-        if found.verdict.state == "lost":
+        if found.verdict.state == "lost" and not found.verdict.hidden:
             local = self._begin(stabilised, scan.mid_ns, local.prior_at(found.pose), config)
             found = local.locate(scan, stabilised, prior, config)
-        match = self._look(local, found, scan.mid_ns, config) if found.verdict.accepted else None
+        match = self._joining.place(local, found, scan.mid_ns, config) if found.verdict.accepted else None
         if match is None and found.verdict.accepted and self._is_outside(local, found, config):
             return self._continue(local, found, scan.mid_ns)
         if match is None:
@@ -122,37 +112,51 @@ class Locator:
         self._main.reset(scan.mid_ns, match.gaussian)
         return LocalisedScan(found.scan, match.pose, match, Verdict("recovered", recovery="relocalised"))
 
-    def _learn(self, found: LocalisedScan) -> None:
-        """Now and then: how many beams cross walls of the map at a place that is sure."""
-        self._located += 1
-        if self._located % LEARNED == 0 and found.match and found.verdict.accepted and found.verdict.confirmed:
-            known, crossed = crossings(self._pyramid, found.scan, found.pose)
-            if known:
-                self._crossing += MEMORY * (crossed / known - self._crossing)
+    def _is_unknown(self, scan: StabilisedScan, time_ns: int, prior: PlanarGaussian, config: SlamConfig) -> bool:
+        """Whether a local map has to begin: the robot was lost for long, or a gap in the data leaves it unknown.
 
-    def _is_unknown(self, prior: PlanarGaussian, lapse_ns: int) -> bool:
-        """Whether a prediction follows so long a gap in the data, or in the scans, that it tells too little."""
+        It does not begin with a scan that shows too little.
+        """
+        local = self._local
+        if local:
+            return time_ns < local.begin_ns or self._follows_gap(scan, prior, time_ns - self._located_ns, config)
+        self._joining.carried = self._lost_ns > (LOST_UNAIDED_NS if self._motion.unaided else LOST_NS)
+        if self._joining.carried:
+            return True
+        lapse_ns = time_ns - self._located_ns
+        unknown = self._follows_gap(scan, prior, lapse_ns, config)
+        return unknown and not covered(self._pyramid, scan, prior, self._main.sure, lapse_ns)
+
+    def _follows_gap(self, scan: StabilisedScan, prior: PlanarGaussian, lapse_ns: int, config: SlamConfig) -> bool:
+        """Whether a prediction follows so long a gap in the data, or in the scans, that it tells too little.
+
+        Behind a short gap in the inertial data it does if the scan fits nowhere near it.
+        """
         sigma = math.sqrt(float(prior.covariance.diagonal()[:2].max()))
-        if self._motion.inertial and exceeds_basin(prior):
+        if not (self._motion.inertial and exceeds_basin(prior)):
+            return lapse_ns > SILENT_NS and sigma > (STRAYED if self._motion.inertial else FAR)
+        if self._local or sigma > FAR:
             return sigma > FAR
-        return lapse_ns > SILENT_NS and sigma > (STRAYED if self._motion.inertial else FAR)
+        near = self._main.relocaliser.near(prior, self._pyramid, scan, config)
+        return near.fit.hit < HITS * self._main.usual
 
     def _begin(self, scan: StabilisedScan, time_ns: int, prior: PlanarGaussian, config: SlamConfig) -> LocalMap:
-        """A local map. It begins where the scan fits near the prediction, else there if the heading is known.
+        """A local map. It begins where the scan fits near the prediction.
 
-        With an unknown heading it begins where the robot was sure last.
+        Otherwise it begins there if the heading is known or matches follow the robot from where it was found; else
+        where the robot was sure last.
         """
         main = self._main
         near = main.relocaliser.near(prior, self._pyramid, scan, config)
         if exceeds_basin(prior):
-            fits, otherwise = is_good(near.fit, main.usual), main.sure
+            fits = is_good(near.fit, main.usual)
+            otherwise = prior.mean if main.pending else main.sure
         else:
             fits = near.fit.known >= config.tracking.min_overlap and near.fit.hit >= GOOD * main.usual
             otherwise = prior.mean
         begin = near.pose if fits else otherwise
         self._local = local = LocalMap(self._motion, time_ns, begin, prior, config)
-        self._placements = Placements()
-        self._placements.add((begin, main.sure), begin)
+        self._joining.begin(begin)
         main.relocaliser.reset()
         return local
 
@@ -166,71 +170,14 @@ class Locator:
             return False
         if len(local.known) < config.tracking.lost_after:
             local.known.append(looked_at(self._pyramid, found.scan, found.pose)[0].known)
-        unfound = len(local.scans) >= UNFOUND and not self._placements.any_supported
+        unfound = len(local.scans) >= UNFOUND and not self._joining.any_supported
         return unfound and sum(local.known) < MOSTLY * len(local.known)
 
     def _continue(self, local: LocalMap, found: LocalisedScan, time_ns: int) -> LocalisedScan:
         """The map goes on where the robot is in the local map."""
         assert found.match is not None
         pose = PlanarGaussian(found.pose, found.match.covariance + local.prior.covariance)
-        self._joined.extend(local.settled(AT_REST))
+        self._joining.take(local, AT_REST)
         self._local = None
         self._main.reset(time_ns, pose)
         return LocalisedScan(found.scan, found.pose, *continued(found.match, pose, found.verdict))
-
-    def _look(self, local: LocalMap, found: LocalisedScan, time_ns: int, config: SlamConfig) -> MatchResult | None:
-        """The match in the map once it is known where the local map lies there."""
-        main, placements, here = self._main, self._placements, found.pose
-        motion = geometry.compose(geometry.inverse(local.begin), here)
-        region = main.region(local.begin_ns, motion, local.prior)
-        places = main.relocaliser.places(self._pyramid, found.scan, time_ns, here, region, config)
-        placements.add(places, here)
-        main.relocaliser.failure = SearchFailure("unconfirmed", len(placements))
-        if not self._judge(local, time_ns, config):
-            return None
-        best = placements.best(here, time_ns) or self._at_rest(local, here, time_ns)
-        return self._join(local, best, found, config) if best else None
-
-    def _judge(self, local: LocalMap, time_ns: int, config: SlamConfig) -> bool:
-        """Look at a placement for each JUDGED_NS since the last one. Whether all of them were looked at by now."""
-        passed_ns = time_ns - self._judged_ns
-        if 0 <= passed_ns < JUDGED_NS:
-            return False
-        self._judged_ns = time_ns
-        usual = Usual(self._main.usual, self._crossing)
-        for _ in range(min(MOST_JUDGED, max(1, passed_ns // JUDGED_NS))):
-            if not self._placements.judge(self._pyramid, local.scans, usual, config):
-                return True
-            self._main.relocaliser.spend(JUDGING)
-        return False
-
-    def _at_rest(self, local: LocalMap, here: Float64s, time_ns: int) -> Placement | None:
-        """Where a robot stands that stood before the gap, and stands now."""
-        main = self._main
-        stands = main.rested and time_ns - local.begin_ns >= RESTED_NS
-        if not stands or geometry.apart(here, local.begin, *SAME):
-            return None
-        return self._placements.at(main.sure, here, *SAME)
-
-    def _join(
-        self, local: LocalMap, placement: Placement, found: LocalisedScan, config: SlamConfig
-    ) -> MatchResult | None:
-        """The match where a placement has the robot; what the local map has seen is handed to the mapper.
-
-        The placement comes from all scans, so that it counts where this one alone tells little.
-        """
-        there = geometry.compose(placement.moved, found.pose)
-        prior = PlanarGaussian(there, PLACED)
-        match = coarse_to_fine(self._pyramid, found.scan.points, there, config.matcher, prior=prior)
-        if geometry.apart(match.pose, there, *NEAR):
-            return None
-        self._joined.extend(local.settled(placement.moved))
-        return match
-
-    def _write_joined(self, config: MapConfig) -> None:
-        """Some of what the last local map has seen, but for scans that the map contradicts."""
-        for _ in range(min(AT_ONCE, len(self._joined))):
-            scan, pose, _ = self._joined.popleft()
-            fit, free = looked_at(self._pyramid, scan, pose)
-            if fit.known < PARTLY or agrees(fit, free, self._main.usual):
-                self._mapper.add(scan, pose, config)

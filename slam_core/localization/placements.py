@@ -15,32 +15,25 @@ from numpy.typing import NDArray
 from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.kernels.back_faces import find_behind
-from slam_core.kernels.correlative import count_hits
-from slam_core.kernels.crossings import count_crossing
 from slam_core.kernels.planar import transform_points
 from slam_core.kernels.structures import Level
+from slam_core.localization.map_view import PARTLY, agrees, crossings, looked_at
 from slam_core.localization.place_search import apart
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import beams_of, coarse_to_fine
 from slam_core.measurements import Float64s
-from slam_core.results import Fit
 from slam_core.scan.stabilise import StabilisedScan
 
 COMPARED = 60  # scans of a local map, the newest: 12 m of path
 POINTS = 40  # of each scan, with which a placement is refined
 REFINED = (0.5, 0.3)  # metres, radians by which a match corrects a placement at most
-PARTLY = 0.3  # of a scan's endpoints on known cells: with fewer it shows nothing
-# A scan agrees if it hits walls nearly as often as usual, and no more endpoints than usual and this share lie in
-# free space.
-HITS, FREE = 0.8, 0.08
 EVIDENCE = 5.0  # scans' worth of known endpoints from which a placement can be judged
 LEAST, MOST = 0.5, 0.7  # of these in scans that agree: for a placement to be kept, and to be the one
 SPREAD = 2.75  # metres between scans that agree
 # Beams may cross walls, and end on none, so many times as often as usual, and this share of them besides. With
 # more, a placement is not the one; with far more, it is given up.
 OFTEN, CROSSING, UNLIKELY = 1.5, 0.04, 0.15
-BEAMS = 20  # of each scan that are followed
-SLACK = 0.4  # metres before its end in which a beam may touch walls: those that it ends on
+MISSES = 0.05  # of the known endpoints: what misses walls beyond that in usual scans is noise, which all share
 RIVAL = 2.0  # times the misfit of the best: with less, another placement may be the true one as well
 HELD_NS = 1_000_000_000  # for which a placement has to be the best
 TRIED = 12  # placements at most
@@ -66,7 +59,8 @@ class Support(NamedTuple):
 
     known: how many scans' worth of endpoints lie on known cells. agreeing: of these, in scans that agree. spread:
     metres between two of these scans at most. misfit: mean share of their known endpoints that hit no wall, plus
-    that in free space. crossing: share of beams that cross walls, less what is usual; 0 with too little evidence.
+    that in free space, less what is noise. crossing: share of beams that cross walls, less what is usual; 0 with
+    too little evidence.
     """
 
     known: float
@@ -235,33 +229,5 @@ def support(pyramid: Pyramid, scans: Sequence[KeptScan], moved: Float64s, usual:
     if known >= EVIDENCE:
         beams, crossing = np.sum([crossings(pyramid, scan, there) for scan, _, there in compared], axis=0)
         share = float(crossing / max(beams, 1)) - OFTEN * usual.crossing
-    return Support(known, agreeing, spread, misfit / known if known else 1.0, share)
-
-
-def crossings(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> tuple[int, int]:
-    """How many of some beams of a scan at a pose (3,) the map knows something of, and how many cross walls."""
-    pyramid.cover(scan.points, pose)
-    level, every = pyramid.levels[0], max(1, len(scan.points) // BEAMS)
-    inverse = 1.0 / level.resolution
-    slack = SLACK * inverse
-    counts: tuple[int, int] = count_crossing(
-        level.cells, level.corner, inverse, scan.points, scan.laser, pose, slack, every
-    )
-    return counts
-
-
-def looked_at(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s) -> tuple[Fit, float]:
-    """How a scan at a pose (3,) fits the map, and the share of its known endpoints that lie in free space."""
-    pyramid.cover(scan.points, pose)
-    level, n = pyramid.levels[-1], len(scan.points)
-    known, hits = count_hits(level.cells, level.corner, 1.0 / level.resolution, scan.points, pose)
-    fit = Fit.counted(n, known, hits)
-    return fit, float(pyramid.unexpected(scan.points, pose).sum()) / max(known, 1)
-
-
-def agrees(fit: Fit, free: float, usual: float) -> bool:
-    """Whether a scan may have been made there. free: the share of its known endpoints in free space.
-
-    usual: the mean inlier ratio of the scans in the map.
-    """
-    return fit.hit >= HITS * usual and free <= 1.0 - usual + FREE
+    noise = max(0.0, 1.0 - usual.hit - MISSES)
+    return Support(known, agreeing, spread, max(0.0, misfit / known - noise) if known else 1.0, share)

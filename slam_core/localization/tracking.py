@@ -19,6 +19,7 @@ LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
 CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
+STEADY = 0.15  # metres, radians: several predictions in a row that were so near are right, however the scans fit
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
 
@@ -55,7 +56,7 @@ class Tracker:
     def __init__(self) -> None:
         self._usual = USUAL_INLIER_RATIO
         self._usual_distance = 0.0
-        self._rejected = 0
+        self.reset()
 
     @property
     def usual(self) -> float:
@@ -112,13 +113,17 @@ class Tracker:
 
     def accept(self, rejection: Rejection | None) -> Verdict:
         """Continue from a match. rejection: why it had to be searched for, if it had."""
-        recovered = rejection is not None or self._rejected > 0
+        recovered = rejection is not None or self._rejected > 0 or self._is_missing
         self.reset()
         return Verdict("recovered", rejection) if recovered else ACCEPTED
 
+    def miss(self) -> None:
+        """A scan tells nothing: the next match that is accepted follows no other."""
+        self._is_missing = True
+
     def reset(self) -> None:
         """The pose in the map is known, whatever was rejected before."""
-        self._rejected = 0
+        self._rejected, self._is_missing = 0, False
 
     def reject(self, rejection: Rejection, config: TrackingConfig) -> Verdict:
         """Continue from the prediction."""

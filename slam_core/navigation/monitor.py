@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from slam_core.diagnostics import NO_BEAM, Code, Diagnostic, Recent
+from slam_core.diagnostics import NO_BEAM, REPEATED, Code, Diagnostic, Recent
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.navigation.gates import LEAST_STREAK
 from slam_core.navigation.imu_check import AT_RANGE, NO_NUMBER
@@ -21,6 +21,7 @@ COUNTED: Mapping[str, Code] = {
     LEAPT: "imu_clock_set_ahead",
     NO_NUMBER: "imu_implausible",
     NO_BEAM: "no_beam_in_range",
+    REPEATED: "scans_repeated",
 }
 OF_SOURCE: Mapping[str, Code] = {UNUSABLE: "aid_implausible", TOO_OLD: "aid_too_late"}
 

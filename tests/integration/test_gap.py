@@ -216,13 +216,14 @@ def test_a_pose_that_somebody_states_keeps_the_rest_of_a_local_map_out_of_the_ma
     written = []
     for is_reset in (False, True):
         drive = Drive(*ROOMS)
-        for result in drive.on():
+        results = drive.on()
+        for result in results:
             if result.verdict.recovery == "relocalised":
                 break
         slam, before = drive.pipeline.slam, drive.pipeline.slam.map.updates
         if is_reset:
             assert slam.reset_pose(result.match.gaussian)
-        for result, _ in zip(drive.on(), range(5), strict=False):
+        for result, _ in zip(results, range(5), strict=False):
             assert result.tracking != "lost"
         written.append(slam.map.updates - before)
     assert written[0] >= 8

@@ -15,8 +15,8 @@ from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
 from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.global_search import agreement
+from slam_core.localization.map_view import crossings
 from slam_core.localization.place_search import PlaceSearch
-from slam_core.localization.placements import crossings
 from slam_core.mapping.interpolate import interpolate
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose

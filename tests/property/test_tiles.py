@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from slam_core.config import MapConfig, MatcherConfig, SlamConfig
 from slam_core.localization.global_search import agreement, locate
-from slam_core.localization.placements import crossings
+from slam_core.localization.map_view import crossings
 from slam_core.localization.search_parts import Region
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose

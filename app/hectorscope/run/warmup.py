@@ -267,12 +267,12 @@ def _room(inertial: bool) -> list[Measurement]:
         if tick % 10 == 0:
             measurements.append(Odometry(stamp_ns, np.zeros(2), 0.0))
             # The last one fits nowhere: it is searched for.
-            measurements.append(_scan(stamp_ns, 1.0 if tick < 200 else 0.4))
+            measurements.append(_scan(stamp_ns, 1.0 if tick < 200 else 1.6))
     return measurements
 
 
 def _scan(stamp_ns: int, share: float = 1.0) -> LaserScan:
-    """In the middle of a room of 4 by 4 metres, or of a smaller one."""
+    """In the middle of a room of 4 by 4 metres, or of a larger one."""
     angles = np.linspace(-np.pi, np.pi, 181)
     ranges = (2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))).astype(np.float32)
     ranges[:3] = np.inf

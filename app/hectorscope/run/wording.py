@@ -23,6 +23,8 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "imu_implausible": "the IMU sends values that are not finite or not plausible: they are left out; check its"
     " driver",
     "no_beam_in_range": "scans come without a beam in range: the pose is predicted without them; check the laser",
+    "scans_repeated": "the laser sends the same scan again while the robot moves: such scans are left out; check"
+    " its driver and its link",
     "height_unknown": "nothing measures the height, and the robot stayed level: set platform.planar if it drives"
     " on a plane, else add a height source",
     "aid_implausible": "{source} sends values that are not finite or not plausible: they are left out; check that"
@@ -83,6 +85,8 @@ def rejection_text(rejection: Rejection) -> str:
             return f"the scan fits the map badly: {value:.0%} of its points lie on walls, usually {limit:.0%}"
         case "mahalanobis_distance":
             return f"the match is {value:.0f} sigmas away from the predicted pose"
+        case "hidden":
+            return f"something near the laser hides walls of the map: {value:.0%} of the beams end before them"
 
 
 def verdict_text(verdict: Verdict) -> str:

@@ -113,7 +113,7 @@ def test_settings_apply_from_the_next_scan():
     slam, _ = run(scans=3)
     before = slam.step(room_scan(drive(3), 3 * DT)).match
     slam.configure(with_value(slam.config, "matcher.sigma", 2 * slam.config.matcher.sigma))
-    after = slam.step(room_scan(drive(3), 4 * DT)).match
+    after = slam.step(room_scan(drive(4), 4 * DT)).match
     assert np.trace(after.covariance) == pytest.approx(4 * np.trace(before.covariance), rel=0.3)
     with pytest.raises(ConfigError, match="new map"):
         slam.configure(with_value(slam.config, "map.resolution", 0.1))
@@ -348,7 +348,7 @@ def test_odometry_reaches_the_filter():
             if wheels and k > 100:
                 slam.step(Odometry(k * 10_000_000, np.array([0.2, 0.0]), 0.0))
             if k % 10 == 0:
-                last = slam.step(room_scan(np.zeros(3), k * 10_000_000)) or last
+                last = slam.step(room_scan(np.zeros(3), k * 10_000_000, noise=0.005)) or last
         speeds.append(last.navigation.velocity[0])
     assert speeds[1] > speeds[0] + 0.02
 

@@ -43,6 +43,10 @@ def test_a_sentence_names_the_sensor_and_the_value():
             "the scan fits the map badly: 20% of its points lie on walls, usually 90%",
         ),
         (Rejection("mahalanobis_distance", 400.0, 100.0), "the match is 400 sigmas away from the predicted pose"),
+        (
+            Rejection("hidden", 0.87, 0.6),
+            "something near the laser hides walls of the map: 87% of the beams end before them",
+        ),
     ],
 )
 def test_a_rejection_has_its_figures(rejection: Rejection, text: str):

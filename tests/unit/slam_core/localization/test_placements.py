@@ -10,6 +10,7 @@ from slam_core.localization.placements import (
     CROSSING,
     EVIDENCE,
     HELD_NS,
+    MISSES,
     MOST,
     NOTHING,
     OFTEN,
@@ -270,3 +271,11 @@ def test_a_robot_that_stands_is_found_by_the_place_where_it_stood():
     assert placements.at(HERE, HERE, 0.15, 0.15) is None
     placement.support = NOTHING
     assert placements.at(HERE, HERE, 0.15, 0.15) is None
+
+
+def test_what_misses_walls_in_usual_scans_is_no_misfit(room: Pyramid) -> None:
+    """Beyond MISSES: so much noise all placements have in common."""
+    off = geometry.compose(MOVED, np.array([0.0, 0.5, 0.0]))
+    clean, noisy = (support(room, kept(MOVED), off, USUAL._replace(hit=hit)) for hit in (1.0 - MISSES, 0.8))
+    assert clean.misfit - noisy.misfit == pytest.approx(0.2 - MISSES)
+    assert support(room, kept(MOVED), MOVED, USUAL._replace(hit=0.5)).misfit == 0.0

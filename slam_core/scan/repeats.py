@@ -1,0 +1,43 @@
+"""Scans that a driver sends again: each looks like a robot that stands still."""
+
+import math
+
+import numpy as np
+
+from slam_core import geometry
+from slam_core.measurements import Float64s, LaserScan
+
+STANDS = 0.03  # m/s, rad/s: slower, a scan may be the same as the one before
+BELIEVED_NS = (
+    1_000_000_000  # for which a mean speed says that a robot drives on, where nothing measures the motion
+)
+
+
+class Repeats:
+    """Compares each scan with the one before.
+
+    Noise tells two measurements apart. A simulation without it shows the same again while the robot rests.
+    """
+
+    def __init__(self) -> None:
+        self._ranges = np.empty(0, np.float32)
+        self._changed_ns = self._seen_ns = 0
+        self._pose = np.zeros(3)
+
+    def takes(self, scan: LaserScan, pose: Float64s, *, measured: bool) -> bool:
+        """Whether a scan repeats the one before although the robot moves.
+
+        pose: (3,) the predicted one. measured: other sensors measure the motion.
+        """
+        lapse_s, self._seen_ns = (scan.mid_ns - self._seen_ns) * 1e-9, scan.mid_ns
+        moved, self._pose = pose - self._pose, pose.copy()
+        if not np.array_equal(scan.ranges, self._ranges, equal_nan=True):
+            self._ranges, self._changed_ns = scan.ranges, scan.mid_ns
+            return False
+        if lapse_s <= 0.0 or not (measured or scan.mid_ns - self._changed_ns < BELIEVED_NS):
+            return False
+        return max(math.hypot(*moved[:2]), abs(geometry.wrap(moved[2]))) > STANDS * lapse_s
+
+    def located(self, pose: Float64s) -> None:
+        """The pose (3,) of the last scan."""
+        self._pose = pose.copy()
