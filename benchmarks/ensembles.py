@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.additions.cases import bare
+from benchmarks.additions.faults import Fault, covered, crowded, interrupted, repeated
 from benchmarks.cases import DEMOS, FURTHER, LOST_M, REAL, Recording, present
 from benchmarks.tables import table
 from hectorscope.inputs import Item, SourceOptions
@@ -82,6 +83,20 @@ EARLY: tuple[tuple[float, ScenarioName, bool, float], ...] = (
     (5.0, "arena", False, 10.0),
     (7.0, "arena", True, 16.0),
     (5.0, "rooms", True, 10.0),
+)
+
+# What happens again and again, whether there is an IMU, and the scenes.
+AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
+    ("no data for 1 s in 6", interrupted(1.0, 6.0), True, ("arena", "rooms", "handheld", "littoral")),
+    ("no data for 1 s in 6", interrupted(1.0, 6.0), False, ("arena", "rooms")),
+    ("no data for 2 s in 10", interrupted(2.0, 10.0), True, ("arena", "rooms", "littoral")),
+    ("covered for 2 s in 10", covered(2.0, 10.0), True, ("arena", "rooms", "handheld")),
+    ("covered for 2 s in 10", covered(2.0, 10.0), False, ("arena", "rooms")),
+    ("covered for 5 s in 15", covered(5.0, 15.0), True, ("arena", "rooms")),
+    ("4 people around for 4 s in 10", crowded(4, 4.0, 10.0), True, ("arena", "rooms")),
+    ("4 people around for 4 s in 10", crowded(4, 4.0, 10.0), False, ("arena", "rooms")),
+    ("scans repeated for 2 s in 10", repeated(2.0, 10.0), True, ("arena", "rooms")),
+    ("scans repeated for 0.5 s in 6", repeated(0.5, 6.0), False, ("arena", "rooms")),
 )
 
 Load = Callable[[int], list[Item]]
@@ -164,6 +179,11 @@ def without(seconds: float, what: str, kinds: tuple[type, ...], case: Case, begi
     return replace(case, name=f"{case.name}, no {what} for {seconds:g} s{early}", load=load)
 
 
+def damaged(what: str, fault: Fault, case: Case) -> Case:
+    """The same with something that goes wrong in it."""
+    return replace(case, name=f"{case.name}, {what}", load=lambda seed: fault(case.load(seed), seed))
+
+
 def cases() -> list[Case]:
     """All of them; the recordings that lie beside the project where they are there."""
     offices = SceneOptions(scan_rate=4.7, beams=361)
@@ -198,6 +218,11 @@ def cases() -> list[Case]:
             without(seconds, "data", EVERYTHING, simulated(scene, scene, moderate, imu=imu), begin)
             for seconds, scene, imu, begin in (*((*each, BLIND_S) for each in SILENT), *EARLY)
         ),
+        *(
+            damaged(what, fault, simulated(scene, scene, moderate, imu=imu))
+            for what, fault, imu, scenes in AGAIN
+            for scene in scenes
+        ),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),
@@ -211,6 +236,7 @@ def varied(items: Iterable[Item], variant: int) -> Iterator[Item]:
     """The items of a variant; those of variant 1 are as they were."""
     rng = np.random.default_rng([variant, 25])
     left_out, k = int(rng.integers(1, MOST_DROPPED + 1)), 0
+    last, noise = None, np.empty(0)
     for item in items:
         if not isinstance(item, LaserScan) or variant == 1:
             yield item
@@ -218,7 +244,8 @@ def varied(items: Iterable[Item], variant: int) -> Iterator[Item]:
         k += 1
         if k <= left_out or (variant % 3 == 0 and k % EVERY == 0):
             continue
-        noise = RANGE_NOISE * rng.standard_normal(len(item.ranges))
+        if item.ranges is not last:  # what a driver sends again has the same noise
+            last, noise = item.ranges, RANGE_NOISE * rng.standard_normal(len(item.ranges))
         late_ns = int(rng.normal(scale=JITTER_NS)) if variant % 3 == 1 else 0
         yield replace(
             item, ranges=(item.ranges + noise).astype(np.float32), stamp_ns=max(0, item.stamp_ns + late_ns)

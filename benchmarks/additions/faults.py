@@ -7,13 +7,16 @@ import numpy as np
 
 from benchmarks.strays import astray
 from hectorscope.inputs import Item
-from slam_core.measurements import GpsPosition, Height, LaserScan, Odometry
+from slam_core.measurements import GpsPosition, Height, Imu, LaserScan, Odometry
 
 Fault = Callable[[Sequence[Item], int], list[Item]]
 """The items of a drive, damaged; the seed draws the noise."""
 Change = Callable[[float, Item], Item | None]
 AT_S = 12.0  # seconds from the first item to the fault
 BROKEN_SCANS = 10
+LATER = 5.0  # seconds from the first item to what happens again and again
+HAND = 0.4  # metres before the laser
+AROUND, AWAY, BODY = 4.2, 0.7, 0.25  # radians of the field that people stand in, metres to them, their radius
 
 
 def changed(items: Iterable[Item], change: Change) -> list[Item]:
@@ -125,3 +128,82 @@ def jumping_satellites(items: Sequence[Item], _seed: int) -> list[Item]:
         return replace(item, position=item.position + np.array([50.0, 0.0, 0.0]))
 
     return changed(items, jumped)
+
+
+def interrupted(seconds: float, every: float) -> Fault:
+    """No data for so long, again and again."""
+    kinds = LaserScan, Imu, Height, Odometry
+
+    def fault(items: Sequence[Item], _seed: int) -> list[Item]:
+        return changed(
+            items, lambda t, i: None if isinstance(i, kinds) and t > LATER and t % every < seconds else i
+        )
+
+    return fault
+
+
+def covered(seconds: float, every: float) -> Fault:
+    """A hand right before the laser for so long, again and again: no beam gets further than it."""
+
+    def cover(scan: LaserScan, rng: np.random.Generator, _t: float) -> LaserScan:
+        hand = HAND + 0.01 * rng.standard_normal(len(scan.ranges))
+        return replace(scan, ranges=np.minimum(scan.ranges, hand).astype(np.float32))
+
+    return _scans_again(seconds, every, cover)
+
+
+def crowded(people: int, seconds: float, every: float) -> Fault:
+    """People all around walk with the robot for so long, again and again."""
+
+    def crowd(scan: LaserScan, rng: np.random.Generator, t: float) -> LaserScan:
+        angles = scan.angle_min + np.arange(len(scan.ranges)) * scan.angle_increment
+        ranges = scan.ranges.copy()
+        for k in range(people):
+            bearing = AROUND * ((k + 0.5) / people - 0.5) + 0.2 * np.sin(0.7 * t + k)
+            along, aside = (AWAY * wave(angles - bearing) for wave in (np.cos, np.sin))
+            hit = (along > 0.0) & (np.abs(aside) < BODY)
+            near = along - np.sqrt(np.maximum(BODY**2 - aside**2, 0.0)) + 0.01 * rng.standard_normal(len(angles))
+            ranges = np.where(hit, np.minimum(ranges, near), ranges)
+        return replace(scan, ranges=ranges.astype(np.float32))
+
+    return _scans_again(seconds, every, crowd)
+
+
+def repeated(seconds: float, every: float) -> Fault:
+    """The driver sends its last scan for so long, again and again."""
+
+    def fault(items: Sequence[Item], seed: int) -> list[Item]:
+        last: LaserScan | None = None
+
+        def repeat(scan: LaserScan, _rng: np.random.Generator, _t: float) -> LaserScan:
+            return scan if last is None else replace(scan, ranges=last.ranges)
+
+        def keep(scan: LaserScan) -> LaserScan:
+            nonlocal last
+            last = scan
+            return scan
+
+        return _scans_again(seconds, every, repeat, keep)(items, seed)
+
+    return fault
+
+
+def _scans_again(
+    seconds: float,
+    every: float,
+    change: Callable[[LaserScan, np.random.Generator, float], LaserScan],
+    otherwise: Callable[[LaserScan], LaserScan] = lambda scan: scan,
+) -> Fault:
+    """Scans changed for so many seconds of each `every`, from LATER on."""
+
+    def fault(items: Sequence[Item], seed: int) -> list[Item]:
+        rng = np.random.default_rng([seed, 24])
+
+        def changed_scan(t: float, item: Item) -> Item:
+            if not isinstance(item, LaserScan):
+                return item
+            return change(item, rng, t) if t > LATER and t % every < seconds else otherwise(item)
+
+        return changed(items, changed_scan)
+
+    return fault
