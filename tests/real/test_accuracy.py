@@ -18,6 +18,7 @@ from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.settings import Settings
 from hectorscope.sources import open_source
 from slam_core.config import SlamConfig, with_value
+from slam_core.diagnostics import REPEATED
 from slam_core.measurements import LaserScan
 from slam_core.results import MatchResult
 
@@ -91,12 +92,14 @@ def test_mit_csail_is_one_map_with_its_odometry(recordings: Path):
 
 
 def test_a_small_laser_with_wheels_is_followed(recordings: Path):
-    """The tinySLAM recording: every scan is used, 97 % are tracked, and the path is as long as the wheels say.
+    """The tinySLAM recording: 97 % of the scans are tracked, and the path is as long as the wheels say.
 
+    Four scans came twice, and are used once.
     The way leads back onto the first map, which small errors of the long loop contradict for some scans.
     """
     pipeline, figures = run(recordings / "coreslam_urg" / "exp1.dat")
-    assert sum(figures["tracking"].values()) == 756
+    assert sum(figures["tracking"].values()) == 756 - 4
+    assert pipeline.skipped == {REPEATED: 4}
     assert figures["tracking"]["tracking"] >= 0.97 * 756
     path = float(np.hypot(*np.diff(pipeline.trajectory[:, 1:3], axis=0).T).sum())
     assert path == pytest.approx(46.0, rel=0.1)
