@@ -10,7 +10,7 @@ from slam_core.config import MatcherConfig
 from slam_core.localization.confirmation import is_vague
 from slam_core.localization.dynamic_beams import of_all
 from slam_core.localization.map_view import crossings
-from slam_core.localization.tracking import NEAR, is_good, mahalanobis_distance
+from slam_core.localization.tracking import NEAR, exceeds_basin, is_good, mahalanobis_distance
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import Float64s
@@ -28,14 +28,18 @@ TRUSTED_NS = 10_000_000_000  # for which a scan counts as covered where the pred
 def covered(
     pyramid: Pyramid, scan: StabilisedScan, prior: PlanarGaussian, sure: Float64s, lapse_ns: int
 ) -> Rejection | None:
-    """Why a bad match tells nothing: most walls are hidden where the scan is predicted; None if they are not.
+    """Why a match tells nothing: most walls are hidden where the scan is predicted; None if they are not.
 
-    sure: (3,) the last pose that was sure, which is looked at if the prediction is vague. lapse_ns: since the last
-    scan that was not covered.
+    sure: (3,) the last pose that was sure. With a vague prediction they may be hidden there, too; with a vague
+    heading there alone. lapse_ns: since the last scan that was not covered.
     """
-    if not is_vague(prior):
-        return _rejection(hidden(pyramid, scan, prior.mean, MOST), MOST)
-    return _rejection(hidden(pyramid, scan, sure, MOST), MOST) if lapse_ns < TRUSTED_NS else None
+    vague = is_vague(prior)
+    if vague and lapse_ns >= TRUSTED_NS:
+        return None
+    found = None if exceeds_basin(prior) else hidden(pyramid, scan, prior.mean, MOST)
+    if found is None and vague:
+        found = hidden(pyramid, scan, sure, MOST)
+    return _rejection(found, MOST)
 
 
 def match_visible(

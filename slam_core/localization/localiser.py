@@ -97,7 +97,7 @@ class Localiser:
         why = None
         if self._motion.inertial and tracker.is_unusual(match, prior, least_unusual(lapse_ns)):
             why = misled(self._pyramid, stabilised, match, prior)
-        if not (why or self._fits(match.fit, prior)):
+        if why is None and (tracker.is_missing or not self._fits(match.fit, prior)):
             why = covered(self._pyramid, stabilised, prior, self.sure, lapse_ns)
         if why:
             return self._hidden(stabilised, match, prior, why)

@@ -51,7 +51,10 @@ def is_good(fit: Fit, usual: float) -> bool:
 
 
 class Tracker:
-    """The running mean of the inlier ratio, and the number of rejected matches since the last accepted one."""
+    """The running mean of the inlier ratio, and the number of rejected matches since the last accepted one.
+
+    is_missing: a scan since then told nothing.
+    """
 
     def __init__(self) -> None:
         self._usual = USUAL_INLIER_RATIO
@@ -113,17 +116,17 @@ class Tracker:
 
     def accept(self, rejection: Rejection | None) -> Verdict:
         """Continue from a match. rejection: why it had to be searched for, if it had."""
-        recovered = rejection is not None or self._rejected > 0 or self._is_missing
+        recovered = rejection is not None or self._rejected > 0 or self.is_missing
         self.reset()
         return Verdict("recovered", rejection) if recovered else ACCEPTED
 
     def miss(self) -> None:
         """A scan tells nothing: the next match that is accepted follows no other."""
-        self._is_missing = True
+        self.is_missing = True
 
     def reset(self) -> None:
         """The pose in the map is known, whatever was rejected before."""
-        self._rejected, self._is_missing = 0, False
+        self._rejected, self.is_missing = 0, False
 
     def reject(self, rejection: Rejection, config: TrackingConfig) -> Verdict:
         """Continue from the prediction."""

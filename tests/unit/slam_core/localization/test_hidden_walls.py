@@ -84,6 +84,10 @@ def test_a_covered_scan_is_told_by_the_sure_pose_where_the_prediction_is_vague(r
     assert found.value > MOST
     assert covered(room, scan, far, HERE, TRUSTED_NS) is None
     assert covered(room, scan, at(HERE), far.mean, TRUSTED_NS)
+    straight = at(HERE, np.diag([0.5, 0.5, 0.01]) ** 2.0)  # inertial data tell the heading: either may be the one
+    assert covered(room, scan, straight, far.mean, 0)
+    assert covered(room, scan, at(far.mean, straight.covariance), HERE, 0)
+    assert covered(room, scan, at(HERE, VAGUE), far.mean, 0) is None
     assert covered(room, seen(hide=crowd), at(HERE), HERE, 0) is None
 
 
