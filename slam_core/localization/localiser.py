@@ -163,7 +163,9 @@ class Localiser:
         """
         vague = is_vague(prior)
         self._matching.tracker.miss()
-        self._pose = self.sure if vague and self._motion.unaided else prior.mean
+        self._pose = prior.mean
+        if vague and self._motion.unaided:
+            self._pose, self._matching.weak_direction = self.sure, WeakDirection()
         state: Tracking = "lost" if vague or self._confirmation.is_lost else "degraded"
         return LocalisedScan(scan, self._pose, match, Verdict(state, why, accepted=False))
 
