@@ -17,7 +17,8 @@ import numpy as np
 
 from benchmarks.additions.catalogue import FULL, MEASURED
 from benchmarks.additions.compare import CERTAIN, Comparison, sign_test
-from benchmarks.ensembles import PROCESSES, Outcome, cases, outcomes, run
+from benchmarks.ensemble_cases import cases
+from benchmarks.ensembles import PROCESSES, Outcome, outcomes, run
 from benchmarks.tables import table
 from hectorscope.run.warmup import load_everything
 from tests.conftest import ROOT

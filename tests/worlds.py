@@ -3,13 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from slam_core.config import SlamConfig
 from slam_core.kernels.bilinear import UNKNOWN_PARTS, WHOLE
 from slam_core.kernels.correlative import count_hits
 from slam_core.mapping.grid import GridLevel
+from slam_core.mapping.pyramid import Pyramid
 from slam_core.mapping.tiled_map import TiledMap
 from slam_core.mapping.tiles import Box, Kind
 from slam_core.measurements import LaserScan, Transform
 from slam_core.results import Fit
+from slam_core.scan.stabilise import stabilise
 
 
 def in_parts(probability: NDArray[np.float64]) -> NDArray[np.int16]:
@@ -67,6 +70,15 @@ def room_scan(
         stamp_ns, ranges.astype(np.float32), angles[0], angles[1] - angles[0], range_min=0.1, range_max=30.0,
         T_base_laser=Transform(),
     )  # fmt: skip
+
+
+def mapped_room(config: SlamConfig) -> Pyramid:
+    """That room, mapped from four places."""
+    pyramid = Pyramid(config.map)
+    for pose in np.array([[0, 0, 0], [1, -1, 1], [-1, 1, 2], [-2, -1, 3]], float):
+        scan = stabilise(room_scan(pose), standing, config.scan)
+        pyramid.update(scan.points, scan.cleared, scan.laser, pose, config.map)
+    return pyramid
 
 
 def same_map(a: TiledMap, b: TiledMap) -> bool:

@@ -8,7 +8,7 @@ from slam_core import geometry
 from slam_core.config import TrackingConfig
 from slam_core.localization.rejected_matches import RejectedMatches
 from slam_core.localization.search_parts import AT_REST, Region
-from slam_core.localization.tracking import GOOD, STEADY, is_good
+from slam_core.localization.tracking import GOOD, is_good
 from slam_core.measurements import Float64s
 from slam_core.results import Fit, PlanarGaussian, Verdict
 
@@ -24,6 +24,7 @@ SIGMAS, TURN = 5.0, 0.5  # of an inertial prediction, and radians besides: such 
 STRAYS = np.array([0.5, 0.5, 0.02])
 WHILE_NS = 1_000_000_000  # over which a speed is measured
 RESTED = 0.05  # m/s: slower, the robot stands
+STEADY = 0.15  # metres, radians: where several predictions in a row were so near, the fit may be worse than usual
 
 
 class Confirmation:

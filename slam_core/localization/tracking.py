@@ -19,7 +19,6 @@ LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
 CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
-STEADY = 0.15  # metres, radians: several predictions in a row that were so near are right, however the scans fit
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
 

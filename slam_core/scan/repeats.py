@@ -8,9 +8,7 @@ from slam_core import geometry
 from slam_core.measurements import Float64s, LaserScan
 
 STANDS = 0.03  # m/s, rad/s: slower, a scan may be the same as the one before
-BELIEVED_NS = (
-    1_000_000_000  # for which a mean speed says that a robot drives on, where nothing measures the motion
-)
+BELIEVED_NS = 1_000_000_000  # for which a robot is taken to drive on, where nothing else measures the motion
 
 
 class Repeats:

@@ -6,7 +6,8 @@ from itertools import takewhile
 import numpy as np
 
 from benchmarks.accuracy import process
-from benchmarks.ensembles import bare, varied
+from benchmarks.additions.cases import bare
+from benchmarks.ensembles import varied
 from hectorscope.inputs import Item
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.simulation import SceneOptions, Simulation

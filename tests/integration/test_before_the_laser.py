@@ -5,13 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from benchmarks import ensembles
+from benchmarks import ensemble_cases, ensembles
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig
 from slam_core.diagnostics import REPEATED
 
-CASES = {each.name: each for each in ensembles.cases()}
+CASES = {each.name: each for each in ensemble_cases.cases()}
 
 
 def outcome(name: str, variant: int) -> ensembles.Outcome:

@@ -6,7 +6,7 @@ from statistics import median
 import numpy as np
 import pytest
 
-from benchmarks import ensembles
+from benchmarks import ensemble_cases, ensembles
 from benchmarks.outage import ALONE, laser_fails, satellites_fail
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
@@ -59,7 +59,7 @@ def test_a_boat_that_got_lost_beyond_its_map_goes_on_with_it() -> None:
 @pytest.mark.parametrize("continues", [True, False])
 def test_the_map_goes_on_once_twenty_metres_show_that_the_robot_has_left_it(continues: bool) -> None:
     """What was seen from the outage on is in it then. Who does not want that keeps the map as it was."""
-    case = next(each for each in ensembles.cases() if each.name == "handheld, no scans for 10 s")
+    case = next(each for each in ensemble_cases.cases() if each.name == "handheld, no scans for 10 s")
     items = case.load(1)
     settings = Settings(with_value(SlamConfig(), "tracking.continue_from_prediction", continues))
     pipeline, lost = Pipeline(settings, items[0].stamp_ns), list[StepResult]()

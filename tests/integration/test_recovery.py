@@ -57,7 +57,7 @@ def ranges_broken(items: Iterable[Item], start_s: float = START_S) -> Iterator[I
 
 
 def kidnapped(imu: bool) -> Iterator[Item]:
-    """So long, then what was seen from the fourth second on: somebody carried the robot back, in no time."""
+    """The drive up to START_S, then what it saw from the fourth second on: carried back, in no time."""
     items = drive(imu)
     begin, jump = items[0].stamp_ns, round((START_S - 4.0) * 1e9)
     yield from (item for item in items if item.stamp_ns - begin < START_S * 1e9)

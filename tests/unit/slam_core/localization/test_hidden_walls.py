@@ -14,7 +14,7 @@ from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
 from slam_core.results import PlanarGaussian
 from slam_core.scan.stabilise import StabilisedScan, stabilise
-from tests.worlds import room_scan, standing
+from tests.worlds import mapped_room, room_scan, standing
 
 CONFIG = SlamConfig(map=MapConfig(size=400))
 HERE = np.array([0.5, -0.5, 0.2])
@@ -28,11 +28,7 @@ Hide = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 @pytest.fixture(scope="module")
 def room() -> Pyramid:
     """The test room, mapped from four places."""
-    pyramid = Pyramid(CONFIG.map)
-    for pose in np.array([[0, 0, 0], [1, -1, 1], [-1, 1, 2], [-2, -1, 3]], float):
-        scan = stabilise(room_scan(pose), standing, CONFIG.scan)
-        pyramid.update(scan.points, scan.cleared, scan.laser, pose, CONFIG.map)
-    return pyramid
+    return mapped_room(CONFIG)
 
 
 def hand(ranges: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -27,7 +27,7 @@ from slam_core.localization.placements import (
 )
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.scan.stabilise import StabilisedScan, stabilise
-from tests.worlds import room_scan, standing
+from tests.worlds import mapped_room, room_scan, standing
 
 CONFIG = SlamConfig(map=MapConfig(size=400))
 HERE = np.array([0.5, -0.5, 0.2])
@@ -41,11 +41,7 @@ GOOD = Support(known=8.0, agreeing=8.0, spread=3.0, misfit=0.05, crossing=0.0)
 @pytest.fixture(scope="module")
 def room() -> Pyramid:
     """The test room, mapped from four places."""
-    pyramid = Pyramid(CONFIG.map)
-    for pose in np.array([[0, 0, 0], [1, -1, 1], [-1, 1, 2], [-2, -1, 3]], float):
-        scan = stabilise(room_scan(pose), standing, CONFIG.scan)
-        pyramid.update(scan.points, scan.cleared, scan.laser, pose, CONFIG.map)
-    return pyramid
+    return mapped_room(CONFIG)
 
 
 def kept(moved: np.ndarray) -> list[KeptScan]:

@@ -1,0 +1,166 @@
+"""The cases of the ensembles: recordings, simulated scenes, and what goes wrong in them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from benchmarks.additions.cases import bare
+from benchmarks.additions.faults import Fault, covered, crowded, interrupted, repeated
+from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
+from hectorscope.inputs import Item, SourceOptions
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.options import ScenarioName
+from hectorscope.sources import open_source
+from slam_core.measurements import Height, Imu, LaserScan
+
+BLIND_S = 23.6  # s from the start, when something ceases: the walk is about to enter a corridor
+EVERYTHING = (LaserScan, Imu, Height)  # that a scene sends
+
+# Seconds without scans, and the scene.
+BLIND: tuple[tuple[float, ScenarioName], ...] = (
+    (4.0, "handheld"),
+    (6.0, "handheld"),
+    (8.0, "handheld"),
+    (8.0, "arena"),
+    (10.0, "arena"),
+    (10.0, "handheld"),
+    (10.0, "rooms"),
+    (8.0, "littoral"),
+    (10.0, "littoral"),
+)
+# Seconds without any data, as over a link that breaks, the scene, and whether there is an IMU.
+SILENT: tuple[tuple[float, ScenarioName, bool], ...] = (
+    (2.0, "arena", True),
+    (4.0, "arena", True),
+    (10.0, "arena", True),
+    (10.0, "arena", False),
+    (3.0, "handheld", True),
+    (10.0, "handheld", True),
+    (10.0, "rooms", True),
+    (10.0, "people", True),
+)
+# The same while the map is small; the last number is seconds from the start.
+EARLY: tuple[tuple[float, ScenarioName, bool, float], ...] = (
+    (5.0, "arena", True, 10.0),
+    (5.0, "arena", False, 10.0),
+    (7.0, "arena", True, 16.0),
+    (5.0, "rooms", True, 10.0),
+)
+# What happens again and again, whether there is an IMU, and the scenes.
+AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
+    ("no data for 1 s in 6", interrupted(1.0, 6.0), True, ("arena", "rooms", "handheld", "littoral")),
+    ("no data for 1 s in 6", interrupted(1.0, 6.0), False, ("arena", "rooms")),
+    ("no data for 2 s in 10", interrupted(2.0, 10.0), True, ("arena", "rooms", "littoral")),
+    ("covered for 2 s in 10", covered(2.0, 10.0), True, ("arena", "rooms", "handheld")),
+    ("covered for 2 s in 10", covered(2.0, 10.0), False, ("arena", "rooms")),
+    ("covered for 5 s in 15", covered(5.0, 15.0), True, ("arena", "rooms")),
+    ("4 people around for 4 s in 10", crowded(4, 4.0, 10.0), True, ("arena", "rooms")),
+    ("4 people around for 4 s in 10", crowded(4, 4.0, 10.0), False, ("arena", "rooms")),
+    ("scans repeated for 2 s in 10", repeated(2.0, 10.0), True, ("arena", "rooms")),
+    ("scans repeated for 0.5 s in 6", repeated(0.5, 6.0), False, ("arena", "rooms")),
+)
+
+Load = Callable[[int], list[Item]]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """load: the items of a seed. seeded: each variant is a simulation of its own."""
+
+    name: str
+    load: Load
+    seeded: bool = False
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+def recorded(recording: Recording) -> Case:
+    """A recording as a case."""
+    source = partial(open_source, str(recording.path), recording.options)
+    return Case(recording.name, lambda _: list(source().items()), settings=dict(recording.settings))
+
+
+def simulated(name: str, scene: ScenarioName, options: SceneOptions, *, imu: bool) -> Case:
+    """A scene as a case; without an IMU it is measured by the laser alone."""
+    load: Load = lambda seed: list(Simulation(scene, replace(options, seed=seed)).items())  # noqa: E731
+    return Case(f"{name}{'' if imu else ', laser alone'}", load if imu else bare(load), seeded=True)
+
+
+def within(reach: float, case: Case) -> Case:
+    """The same with a laser that sees so many metres far."""
+    load: Load = lambda seed: [seen_within(reach, item) for item in case.load(seed)]  # noqa: E731
+    return replace(case, name=f"{case.name}, {reach:g} m", load=load)
+
+
+def seen_within(reach: float, item: Item) -> Item:
+    """A scan as such a laser measures it; what is no scan as it is."""
+    if not isinstance(item, LaserScan):
+        return item
+    return replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
+
+
+def without(seconds: float, what: str, kinds: tuple[type, ...], case: Case, begin: float = BLIND_S) -> Case:
+    """The same without measurements of these kinds for so long, from so many seconds on."""
+
+    def load(seed: int) -> list[Item]:
+        items = case.load(seed)
+        first, last = (items[0].stamp_ns + round(t * 1e9) for t in (begin, begin + seconds))
+        return [item for item in items if not (isinstance(item, kinds) and first <= item.stamp_ns < last)]
+
+    early = f" from {begin:g} s" if begin != BLIND_S else ""
+    return replace(case, name=f"{case.name}, no {what} for {seconds:g} s{early}", load=load)
+
+
+def damaged(what: str, fault: Fault, case: Case) -> Case:
+    """The same with something that goes wrong in it."""
+    return replace(case, name=f"{case.name}, {what}", load=lambda seed: fault(case.load(seed), seed))
+
+
+def cases() -> list[Case]:
+    """All of them; the recordings that lie beside the project where they are there."""
+    offices = SceneOptions(scan_rate=4.7, beams=361)
+    coarse = replace(offices, beams=181, duration=600.0)
+    fast = replace(offices, scan_rate=10.0, speed=1.5, duration=600.0)
+    noisy, coarse_noisy = (replace(each, noise=3.0, duration=300.0) for each in (offices, coarse))
+    small = SceneOptions(scan_rate=10.0, beams=451)
+    cheap = replace(offices, scan_rate=5.5, duration=300.0)
+    slow, moderate = SceneOptions(scan_rate=5.0), SceneOptions(scan_rate=20.0)
+    mit_alone = replace(
+        REAL[3], name="mit_csail, laser alone", options=replace(REAL[3].options, odometry_topic="none")
+    )
+    kitchen_alone = Recording(
+        "mumble kitchen_1, laser alone", REAL[6].path, options=SourceOptions(imu_topic="none")
+    )
+    return [
+        simulated("offices, 20 min", "offices", offices, imu=False),
+        simulated("offices, 10 min, 1 degree", "offices", coarse, imu=False),
+        simulated("offices, 10 min, 1.5 m/s", "offices", fast, imu=False),
+        simulated("offices, 5 min, 3 times the noise", "offices", noisy, imu=False),
+        simulated("offices, 5 min, a degree, 3 times the noise", "offices", coarse_noisy, imu=False),
+        within(8.0, simulated("offices, 5 min", "offices", replace(small, duration=300.0), imu=False)),
+        within(12.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=False)),
+        within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=False)),
+        within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=True)),
+        within(8.0, simulated("people", "people", small, imu=False)),
+        *(
+            without(seconds, "scans", (LaserScan,), simulated(scene, scene, moderate, imu=True))
+            for seconds, scene in BLIND
+        ),
+        *(
+            without(seconds, "data", EVERYTHING, simulated(scene, scene, moderate, imu=imu), begin)
+            for seconds, scene, imu, begin in (*((*each, BLIND_S) for each in SILENT), *EARLY)
+        ),
+        *(
+            damaged(what, fault, simulated(scene, scene, moderate, imu=imu))
+            for what, fault, imu, scenes in AGAIN
+            for scene in scenes
+        ),
+        *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
+        simulated("rooms, 5 Hz", "rooms", slow, imu=True),
+        simulated("rooms, 5 Hz", "rooms", slow, imu=False),
+        simulated("arena", "arena", moderate, imu=False),
+        simulated("people", "people", replace(moderate, scan_rate=10.0), imu=False),
+        simulated("glass", "glass", replace(moderate, scan_rate=10.0), imu=False),
+    ]
