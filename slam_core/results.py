@@ -101,14 +101,14 @@ class MatchResult(NamedTuple):
 
 
 class Rejection(NamedTuple):
-    """Why a match was rejected: which figure, its value, and the limit or the usual value that it missed.
+    """Why a match was rejected or is not enough: a figure, its value, and the limit or the usual value it missed.
 
     overlap: share of the scan on known cells. inlier_ratio: share of the known endpoints on occupied cells,
     against its running mean. mahalanobis_distance: sigmas from the prediction. hidden: share of the beams that end
-    before the walls of the map.
+    before the walls of the map. unobservable: sigma of the position, metres, along a direction that no beam fixes.
     """
 
-    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance", "hidden"]
+    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance", "hidden", "unobservable"]
     value: float
     limit: float
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from slam_core.diagnostics import NO_ATTITUDE, NO_BEAM, NOT_LOCALISED, REPEATED
+from slam_core.localization.tracking import observed
 from slam_core.measurements import LaserScan, Measurement
 from slam_core.results import StepResult, Sweep
 from slam_core.state import SlamState
@@ -68,7 +69,7 @@ class HectorSlam(SlamState):
             map_updated=update.written,
             beams=len(scan.ranges),
             durations=self._stopwatch.lap(),
-            verdict=verdict,
+            verdict=observed(verdict, match, fused),
             aiding=motion.aiding,
             world=motion.world,
             sweep=Sweep(scan, placed.poses, config.scan, placed.laser),

@@ -17,11 +17,13 @@ _, put = alias_scope(1)
 REACH = 500_000_000_000
 NEIGHBOURS = 3
 FEWEST = 4  # endpoints that make a surface
-# Neighbours this near (metres) lie on one surface; and further ones, where two steps from one to the next differ
-# by no more than this factor and go the same way (cosine of the angle between them).
+# Neighbours this near (metres) lie on one surface; and further ones, where two steps from one to the next go the
+# same way (cosine of the angle between them), and differ by no more than this factor or meet so near the straight
+# line through their other ends (metres): beams without an echo leave gaps of all lengths in a wall.
 GAP = 0.3
-GROWTH = 2.5
 STRAIGHT = 0.95
+GROWTH = 2.5
+FLAT = 0.02
 # A spread across the surface this share of the one along it, or more, makes it no line at all, but for the noise
 # of the ranges (metres).
 ROUND = 1.0 / 9.0
@@ -54,7 +56,7 @@ def between(points, step, longest):
     """(m, 2) points on the straight surface between neighbours of points (n, 2) that lie on it.
 
     They divide gaps longer than `step` and no longer than `longest` evenly, in parts no longer than a step.
-    The gap and the gaps beside it must go on straight, as in `_join`: four neighbours on one line.
+    The gap and the gaps beside it must go on straight, in even steps: four neighbours on one line.
     """
     n, m = len(points), 0
     parts = np.zeros(n, np.int64)
@@ -189,8 +191,9 @@ def _join(xs, ys, joined, way):
         dx, dy = get(xs, i) - get(xs, i - 1), get(ys, i) - get(ys, i - 1)
         ux, uy = get(xs, i - 1) - get(xs, i - 2), get(ys, i - 1) - get(ys, i - 2)
         step, before = math.sqrt(dx * dx + dy * dy), math.sqrt(ux * ux + uy * uy)
-        even = (max(step, before) <= GROWTH * min(step, before)) & (dx * ux + dy * uy >= STRAIGHT * step * before)
-        put(straight, i, np.uint8(even))
+        flat = (dx * uy - dy * ux) ** 2 <= FLAT * FLAT * ((dx + ux) ** 2 + (dy + uy) ** 2)
+        even = (max(step, before) <= GROWTH * min(step, before)) | flat
+        put(straight, i, np.uint8(even & (dx * ux + dy * uy >= STRAIGHT * step * before)))
     for i in range(n):
         joined[i] = (steps[i] <= GAP) | straight[i] | straight[i + 1]
     for i in range(1, n):

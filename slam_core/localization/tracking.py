@@ -19,6 +19,7 @@ LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
 CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
+UNCERTAIN = 1.0  # metres, one sigma: a position that is known worse is not called tracked
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
 
@@ -42,6 +43,16 @@ def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float,
     x, y, psi = (3.0 * math.sqrt(variance) for variance in prior.covariance.diagonal().tolist())
     distance = min(max(x, y, LEAST_WINDOW[0]), config.search_distance)
     return distance, min(max(psi, LEAST_WINDOW[1]), config.search_angle)
+
+
+def observed(verdict: Verdict, match: MatchResult | None, fused: PlanarGaussian) -> Verdict:
+    """The verdict; *degraded* where a scan leaves one direction to the prediction, which has become uncertain."""
+    if match is None or not match.unobservable.any() or verdict.state not in ("tracking", "recovered"):
+        return verdict
+    sigma = math.sqrt(float(match.unobservable @ fused.covariance[:2, :2] @ match.unobservable))
+    if sigma <= UNCERTAIN:
+        return verdict
+    return verdict._replace(state="degraded", rejection=Rejection("unobservable", sigma, UNCERTAIN))
 
 
 def is_good(fit: Fit, usual: float) -> bool:

@@ -8,6 +8,7 @@ from slam_core import geometry
 from slam_core.measurements import Float64s, LaserScan
 
 STANDS = 0.03  # m/s, rad/s: slower, a scan may be the same as the one before
+AWAY = 0.03  # m, rad: further from where a scan was measured, its repetition is wrong also for one that stands
 BELIEVED_NS = 1_000_000_000  # for which a robot is taken to drive on, where nothing else measures the motion
 
 
@@ -20,7 +21,7 @@ class Repeats:
     def __init__(self) -> None:
         self._ranges = np.empty(0, np.float32)
         self._changed_ns = self._seen_ns = 0
-        self._pose = np.zeros(3)
+        self._pose = self._first = np.zeros(3)
 
     def takes(self, scan: LaserScan, pose: Float64s, *, measured: bool) -> bool:
         """Whether a scan repeats the one before although the robot moves.
@@ -34,8 +35,15 @@ class Repeats:
             return False
         if lapse_s <= 0.0 or not (measured or scan.mid_ns - self._changed_ns < BELIEVED_NS):
             return False
-        return max(math.hypot(*moved[:2]), abs(geometry.wrap(moved[2]))) > STANDS * lapse_s
+        return _length(moved) > STANDS * lapse_s or (measured and _length(pose - self._first) > AWAY)
 
     def located(self, pose: Float64s) -> None:
         """The pose (3,) of the last scan."""
         self._pose = pose.copy()
+        if self._seen_ns == self._changed_ns:
+            self._first = self._pose
+
+
+def _length(motion: Float64s) -> float:
+    """Of a motion (3,): metres or radians, whichever is more."""
+    return max(math.hypot(*motion[:2]), abs(geometry.wrap(motion[2])))

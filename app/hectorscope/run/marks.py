@@ -67,12 +67,16 @@ def marks(
 
 
 def _of_tracking(series: Series, start_ns: int) -> Iterator[Mark]:
-    """Stretches of rejected matches, and of an unknown pose with its recovery."""
+    """Stretches of rejected matches, and of an unknown pose with its recovery.
+
+    Where one direction is not observable the state is degraded as well: that is a mark of its own.
+    """
     state, hits = series["tracking"], series["fit"]
-    for first, last in _stretches(series, state == TRACKING.index("degraded")):
+    rejected = (state == TRACKING.index("degraded")) & ~(series["weakest_sigma"] > UNOBSERVED)
+    for first, last in _stretches(series, rejected):
         worst = hits[first:last][np.isfinite(hits[first:last])]
         fits = f": at worst {worst.min():.0%} of the points lie on walls" if len(worst) else ""
-        count = int(np.count_nonzero(state[first:last] == TRACKING.index("degraded")))
+        count = int(np.count_nonzero(rejected[first:last]))
         yield _mark("bad_match", series, first, start_ns, f"{count} {_plural('match', count)} rejected{fits}")
     for first, last in _stretches(series, state == TRACKING.index("lost")):
         yield _mark("lost", series, first, start_ns, f"the pose is lost{_duration(series, first, last)}")

@@ -76,7 +76,7 @@ SILENCES = frozenset(
 
 
 def rejection_text(rejection: Rejection) -> str:
-    """Why a match was rejected."""
+    """Why a match was rejected or is not enough."""
     value, limit = rejection.value, rejection.limit
     match rejection.code:
         case "overlap":
@@ -87,6 +87,8 @@ def rejection_text(rejection: Rejection) -> str:
             return f"the match is {value:.0f} sigmas away from the predicted pose"
         case "hidden":
             return f"something near the laser hides walls of the map: {value:.0%} of the beams end before them"
+        case "unobservable":
+            return f"no beam fixes the way along one direction, and it is only known to ±{value:.1f} m by now"
 
 
 def verdict_text(verdict: Verdict) -> str:

@@ -51,6 +51,11 @@ def blind(series: Series) -> None:
     series["weakest_share"][20:26] = 0.001
 
 
+def stay_blind(series: Series) -> None:
+    series["weakest_share"][20:60], series["weakest_sigma"][20:60] = 0.001, 10.0
+    series["tracking"][40:60] = state("degraded")
+
+
 def run_down_a_corridor(series: Series) -> None:
     series["weakest_share"][20:60], series["weakest_share"][70:80] = 0.04, 0.04
 
@@ -77,6 +82,10 @@ CASES: list[tuple[Callable[[Series], None], list[tuple[str, float, int, str]]]] 
         ],
     ),
     (blind, [("degenerate", 2.0, 21, "one direction is not observable for 0.5 s: 0.10% of the beams fix it")]),
+    (
+        stay_blind,
+        [("degenerate", 2.0, 21, "one direction is not observable for 3.9 s: 0.10% of the beams fix it")],
+    ),
     (run_down_a_corridor, [("weak", 2.0, 21, "few beams fix one direction for 3.9 s: at worst 4.0% of them")]),
     (
         keep_the_speed,

@@ -47,6 +47,10 @@ def test_a_sentence_names_the_sensor_and_the_value():
             Rejection("hidden", 0.87, 0.6),
             "something near the laser hides walls of the map: 87% of the beams end before them",
         ),
+        (
+            Rejection("unobservable", 3.64, 1.0),
+            "no beam fixes the way along one direction, and it is only known to ±3.6 m by now",
+        ),
     ],
 )
 def test_a_rejection_has_its_figures(rejection: Rejection, text: str):

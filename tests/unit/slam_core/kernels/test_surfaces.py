@@ -82,6 +82,26 @@ def test_a_bare_corridor_is_open_along_and_an_end_closes_it(seed: int):
     assert survey(Beams(xs, ys), 0.0)[2] > 0.01
 
 
+@pytest.mark.parametrize("missing", [0.3, 0.7])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_corridor_stays_open_where_beams_have_no_echo(missing: float, seed: int):
+    """The gaps that they leave are of all lengths: an endpoint between two of them is still one of its wall."""
+    points = corridor(np.inf, seed=seed)
+    seen = np.random.default_rng([seed, 1]).random(len(points)) >= missing
+    xs, ys = points[seen].T.copy()
+    x, _, share = survey(Beams(xs, ys), 0.0)
+    assert share < 0.004
+    assert abs(x) > 0.9999
+
+
+def test_an_endpoint_off_the_line_of_its_neighbours_has_no_surface():
+    """A post before a wall, hit by one beam, as far from what it is seen between as these are from each other."""
+    wall = np.column_stack([np.full(8, 4.0), np.arange(-4.0, 4.0)])
+    post = np.array([[3.0, 0.5]])
+    x, y = directions(np.vstack([wall[:5], post, wall[5:]]))
+    assert np.hypot(x[5], y[5]) < 0.1
+
+
 def test_the_open_direction_turns_with_the_robot():
     """In the axes of the map."""
     xs, ys = corridor(np.inf).T.copy()

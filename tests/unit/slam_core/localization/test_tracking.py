@@ -6,14 +6,16 @@ import pytest
 from slam_core.config import TrackingConfig
 from slam_core.localization.tracking import (
     NEAR,
+    UNCERTAIN,
     UNUSUAL,
     Tracker,
     exceeds_basin,
     least_unusual,
     mahalanobis_distance,
+    observed,
 )
 from slam_core.mapping.grid import GridLevel
-from slam_core.results import Fit, MatchResult, PlanarGaussian, Rejection
+from slam_core.results import ACCEPTED, Fit, MatchResult, PlanarGaussian, Rejection, Verdict
 from tests.worlds import fit, in_parts
 
 CONFIG = TrackingConfig(lost_after=3)
@@ -158,3 +160,33 @@ def test_what_is_unusual_depends_on_the_time_between_two_scans():
     assert least_unusual(100_000_000) == pytest.approx(0.04)
     assert least_unusual(213_000_000) == least_unusual(10**12) == UNUSUAL
     assert least_unusual(-1) == 0.0  # a clock that was set back
+
+
+def down_a_corridor(sigma: float) -> PlanarGaussian:
+    """A fused pose that is known badly along x."""
+    return PlanarGaussian(np.zeros(3), np.diag([sigma**2, 1e-4, 1e-4]))
+
+
+ALONG = matched(0.0)._replace(unobservable=np.array([1.0, 0.0]))
+
+
+def test_a_direction_that_no_beam_fixes_is_tracked_as_long_as_it_is_known():
+    """Then the state is degraded, with the sigma along it; the match is accepted as before."""
+    assert observed(ACCEPTED, ALONG, down_a_corridor(0.99 * UNCERTAIN)) is ACCEPTED
+    verdict = observed(ACCEPTED, ALONG, down_a_corridor(3.0))
+    assert (verdict.state, verdict.accepted, verdict.confirmed) == ("degraded", True, True)
+    assert verdict.rejection == ("unobservable", pytest.approx(3.0), UNCERTAIN)
+
+
+@pytest.mark.parametrize("state", ["degraded", "lost"])
+def test_what_is_worse_than_an_unobservable_direction_stays(state: str):
+    """Its reason as well."""
+    verdict = Verdict(state, WHY, accepted=False)  # type: ignore[arg-type]
+    assert observed(verdict, ALONG, down_a_corridor(3.0)) is verdict
+
+
+def test_an_observed_direction_may_be_uncertain():
+    """The next match tells. The first scan of a map has none."""
+    across = ALONG._replace(unobservable=np.array([0.0, 1.0]))
+    for match in (matched(0.0), across, None):
+        assert observed(ACCEPTED, match, down_a_corridor(3.0)) is ACCEPTED
