@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.additions.cases import bare
-from benchmarks.additions.faults import Fault, covered, crowded, interrupted, repeated
+from benchmarks.additions.faults import Fault, covered, crowded, interrupted, repeated, unechoed
 from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.simulation import SceneOptions, Simulation
@@ -59,8 +59,17 @@ AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
     ("covered for 5 s in 15", covered(5.0, 15.0), True, ("arena", "rooms")),
     ("4 people around for 4 s in 10", crowded(4, 4.0, 10.0), True, ("arena", "rooms")),
     ("4 people around for 4 s in 10", crowded(4, 4.0, 10.0), False, ("arena", "rooms")),
-    ("scans repeated for 2 s in 10", repeated(2.0, 10.0), True, ("arena", "rooms")),
-    ("scans repeated for 0.5 s in 6", repeated(0.5, 6.0), False, ("arena", "rooms")),
+    ("scans repeated for 2 s in 10", repeated(LaserScan, 2.0, 10.0), True, ("arena", "rooms", "people")),
+    ("scans repeated for 5 s in 15", repeated(LaserScan, 5.0, 15.0), True, ("rooms", "people")),
+    ("scans repeated for 0.5 s in 6", repeated(LaserScan, 0.5, 6.0), False, ("arena", "rooms")),
+    (
+        "IMU repeats itself for 3 s in 12",
+        repeated(Imu, 3.0, 12.0),
+        True,
+        ("arena", "rooms", "handheld", "littoral"),
+    ),
+    ("30% of the beams unseen", unechoed(0.3), True, ("corridor", "handheld")),
+    ("70% of the beams unseen", unechoed(0.7), True, ("corridor", "handheld")),
 )
 
 Load = Callable[[int], list[Item]]
@@ -144,6 +153,7 @@ def cases() -> list[Case]:
         within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=False)),
         within(8.0, simulated("offices, 5 min, 5.5 Hz", "offices", cheap, imu=True)),
         within(8.0, simulated("people", "people", small, imu=False)),
+        *(within(6.0, simulated("people", "people", moderate, imu=imu)) for imu in (True, False)),
         *(
             without(seconds, "scans", (LaserScan,), simulated(scene, scene, moderate, imu=True))
             for seconds, scene in BLIND

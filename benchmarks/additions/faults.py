@@ -169,30 +169,44 @@ def crowded(people: int, seconds: float, every: float) -> Fault:
     return _scans_again(seconds, every, crowd)
 
 
-def repeated(seconds: float, every: float) -> Fault:
-    """The driver sends its last scan for so long, again and again."""
+def repeated(kind: type[LaserScan] | type[Imu], seconds: float, every: float) -> Fault:
+    """A driver sends its last measurement for so long, again and again."""
+
+    def fault(items: Sequence[Item], _seed: int) -> list[Item]:
+        last: LaserScan | Imu | None = None
+
+        def repeat(t: float, item: Item) -> Item:
+            nonlocal last
+            if not isinstance(item, kind):
+                return item
+            if last is not None and t > LATER and t % every < seconds:
+                return replace(last, stamp_ns=item.stamp_ns)
+            last = item
+            return item
+
+        return changed(items, repeat)
+
+    return fault
+
+
+def unechoed(share: float) -> Fault:
+    """So many of the beams have no echo, others in each scan: the walls are dark."""
 
     def fault(items: Sequence[Item], seed: int) -> list[Item]:
-        last: LaserScan | None = None
+        rng = np.random.default_rng([seed, 25])
 
-        def repeat(scan: LaserScan, _rng: np.random.Generator, _t: float) -> LaserScan:
-            return scan if last is None else replace(scan, ranges=last.ranges)
+        def darkened(_t: float, item: Item) -> Item:
+            if not isinstance(item, LaserScan):
+                return item
+            return replace(item, ranges=np.where(rng.random(len(item.ranges)) < share, np.inf, item.ranges))
 
-        def keep(scan: LaserScan) -> LaserScan:
-            nonlocal last
-            last = scan
-            return scan
-
-        return _scans_again(seconds, every, repeat, keep)(items, seed)
+        return changed(items, darkened)
 
     return fault
 
 
 def _scans_again(
-    seconds: float,
-    every: float,
-    change: Callable[[LaserScan, np.random.Generator, float], LaserScan],
-    otherwise: Callable[[LaserScan], LaserScan] = lambda scan: scan,
+    seconds: float, every: float, change: Callable[[LaserScan, np.random.Generator, float], LaserScan]
 ) -> Fault:
     """Scans changed for so many seconds of each `every`, from LATER on."""
 
@@ -200,9 +214,9 @@ def _scans_again(
         rng = np.random.default_rng([seed, 24])
 
         def changed_scan(t: float, item: Item) -> Item:
-            if not isinstance(item, LaserScan):
-                return item
-            return change(item, rng, t) if t > LATER and t % every < seconds else otherwise(item)
+            return (
+                change(item, rng, t) if isinstance(item, LaserScan) and t > LATER and t % every < seconds else item
+            )
 
         return changed(items, changed_scan)
 

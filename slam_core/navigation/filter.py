@@ -112,7 +112,7 @@ class NavigationFilter:
         return projected(self.at(time_ns))
 
     def predict(self, imu: Imu) -> None:
-        """Eqs. (1)-(3) up to a sample; one that is broken, repeated or late is counted and dropped."""
+        """Eqs. (1)-(3) up to a sample; one that is broken, sent again or late is counted and dropped."""
         sample, fault = self._imu_check.check(imu, self._config)
         if fault:
             self.counts[fault] += 1

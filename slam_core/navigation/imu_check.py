@@ -1,14 +1,18 @@
-"""What is wrong with an inertial sample before the filter sees it: no number, a clipped gyro, a clock set back."""
+"""What is wrong with an inertial sample before the filter sees it.
+
+It is no number, the gyro is clipped, the driver sends the last one again, the clock was set back.
+"""
 
 import numpy as np
 
 from slam_core.config import NavigationConfig
-from slam_core.kernels.imu_check import BROKEN, GOOD, check
+from slam_core.kernels.imu_check import BROKEN, FROZEN, GOOD, check
 from slam_core.kernels.imu_propagation import MAX_GAP_NS
 from slam_core.measurements import Float64s, Imu
 
 AT_RANGE = "gyro at the end of its range"
 NO_NUMBER = "inertial sample without a plausible value"
+SENT_AGAIN = "inertial sample that repeats the ones before"
 BACK_FOR_NS = 200_000_000  # of samples in order, all of them in the past
 
 
@@ -16,12 +20,12 @@ class ImuCheck:
     """Looks at one sample after the other; remembers just enough of those before."""
 
     def __init__(self) -> None:
-        self._memory = np.zeros((3, 3))
+        self._memory = np.zeros((4, 4))
         self._sample = np.zeros(7)
         self._behind: tuple[int, int] | None = None
 
     def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
-        """The sample as in `ImuBuffer` (None if it is broken), and what is wrong with it (empty if nothing).
+        """The sample as in `ImuBuffer` (None if it tells nothing), and what is wrong with it (empty if nothing).
 
         It holds until the next one is checked.
         """
@@ -29,6 +33,8 @@ class ImuCheck:
         found = check(imu.angular_velocity, imu.linear_acceleration, self._memory, config.gyro_range, sample)
         if found == GOOD:
             return sample, ""
+        if found == FROZEN:
+            return None, SENT_AGAIN
         return (None, NO_NUMBER) if found == BROKEN else (sample, AT_RANGE)
 
     def goes_on(self) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from slam_core.diagnostics import NO_BEAM, REPEATED, Code, Diagnostic, Recent
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.navigation.gates import LEAST_STREAK
-from slam_core.navigation.imu_check import AT_RANGE, NO_NUMBER
+from slam_core.navigation.imu_check import AT_RANGE, NO_NUMBER, SENT_AGAIN
 from slam_core.navigation.level_ride import LevelRide
 from slam_core.navigation.rejections import LEAPT, SET_BACK, TOO_OLD, UNUSABLE
 from slam_core.results import AidingStatus
@@ -20,6 +20,7 @@ COUNTED: Mapping[str, Code] = {
     SET_BACK: "imu_clock_set_back",
     LEAPT: "imu_clock_set_ahead",
     NO_NUMBER: "imu_implausible",
+    SENT_AGAIN: "imu_repeats",
     NO_BEAM: "no_beam_in_range",
     REPEATED: "scans_repeated",
 }

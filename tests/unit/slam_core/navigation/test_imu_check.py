@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slam_core.kernels.imu_check import SAME, TOLD_APART
 from slam_core.measurements import Imu
 from slam_core.navigation.filter import NavigationFilter
+from slam_core.navigation.imu_check import SENT_AGAIN
 from tests.filters import CONFIG, OMEGA, R, begun, same, xi
 from tests.motions import GRAVITY, gait, stamp
 
@@ -20,6 +22,51 @@ def test_a_broken_sample_is_counted_and_dropped(value: float) -> None:
     estimator.predict(Imu(stamp(1.01), np.zeros(3), np.array([0.0, 0.0, value])))
     assert estimator.counts["inertial sample without a plausible value"] == 2
     assert same(state, estimator.state, 0.0)
+
+
+def noisy(t: float, rng: np.random.Generator) -> Imu:
+    """A sample at rest."""
+    return Imu(stamp(t), 0.002 * rng.standard_normal(3), -GRAVITY + 0.05 * rng.standard_normal(3))
+
+
+def sent(before: int, turn: float, *, noise: bool = True) -> NavigationFilter:
+    """So many samples at rest at 100 Hz, then one in a turn (rad/s) again and again, for half a second."""
+    estimator, rng = NavigationFilter(CONFIG), np.random.default_rng(0)
+    rest = [noisy(1.01 + k / 100, rng) for k in range(before)]
+    for sample in rest:
+        estimator.predict(sample if noise else replace(rest[0], stamp_ns=sample.stamp_ns))
+    last = Imu(0, np.array([0.0, 0.0, turn]), -GRAVITY)
+    for k in range(50):
+        estimator.predict(replace(last, stamp_ns=stamp(1.01 + (before + k) / 100)))
+    return estimator
+
+
+def test_a_sample_that_is_sent_again_and_again_is_no_measurement() -> None:
+    """Its driver hangs: the heading stays what the first fifth of a second made of it. It is counted."""
+    estimator = sent(300, 1.0)
+    assert estimator.counts[SENT_AGAIN] == 50 - SAME + 1
+    assert estimator.sample_ns == stamp(1.01 + (300 + SAME - 2) / 100)
+
+
+@pytest.mark.parametrize(
+    ("before", "turn", "noise"), [(300, 0.0, True), (300, 1.0, False), (TOLD_APART // 2, 1.0, True)]
+)
+def test_a_sensor_without_noise_may_repeat_itself(before: int, turn: float, noise: bool) -> None:
+    """A gyro that is silent at rest, a simulation without noise, a sensor of which too little is known."""
+    estimator = sent(before, turn, noise=noise)
+    assert not estimator.counts[SENT_AGAIN]
+    assert estimator.sample_ns == stamp(1.01 + (before + 49) / 100)
+
+
+def test_samples_of_a_driver_that_goes_on_count_again() -> None:
+    """Also after the second time that it hung."""
+    estimator, rng, last = NavigationFilter(CONFIG), np.random.default_rng(0), noisy(0.0, np.random.default_rng(1))
+    for k in range(800):
+        hangs = k % 400 >= 300
+        estimator.predict(replace(last, stamp_ns=stamp(1.01 + k / 100)) if hangs else noisy(1.01 + k / 100, rng))
+        if not hangs and estimator.ready:
+            assert estimator.sample_ns == stamp(1.01 + k / 100)
+    assert estimator.counts[SENT_AGAIN] == 2 * (100 - SAME + 1)
 
 
 def test_repeated_and_backward_samples_are_counted_and_dropped() -> None:
