@@ -103,16 +103,20 @@ def foreground(points, gap, extent, fewest):
     """(n,) which endpoints (n, 2), in the order of the sweep, are on an object that stands before what is around.
 
     An object is `fewest` endpoints or more, none further than `gap` from the next, in a box with a diagonal below
-    `extent`; it is nearer than what is seen on both sides of it, by more than `gap`. Metres.
+    `extent`; it is nearer than what is seen on both sides of it, by more than `gap`; at an end of the scan, where
+    half of it may be out of view, than what is seen on the other side. Metres.
     """
     n, begin = len(points), 0
     found = np.zeros(n, np.bool_)
     for end in range(1, n + 1):
         if end < n and _distance(points[end], points[end - 1]) <= gap:
             continue
-        if begin > 0 and end < n and end - begin >= fewest and _diagonal(points[begin:end]) < extent:
-            before = _distance(points[begin - 1], ORIGIN) - _distance(points[begin], ORIGIN)
-            after = _distance(points[end], ORIGIN) - _distance(points[end - 1], ORIGIN)
+        if fewest <= end - begin < n and _diagonal(points[begin:end]) < extent:
+            before = after = math.inf
+            if begin > 0:
+                before = _distance(points[begin - 1], ORIGIN) - _distance(points[begin], ORIGIN)
+            if end < n:
+                after = _distance(points[end], ORIGIN) - _distance(points[end - 1], ORIGIN)
             found[begin:end] = min(before, after) > gap
         begin = end
     return found

@@ -92,7 +92,7 @@ def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
 
 
 def foreground(points: Float32s) -> NDArray[np.bool_]:
-    """(n,) which endpoints (n, 2) are on a compact object that stands before what is seen on both sides of it.
+    """(n,) which endpoints (n, 2) are on a compact object that stands before what is seen beside it.
 
     What a wall that is seen along shows between two beams is no object: one of its neighbours is nearer.
     """

@@ -196,10 +196,16 @@ def test_the_foreground_is_what_stands_before_the_rest() -> None:
     ("before", "after", "stands"), [(5.0, 5.0, True), (5.0, 1.0, False), (1.0, 5.0, False), (1.0, 1.0, False)]
 )
 def test_what_has_something_nearer_beside_it_is_no_foreground(before: float, after: float, stands: bool) -> None:
-    """It may be a piece of a wall that the nearer one hides."""
+    """It may be a piece of a wall that the nearer one hides. At an end of the scan one neighbour tells."""
     angles, ranges = ANGLES[:60], np.repeat([before, 2.0, after], 20)
     ends = (ranges[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])).astype(np.float32)
-    np.testing.assert_array_equal(foreground(ends), np.repeat([False, stands, False], 20))
+    np.testing.assert_array_equal(foreground(ends), np.repeat([before < 2.0, stands, after < 2.0], 20))
+
+
+def test_all_that_is_seen_is_no_foreground() -> None:
+    """Nothing is behind a lone object."""
+    angles = ANGLES[:20]
+    assert not foreground(np.column_stack([np.cos(angles), np.sin(angles)]).astype(np.float32)).any()
 
 
 def test_who_fills_half_of_the_view_leaves_no_background_to_match() -> None:
