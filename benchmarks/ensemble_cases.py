@@ -54,7 +54,7 @@ AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
     ("no data for 1 s in 6", interrupted(1.0, 6.0), True, ("arena", "rooms", "handheld", "littoral")),
     ("no data for 1 s in 6", interrupted(1.0, 6.0), False, ("arena", "rooms")),
     ("no data for 2 s in 10", interrupted(2.0, 10.0), True, ("arena", "rooms", "littoral")),
-    ("covered for 2 s in 10", covered(2.0, 10.0), True, ("arena", "rooms", "handheld")),
+    ("covered for 2 s in 10", covered(2.0, 10.0), True, ("arena", "rooms", "handheld", "littoral")),
     ("covered for 2 s in 10", covered(2.0, 10.0), False, ("arena", "rooms")),
     ("covered for 5 s in 15", covered(5.0, 15.0), True, ("arena", "rooms")),
     ("4 people around for 4 s in 10", crowded(4, 4.0, 10.0), True, ("arena", "rooms")),

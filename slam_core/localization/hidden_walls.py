@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from slam_core.config import MatcherConfig
 from slam_core.localization.confirmation import is_vague
 from slam_core.localization.dynamic_beams import of_all
-from slam_core.localization.map_view import crossings
+from slam_core.localization.map_view import crossings, looked_at
 from slam_core.localization.tracking import NEAR, exceeds_basin, is_good, mahalanobis_distance
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine
@@ -17,9 +17,9 @@ from slam_core.measurements import Float64s
 from slam_core.results import MatchResult, PlanarGaussian, Rejection
 from slam_core.scan.stabilise import StabilisedScan
 
-MOST = 0.6  # of the beams of a scan: one that hides so many walls shows too little of the map
+MOST = 0.6  # of the beams of a scan on known cells: one that hides so many walls shows too little of the map
 SOME = 0.1  # from so many on, the others are matched without them
-LEAST = 0.25  # of the beams: with fewer others there is too little to match
+LEAST = 0.25  # of the beams: fewer on known cells, or fewer others to match, tell too little
 CROSSING = 0.1  # of the beams: if more cross walls, the pose is wrong
 BEAMS = 60  # of a scan that are followed
 TRUSTED_NS = 10_000_000_000  # for which a scan counts as covered where the prediction is vague
@@ -72,11 +72,11 @@ def _rejection(found: NDArray[np.bool_] | None, limit: float) -> Rejection | Non
 def hidden(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s, least: float) -> NDArray[np.bool_] | None:
     """(n,) which beams of a scan at a pose (3,) end before the walls of the map.
 
-    None if these are a smaller share than `least`, or many beams cross walls.
+    None if these are a smaller share than `least` of those that end where the map is known, or many cross walls.
     """
-    pyramid.cover(scan.points, pose)
+    view, _ = looked_at(pyramid, scan, pose)
     found = pyramid.unexpected(scan.points, pose)
-    if np.count_nonzero(found) < least * len(found):
+    if view.known < LEAST or np.mean(found) < least * view.known:
         return None
     known, crossed = crossings(pyramid, scan, pose, BEAMS)
     return found if crossed <= CROSSING * known else None

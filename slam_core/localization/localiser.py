@@ -107,7 +107,7 @@ class Localiser:
             prior, verdict = self._miss(verdict, match.fit, prior, scan.mid_ns, config)
         if config.tracking.relocalise and (verdict.state == "lost" or self._confirmation.awaits_search):
             match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, prior, config)
-        if verdict.outside_map and self.may_continue(prior, config):
+        if verdict.outside_map and not tracker.is_missing and self.may_continue(prior, config):
             match, verdict = self._continue(match, verdict, prior)
         elif verdict.accepted:
             verdict = self._confirmation.accepted(

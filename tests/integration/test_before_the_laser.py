@@ -43,6 +43,14 @@ def test_inertial_data_carry_a_robot_through_what_its_laser_does_not_see(name: s
     assert not (found.lost or found.misplaced or found.silent)
 
 
+@pytest.mark.parametrize("variant", [4, 11])
+def test_a_covered_boat_on_its_way_out_of_the_map_does_not_continue_it_with_what_covers_it(variant: int) -> None:
+    """Ahead nothing is known: there the hand hides no wall. Its way is that of the inertial data."""
+    found = outcome("littoral, covered for 2 s in 10", variant)
+    assert found.error < 0.15
+    assert not (found.lost or found.misplaced or found.silent)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["rooms, laser alone, covered for 2 s in 10", "rooms, laser alone, 4 people around for 4 s in 10"]

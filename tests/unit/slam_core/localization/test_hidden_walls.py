@@ -64,6 +64,23 @@ def test_a_hand_hides_all_walls(room: Pyramid) -> None:
     assert hidden(room, seen(), HERE, SOME) is None
 
 
+def test_where_little_of_the_map_is_known_that_part_tells() -> None:
+    """A robot that only saw ahead is covered all around: behind it nothing is known. Far off nothing is."""
+    pyramid, ahead = Pyramid(CONFIG.map), seen(hide=_ahead)
+    for _ in range(3):
+        pyramid.update(ahead.points, np.empty((0, 2), np.float32), ahead.laser, HERE, CONFIG.map)
+    found = hidden(pyramid, seen(hide=hand), HERE, MOST)
+    assert found is not None
+    assert 0.3 < found.mean() < MOST
+    assert hidden(pyramid, seen(hide=hand), HERE + np.array([30.0, 0.0, 0.0]), MOST) is None
+
+
+def _ahead(ranges: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The half of the view."""
+    k = len(ranges) // 4
+    return np.concatenate((np.full(k, np.inf), ranges[k:-k], np.full(k, np.inf)))
+
+
 def test_what_crosses_walls_is_not_hidden(room: Pyramid) -> None:
     """At a wrong pose many beams end in free space, too, but others go through the walls."""
     wrong = HERE + np.array([2.0, 1.0, 0.6])
