@@ -99,12 +99,12 @@ def _from(point, laser):
 
 
 @njit(cache=True, error_model="numpy")
-def foreground(points, gap, extent, fewest):
+def foreground(points, gap, extent, fewest, beside):
     """(n,) which endpoints (n, 2), in the order of the sweep, are on an object that stands before what is around.
 
     An object is `fewest` endpoints or more, none further than `gap` from the next, in a box with a diagonal below
-    `extent`; it is nearer than what is seen on both sides of it, by more than `gap`; at an end of the scan, where
-    half of it may be out of view, than what is seen on the other side. Metres.
+    `extent`; it is nearer than what is seen on both sides of it, by more than `gap`. At an end of the scan, where
+    half of it may be out of view, it is nearer than what is seen on one side, and than `beside`. Metres.
     """
     n, begin = len(points), 0
     found = np.zeros(n, np.bool_)
@@ -112,12 +112,10 @@ def foreground(points, gap, extent, fewest):
         if end < n and _distance(points[end], points[end - 1]) <= gap:
             continue
         if fewest <= end - begin < n and _diagonal(points[begin:end]) < extent:
-            before = after = math.inf
-            if begin > 0:
-                before = _distance(points[begin - 1], ORIGIN) - _distance(points[begin], ORIGIN)
-            if end < n:
-                after = _distance(points[end], ORIGIN) - _distance(points[end - 1], ORIGIN)
-            found[begin:end] = min(before, after) > gap
+            before = _distance(points[begin - 1], ORIGIN) if begin > 0 else beside + gap
+            after = _distance(points[end], ORIGIN) if end < n else beside + gap
+            first, last = _distance(points[begin], ORIGIN), _distance(points[end - 1], ORIGIN)
+            found[begin:end] = min(before - first, after - last) > gap
         begin = end
     return found
 

@@ -33,6 +33,7 @@ NEARER = 0.5  # of the distance between match and prediction
 BETTER = 0.95  # of the cost of eq. (7) of the other beams
 KNOWN = 0.9  # of the share of them on known cells before: an unknown cell costs less than free space
 FEWEST = 3  # beams of an object in the foreground
+BESIDE = 1.5  # metres: who is half out of the view is no further
 CLEARLY = 0.9  # of the cost of the background at the match of all beams, and less by
 SIGMAS = 2.0  # standard deviations of that difference
 EXACT = np.zeros((3, 3))  # covariance of a pose that is compared as it is
@@ -96,7 +97,7 @@ def foreground(points: Float32s) -> NDArray[np.bool_]:
 
     What a wall that is seen along shows between two beams is no object: one of its neighbours is nearer.
     """
-    found: NDArray[np.bool_] = surfaces.foreground(points, GAP, EXTENT, FEWEST)
+    found: NDArray[np.bool_] = surfaces.foreground(points, GAP, EXTENT, FEWEST, BESIDE)
     return found
 
 

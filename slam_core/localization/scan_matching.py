@@ -9,6 +9,7 @@ from slam_core.localization.hidden_walls import match_visible
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.tracking import (
     LEAP_SIGMAS,
+    NEAR,
     Tracker,
     exceeds_basin,
     least_unusual,
@@ -105,7 +106,9 @@ class ScanMatching:
         is_unusual = self.tracker.is_unusual(match, prior, least_unusual(lapse_ns))
         if self._motion.unaided:
             return without_dynamic(self._pyramid, predicted, aligned, prior, config, is_unusual=is_unusual)
-        if self._motion.inertial and (is_unusual or self.tracker.is_bad(match.fit)):
+        if self._motion.inertial and (
+            is_unusual or self.tracker.is_bad(match.fit) or mahalanobis_distance(match, prior) > NEAR
+        ):
             match = (
                 match_background(self._pyramid, scan.points, match, prior, config, inertial=True)
                 or match_visible(self._pyramid, scan, prior, self.tracker.usual, config)

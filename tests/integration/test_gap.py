@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks import ensembles
+from benchmarks import ensemble_cases, ensembles
 from hectorscope.run.checkpoints import Checkpoint, Place
 from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.settings import Settings
@@ -307,6 +307,6 @@ def test_a_robot_that_does_not_come_back_to_its_map_stays_lost(case: str):
     assert outcome.lost
     assert not (outcome.misplaced or outcome.silent)
     assert run.truth is not None
-    after = run.poses[:, 0] > ensembles.BLIND_S + 11.0
+    after = run.poses[:, 0] > ensemble_cases.BLIND_S + 11.0
     errors = relative_errors(run.poses[after, 1:], run.truth[after], run.poses[after, 0], 5.0)
     assert np.hypot(*errors[:, :2].T).max() < 0.1

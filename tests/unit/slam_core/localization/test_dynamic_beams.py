@@ -202,6 +202,17 @@ def test_what_has_something_nearer_beside_it_is_no_foreground(before: float, aft
     np.testing.assert_array_equal(foreground(ends), np.repeat([before < 2.0, stands, after < 2.0], 20))
 
 
+@pytest.mark.parametrize(("ranges", "stands"), [((1.4, 4.0), True), ((1.6, 4.0), False), ((1.4, 1.6), False)])
+def test_at_an_end_of_the_scan_only_somebody_close_by_is_in_the_foreground(
+    ranges: tuple[float, float], stands: bool
+) -> None:
+    """Further off a wall may begin or end there."""
+    for mirrored in (False, True):
+        reach = np.repeat(ranges[::-1] if mirrored else ranges, 20)
+        ends = (reach[:, None] * np.column_stack([np.cos(ANGLES[:40]), np.sin(ANGLES[:40])])).astype(np.float32)
+        np.testing.assert_array_equal(foreground(ends), (reach == ranges[0]) & stands)
+
+
 def test_all_that_is_seen_is_no_foreground() -> None:
     """Nothing is behind a lone object."""
     angles = ANGLES[:20]
