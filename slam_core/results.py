@@ -286,7 +286,7 @@ class StepResult(NamedTuple):
     navigation: the filter after the fusion; None without an IMU.
     match: None on the first scan of a map, which only makes it.
     verdict: whether planar is the match, and whether that is sure: "tracking", "recovered" after a bad one,
-    "degraded", or "lost" when that lasts.
+    "degraded", or "lost" when that lasts. An accepted match is "degraded" along a direction that is hardly known.
     aiding: what became of every source's measurements so far. world: the pose of the map in the tangent plane of
     the satellites (east, north, heading from east); None while not known.
     sweep: what the endpoints were made of.
