@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slam_core.kernels.surfaces import GAP, GROWTH, NEIGHBOURS, REACH, STRAIGHT, _neighbours
+from slam_core.kernels.surfaces import FLAT, GAP, GROWTH, NEIGHBOURS, REACH, STRAIGHT, _neighbours
 
 Steps = list[tuple[float, float]]  # metres and radians: how far to the next endpoint, and how the way turns there
 steps = st.lists(
@@ -16,7 +16,7 @@ steps = st.lists(
 @settings(max_examples=200, deadline=None)
 @given(steps, st.floats(0.0, 0.5))
 def test_neighbours_are_those_of_one_surface_within_reach(way: Steps, bends: float) -> None:
-    """Joined step by step, by a small one or one like its neighbour, and near along the way or in the order."""
+    """Joined step by step, by a small one, one like its neighbour or one straight on, and near by way or order."""
     points = _points(way, bends)
     n = len(points)
     first, end = np.full(n, -1, np.int32), np.full(n, -1, np.int32)
@@ -49,6 +49,9 @@ def _joined(moves: np.ndarray, lengths: np.ndarray) -> list[bool]:
     for i in range(1, len(lengths)):
         small, large = sorted(lengths[i - 1 : i + 1])
         ahead = moves[i][0] * moves[i - 1][0] + moves[i][1] * moves[i - 1][1]
-        if large <= GROWTH * small and ahead >= STRAIGHT * lengths[i] * lengths[i - 1]:
+        aside = moves[i][0] * moves[i - 1][1] - moves[i][1] * moves[i - 1][0]
+        across = moves[i] + moves[i - 1]
+        flat = aside * aside <= FLAT * FLAT * np.float64(across[0] * across[0] + across[1] * across[1])
+        if (large <= GROWTH * small or flat) and ahead >= STRAIGHT * lengths[i] * lengths[i - 1]:
             joined[i - 1] = joined[i] = True
     return joined

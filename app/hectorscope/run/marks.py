@@ -12,6 +12,7 @@ from hectorscope.inputs import SourceReport
 from hectorscope.run.series import TRACKING
 from hectorscope.run.settings import Settings
 from hectorscope.run.wording import SILENCES
+from slam_core.localization.tracking import UNCERTAIN
 
 Kind = Literal["bad_match", "lost", "recovered", "degenerate", "weak", "gap", "setting", "warning", "finding"]
 TITLES: Mapping[Kind, str] = {
@@ -69,10 +70,11 @@ def marks(
 def _of_tracking(series: Series, start_ns: int) -> Iterator[Mark]:
     """Stretches of rejected matches, and of an unknown pose with its recovery.
 
-    Where one direction is not observable the state is degraded as well: that is a mark of its own.
+    Where one direction is not observable and has become uncertain the state is degraded, too: a mark of its own.
     """
     state, hits = series["tracking"], series["fit"]
-    rejected = (state == TRACKING.index("degraded")) & ~(series["weakest_sigma"] > UNOBSERVED)
+    uncertain = np.hypot(series["fused_sigma_x"], series["fused_sigma_y"]) > UNCERTAIN
+    rejected = (state == TRACKING.index("degraded")) & ~(uncertain & (series["weakest_sigma"] > UNOBSERVED))
     for first, last in _stretches(series, rejected):
         worst = hits[first:last][np.isfinite(hits[first:last])]
         fits = f": at worst {worst.min():.0%} of the points lie on walls" if len(worst) else ""

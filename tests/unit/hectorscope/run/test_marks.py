@@ -53,7 +53,11 @@ def blind(series: Series) -> None:
 
 def stay_blind(series: Series) -> None:
     series["weakest_share"][20:60], series["weakest_sigma"][20:60] = 0.001, 10.0
-    series["tracking"][40:60] = state("degraded")
+    series["tracking"][40:60], series["fused_sigma_x"][40:60] = state("degraded"), 1.5
+
+
+def cover(series: Series) -> None:
+    series["tracking"][30:33], series["weakest_sigma"][30:33] = state("degraded"), 10.0
 
 
 def run_down_a_corridor(series: Series) -> None:
@@ -82,6 +86,7 @@ CASES: list[tuple[Callable[[Series], None], list[tuple[str, float, int, str]]]] 
         ],
     ),
     (blind, [("degenerate", 2.0, 21, "one direction is not observable for 0.5 s: 0.10% of the beams fix it")]),
+    (cover, [("bad_match", 3.0, 31, "3 matches rejected: at worst 90% of the points lie on walls")]),
     (
         stay_blind,
         [("degenerate", 2.0, 21, "one direction is not observable for 3.9 s: 0.10% of the beams fix it")],
