@@ -134,6 +134,11 @@ class Verdict(NamedTuple):
         """Whether something near the laser hides the map: the scan tells nothing of the pose."""
         return self.rejection is not None and self.rejection.code == "hidden"
 
+    @property
+    def undoubted(self) -> bool:
+        """Whether nothing speaks against the match: at most, no beam fixes one direction."""
+        return self.state == "tracking" or (self.rejection is not None and self.rejection.code == "unobservable")
+
 
 ACCEPTED = Verdict()
 

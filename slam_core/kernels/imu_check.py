@@ -42,14 +42,14 @@ def check(rate: Float64s, force: Float64s, memory: Float64s, gyro_range: float, 
         stuck = memory[i, 1] >= REPEATS and size >= max(LEAST_RANGE, memory[i, 2])
         clipped |= stuck or (gyro_range > 0.0 and size >= 0.999 * gyro_range)
     sample[6] = CLIPPED_NOISE**2 if clipped else 0.0
-    if _is_frozen(same, memory[3]) and turns:
+    if _sent_again(same, memory[3]) and turns:
         return FROZEN
     return CLIPPED if clipped else GOOD
 
 
 @njit(inline="always")
-def _is_frozen(same, seen):
-    """Whether a sample, `same` as the one before or not, is one that is sent again. seen: (4,) of `check`."""
+def _sent_again(same, seen):
+    """Whether a sample, `same` as the one before or not, is one of many alike. seen: (4,), as in `check`."""
     seen[0] = seen[0] + 1.0 if same else 1.0
     seen[1] += not same
     if seen[0] < SAME:

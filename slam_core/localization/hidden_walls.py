@@ -17,7 +17,7 @@ from slam_core.measurements import Float64s
 from slam_core.results import MatchResult, PlanarGaussian, Rejection
 from slam_core.scan.stabilise import StabilisedScan
 
-MOST = 0.6  # of the beams of a scan on known cells: one that hides so many walls shows too little of the map
+MOST = 0.6  # of the beams of a scan: one that hides so many walls shows too little of the map
 SOME = 0.1  # from so many on, the others are matched without them
 LEAST = 0.25  # of the beams: fewer on known cells, or fewer others to match, tell too little
 CROSSING = 0.1  # of the beams: if more cross walls, the pose is wrong
@@ -30,13 +30,15 @@ def covered(
 ) -> Rejection | None:
     """Why a match tells nothing: most walls are hidden where the scan is predicted; None if they are not.
 
+    On the way out of the map its endpoints on known cells tell.
+
     sure: (3,) the last pose that was sure. With a vague prediction they may be hidden there, too; with a vague
     heading there alone. lapse_ns: since the last scan that was not covered.
     """
     vague = is_vague(prior)
     if vague and lapse_ns >= TRUSTED_NS:
         return None
-    found = None if exceeds_basin(prior) else hidden(pyramid, scan, prior.mean, MOST)
+    found = None if exceeds_basin(prior) else hidden(pyramid, scan, prior.mean, MOST, of_known=True)
     if found is None and vague:
         found = hidden(pyramid, scan, sure, MOST)
     return _rejection(found, MOST)
@@ -69,14 +71,17 @@ def _rejection(found: NDArray[np.bool_] | None, limit: float) -> Rejection | Non
     return None if found is None else Rejection("hidden", float(np.mean(found)), limit)
 
 
-def hidden(pyramid: Pyramid, scan: StabilisedScan, pose: Float64s, least: float) -> NDArray[np.bool_] | None:
+def hidden(
+    pyramid: Pyramid, scan: StabilisedScan, pose: Float64s, least: float, *, of_known: bool = False
+) -> NDArray[np.bool_] | None:
     """(n,) which beams of a scan at a pose (3,) end before the walls of the map.
 
-    None if these are a smaller share than `least` of those that end where the map is known, or many cross walls.
+    None if these are a smaller share than `least`, of all or of those on known cells, or if many cross walls.
     """
-    view, _ = looked_at(pyramid, scan, pose)
+    known = looked_at(pyramid, scan, pose)[0].known if of_known else 1.0
+    pyramid.cover(scan.points, pose)
     found = pyramid.unexpected(scan.points, pose)
-    if view.known < LEAST or np.mean(found) < least * view.known:
+    if known < LEAST or np.mean(found) < least * known:
         return None
-    known, crossed = crossings(pyramid, scan, pose, BEAMS)
-    return found if crossed <= CROSSING * known else None
+    followed, crossed = crossings(pyramid, scan, pose, BEAMS)
+    return found if crossed <= CROSSING * followed else None

@@ -36,7 +36,7 @@ def test_satellites_and_compass_carry_the_boat_without_a_laser() -> None:
     The map goes on from where the boat then believes to be: how far off that is, satellites' noise decides.
     """
     after = [laser_fails(replace(FEW_BEAMS, seed=seed)).after for seed in SEEDS]
-    assert median(after) < 0.6
+    assert median(after) < 0.4
     assert max(after) < 1.0
     assert laser_fails(FEW_BEAMS, ALONE).at_return > 0.5
 

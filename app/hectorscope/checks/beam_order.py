@@ -77,6 +77,6 @@ class OrderStatistics:
 
 def _residual(result: StepResult | None) -> float | None:
     """Of a scan whose pose is sure."""
-    if result is None or result.match is None or result.tracking != "tracking":
+    if result is None or result.match is None or not result.verdict.undoubted:
         return None
     return result.match.mean_residual

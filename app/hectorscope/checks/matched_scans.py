@@ -49,5 +49,5 @@ class MatchedScans:
             if self.shows_order:
                 sweep_s = (scan.end_ns - scan.stamp_ns) * 1e-9
                 self._order.take(result, turned.step(with_sweep(scan, -sweep_s)), sweep_s)
-            is_known = result is not None and result.tracking == "tracking"
+            is_known = result is not None and result.verdict.undoubted
             self._headings.append((scan.mid_ns, float(result.planar[2]) if result and is_known else np.nan))

@@ -69,10 +69,12 @@ def test_where_little_of_the_map_is_known_that_part_tells() -> None:
     pyramid, ahead = Pyramid(CONFIG.map), seen(hide=_ahead)
     for _ in range(3):
         pyramid.update(ahead.points, np.empty((0, 2), np.float32), ahead.laser, HERE, CONFIG.map)
-    found = hidden(pyramid, seen(hide=hand), HERE, MOST)
+    scan, far = seen(hide=hand), HERE + np.array([30.0, 0.0, 0.0])
+    found = covered(pyramid, scan, at(HERE), HERE, 0)
     assert found is not None
-    assert 0.3 < found.mean() < MOST
-    assert hidden(pyramid, seen(hide=hand), HERE + np.array([30.0, 0.0, 0.0]), MOST) is None
+    assert 0.3 < found.value < MOST
+    assert covered(pyramid, scan, at(far), far, 0) is None
+    assert covered(pyramid, scan, at(far, VAGUE), HERE, 0) is None  # it may be elsewhere, and see something else
 
 
 def _ahead(ranges: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -176,6 +176,7 @@ def test_a_direction_that_no_beam_fixes_is_tracked_as_long_as_it_is_known():
     verdict = observed(ACCEPTED, ALONG, down_a_corridor(3.0))
     assert (verdict.state, verdict.accepted, verdict.confirmed) == ("degraded", True, True)
     assert verdict.rejection == ("unobservable", pytest.approx(3.0), UNCERTAIN)
+    assert verdict.undoubted
 
 
 @pytest.mark.parametrize("state", ["degraded", "lost"])
@@ -183,6 +184,7 @@ def test_what_is_worse_than_an_unobservable_direction_stays(state: str):
     """Its reason as well."""
     verdict = Verdict(state, WHY, accepted=False)  # type: ignore[arg-type]
     assert observed(verdict, ALONG, down_a_corridor(3.0)) is verdict
+    assert not verdict.undoubted
 
 
 def test_an_observed_direction_may_be_uncertain():
