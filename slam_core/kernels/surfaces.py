@@ -19,11 +19,13 @@ NEIGHBOURS = 3
 FEWEST = 4  # endpoints that make a surface
 # Neighbours this near (metres) lie on one surface; and further ones, where two steps from one to the next go the
 # same way (cosine of the angle between them), and differ by no more than this factor or meet so near the straight
-# line through their other ends (metres): beams without an echo leave gaps of all lengths in a wall.
+# line through their other ends (metres): beams without an echo leave gaps of all lengths in a wall. The noise of
+# the ranges gives a step that is shorter than the last number (metres) any direction.
 GAP = 0.3
 STRAIGHT = 0.95
 GROWTH = 2.5
 FLAT = 0.02
+DIRECTED = 0.06
 # A spread across the surface this share of the one along it, or more, makes it no line at all, but for the noise
 # of the ranges (metres).
 ROUND = 1.0 / 9.0
@@ -194,7 +196,8 @@ def _join(xs, ys, joined, way):
         ux, uy = get(xs, i - 1) - get(xs, i - 2), get(ys, i - 1) - get(ys, i - 2)
         step, before = math.sqrt(dx * dx + dy * dy), math.sqrt(ux * ux + uy * uy)
         flat = (dx * uy - dy * ux) ** 2 <= FLAT * FLAT * ((dx + ux) ** 2 + (dy + uy) ** 2)
-        even = (max(step, before) <= GROWTH * min(step, before)) | flat
+        longer, shorter = max(step, before), min(step, before)
+        even = (longer <= GROWTH * shorter) | (flat & (shorter >= DIRECTED))
         put(straight, i, np.uint8(even & (dx * ux + dy * uy >= STRAIGHT * step * before)))
     for i in range(n):
         joined[i] = (steps[i] <= GAP) | straight[i] | straight[i + 1]

@@ -94,6 +94,17 @@ def test_a_corridor_stays_open_where_beams_have_no_echo(missing: float, seed: in
     assert abs(x) > 0.9999
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_what_lies_between_the_beams_on_both_sides_of_a_blind_sector_is_no_wall(seed: int):
+    """The view ahead is blocked: noise turns short steps before the gap towards its other side now and then."""
+    points = corridor(np.inf, seed=seed)
+    bearings = np.arctan2(points[:, 1], points[:, 0])
+    xs, ys = points[np.abs(bearings) > np.radians(60)][::2].T.copy()
+    x, _, share = survey(Beams(xs, ys), 0.0)
+    assert share < 0.004
+    assert abs(x) > 0.9999
+
+
 def test_an_endpoint_off_the_line_of_its_neighbours_has_no_surface():
     """A post before a wall, hit by one beam, as far from what it is seen between as these are from each other."""
     wall = np.column_stack([np.full(8, 4.0), np.arange(-4.0, 4.0)])
