@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.additions.cases import bare
-from benchmarks.additions.faults import Fault, covered, crowded, interrupted, repeated, unechoed
+from benchmarks.additions.faults import Fault, blind, covered, crowded, interrupted, repeated, unechoed
 from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.simulation import SceneOptions, Simulation
@@ -70,6 +70,7 @@ AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
     ),
     ("30% of the beams unseen", unechoed(0.3), True, ("corridor", "handheld")),
     ("70% of the beams unseen", unechoed(0.7), True, ("corridor", "handheld")),
+    ("120 degrees ahead unseen", blind(120.0), True, ("arena", "rooms", "handheld", "littoral", "corridor")),
 )
 
 Load = Callable[[int], list[Item]]

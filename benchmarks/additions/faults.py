@@ -205,6 +205,18 @@ def unechoed(share: float) -> Fault:
     return fault
 
 
+def blind(degrees: float) -> Fault:
+    """So much of the view ahead is blocked, by a mast or a load before the laser, and gives no echo."""
+
+    def blocked(_t: float, item: Item) -> Item:
+        if not isinstance(item, LaserScan):
+            return item
+        bearings = item.angle_min + item.angle_increment * np.arange(len(item.ranges))
+        return replace(item, ranges=np.where(np.abs(bearings) < np.radians(degrees) / 2, np.inf, item.ranges))
+
+    return lambda items, _seed: changed(items, blocked)
+
+
 def _scans_again(
     seconds: float, every: float, change: Callable[[LaserScan, np.random.Generator, float], LaserScan]
 ) -> Fault:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from slam_core.config import MatcherConfig, SlamConfig
+from slam_core.localization.badly_fixed import is_badly_fixed
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_background, without_dynamic
 from slam_core.localization.hidden_walls import match_visible
@@ -16,7 +17,7 @@ from slam_core.localization.tracking import (
     mahalanobis_distance,
     search_window,
 )
-from slam_core.localization.weak_direction import WeakDirection
+from slam_core.localization.weak_direction import WeakDirection, few_as_none
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
 from slam_core.matching.matcher import coarse_to_fine
@@ -43,13 +44,19 @@ class ScanMatching:
     ) -> tuple[SlamConfig, PlanarGaussian, StabilisedScan, MatchResult]:  # fmt: skip
         """A scan as its match places it. Returns the settings and the prediction to go on with as well.
 
-        Behind a gap in the inertial data the heading is unknown, and the pose is searched for.
+        A direction that is badly fixed is left to inertial data. Behind a gap in these the heading is unknown, and
+        the pose is searched for.
         """
         if self._motion.unaided and config.tracking.keep_speed:
             config, prior, stabilised, match = self._steadied(scan, predicted, start, prior, lapse_ns, config)
         else:
             self.weak_direction.held = False
             stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
+            if self._motion.inertial and is_badly_fixed(
+                self._pyramid, stabilised.points, match, prior, config.matcher
+            ):
+                config = few_as_none(config)
+                stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
         if self._motion.inertial and exceeds_basin(prior):
             found = self._nearby(scan, predicted, match, prior, config)
             stabilised, match = max((stabilised, match), found, key=lambda each: each[1].fit.hit)

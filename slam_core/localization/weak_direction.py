@@ -48,10 +48,7 @@ class WeakDirection:
 
     def configured(self, config: SlamConfig) -> SlamConfig:
         """Settings of the next match: while the direction is held, few beams count as none."""
-        if not self.held:
-            return config
-        threshold = max(config.matcher.degeneracy_threshold, FEW)
-        return replace(config, matcher=replace(config.matcher, degeneracy_threshold=threshold))
+        return few_as_none(config) if self.held else config
 
     def begins(self, match: MatchResult, time_ns: int, lapse_ns: int) -> bool:
         """Take in a match. Whether its direction is held from now on.
@@ -121,3 +118,9 @@ class WeakDirection:
         times = (np.array(times_ns) - times_ns[-1]) * 1e-9
         times -= times.mean()
         return float(times @ (np.array(places) @ self.direction) / max(float(times @ times), 1e-12))
+
+
+def few_as_none(config: SlamConfig) -> SlamConfig:
+    """Settings of a match in which a direction that few beams fix is unobservable."""
+    threshold = max(config.matcher.degeneracy_threshold, FEW)
+    return replace(config, matcher=replace(config.matcher, degeneracy_threshold=threshold))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from slam_core.config import MapConfig, MatcherConfig
 from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
+from slam_core.localization.badly_fixed import confirmed
 from slam_core.localization.dynamic_beams import BESIDE, foreground
 from slam_core.localization.global_search import agreement
 from slam_core.localization.map_view import crossings
@@ -117,6 +118,19 @@ def test_matching_stays_within_the_map(kind, points, start, prior):
     level = Level(finest.surfels, finest.corner, 1.0 / finest.resolution)
     xs, ys = np.ascontiguousarray(points.T)
     surfel_equations(level, xs, ys, start)
+
+
+@settings(max_examples=20, derandomize=True)
+@given(MAPS, ENDS, POSES)
+@example("room", room(), ORIGIN)
+@example("room", np.array([[math.nan, 1.0]], np.float32), np.array([math.nan] * 3))
+def test_what_the_map_confirms_is_a_share_of_the_beams(kind, points, pose):
+    """At any pose, of any endpoints; nothing without a map."""
+    pyramid, _ = made(kind)
+    for ends in (points, room(), NO_POINTS):
+        share = confirmed(pyramid, ends, pose)
+        assert 0.0 <= share <= 1.05  # the normals of surfels are rounded
+        assert share == 0.0 or (kind != "empty" and len(ends) > 0)
 
 
 @given(

@@ -19,6 +19,7 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig, with_value
+from slam_core.localization.badly_fixed import confirmed
 from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.placements import KeptScan, Placements, Usual
 from slam_core.localization.prior_map import PriorMap, saved_levels
@@ -252,6 +253,7 @@ def _everything(inertial: bool) -> None:
         inside = pipeline.slam.map.levels[0]
         costs(inside, np.zeros((1, 2), np.float32), np.zeros((1, 3)))
         foreground(np.zeros((1, 2), np.float32))
+        confirmed(pipeline.slam.map, placed.points, np.zeros(3))
         prior_map = PriorMap("the room", saved_levels(pipeline.slam.map))  # the second run seeks its place there
 
 
