@@ -16,7 +16,7 @@ steps = st.lists(
 @settings(max_examples=200, deadline=None)
 @given(steps, st.floats(0.0, 0.5))
 def test_neighbours_are_those_of_one_surface_within_reach(way: Steps, bends: float) -> None:
-    """Joined step by step, by a small one, one like its neighbour or a long one straight on; near by way or order."""
+    """Joined by small steps, by one like its neighbour or a long one straight on; near by way or by order."""
     points = _points(way, bends)
     n = len(points)
     first, end = np.full(n, -1, np.int32), np.full(n, -1, np.int32)
