@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 from slam_core.config import MatcherConfig, SlamConfig
-from slam_core.localization.badly_fixed import is_badly_fixed
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_background, without_dynamic
+from slam_core.localization.few_beams import FewBeams
 from slam_core.localization.hidden_walls import match_visible
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.tracking import (
@@ -37,6 +37,7 @@ class ScanMatching:
         self.tracker = Tracker()
         self.weak_direction = WeakDirection()
         self._pyramid, self._motion = pyramid, motion
+        self._few_beams = FewBeams()
 
     def matched(
         self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, lapse_ns: int,
@@ -44,7 +45,7 @@ class ScanMatching:
     ) -> tuple[SlamConfig, PlanarGaussian, StabilisedScan, MatchResult]:  # fmt: skip
         """A scan as its match places it. Returns the settings and the prediction to go on with as well.
 
-        A direction that is badly fixed is left to inertial data. Behind a gap in these the heading is unknown, and
+        A direction that few beams fix may be left to inertial data. Behind a gap in these the heading is unknown, and
         the pose is searched for.
         """
         if self._motion.unaided and config.tracking.keep_speed:
@@ -52,8 +53,8 @@ class ScanMatching:
         else:
             self.weak_direction.held = False
             stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
-            if self._motion.inertial and is_badly_fixed(
-                self._pyramid, stabilised.points, match, prior, config.matcher
+            if self._motion.inertial and self._few_beams.mislead(
+                self._pyramid, stabilised.points, match, prior, lapse_ns, config.matcher
             ):
                 config = few_as_none(config)
                 stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)

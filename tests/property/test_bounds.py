@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from slam_core.config import MapConfig, MatcherConfig
 from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
-from slam_core.localization.badly_fixed import confirmed
 from slam_core.localization.dynamic_beams import BESIDE, foreground
+from slam_core.localization.few_beams import confirmed
 from slam_core.localization.global_search import agreement
 from slam_core.localization.map_view import crossings
 from slam_core.localization.place_search import PlaceSearch

@@ -19,8 +19,8 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig, with_value
-from slam_core.localization.badly_fixed import confirmed
 from slam_core.localization.dynamic_beams import foreground
+from slam_core.localization.few_beams import confirmed
 from slam_core.localization.placements import KeptScan, Placements, Usual
 from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.mapper import Mapper
