@@ -32,8 +32,8 @@ class FewBeams:
     ) -> bool:  # fmt: skip
         """Whether few beams fix a direction, and inertial data contradict or the map does not confirm them.
 
-        points: (n, 2) endpoints in the stabilised frame, metres. prior: what inertial data predict. lapse_ns: since
-        the scan before: after a gap they predict nothing until the speed is known. It is off where
+        points: (n, 2) endpoints in the stabilised frame, metres. prior: what inertial data predict. lapse_ns:
+        since the scan before: after a gap they predict nothing until the speed is known. It is off where
         `degeneracy_threshold` is 0.
         """
         if not 0 < lapse_ns < SILENT_NS:

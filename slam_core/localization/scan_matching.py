@@ -45,8 +45,8 @@ class ScanMatching:
     ) -> tuple[SlamConfig, PlanarGaussian, StabilisedScan, MatchResult]:  # fmt: skip
         """A scan as its match places it. Returns the settings and the prediction to go on with as well.
 
-        A direction that few beams fix may be left to inertial data. Behind a gap in these the heading is unknown, and
-        the pose is searched for.
+        A direction that few beams fix may be left to inertial data. Behind a gap in these the heading is unknown,
+        and the pose is searched for.
         """
         if self._motion.unaided and config.tracking.keep_speed:
             config, prior, stabilised, match = self._steadied(scan, predicted, start, prior, lapse_ns, config)

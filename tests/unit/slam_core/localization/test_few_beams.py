@@ -122,7 +122,7 @@ def test_a_direction_that_is_unobservable_already_stays_so():
 
 @pytest.mark.parametrize("lapse_ns", [0, 2_000_000_000])
 def test_after_a_gap_few_beams_are_believed_until_many_have_shown_the_speed(lapse_ns: int):
-    """Inertial data predict nothing without one; a scan that comes again, or before the last, is as good as a gap."""
+    """Inertial data predict nothing without one; a clock that was set back is as good as a gap."""
     points, pyramid = passage(niche=True), mapped(niche=False)
     few, loose = settled(pyramid, points), matched(0.0, 0.02)
     assert few.mislead(pyramid, points, loose, PRIOR, SCAN_NS, MATCHER)
