@@ -47,6 +47,9 @@ class Fit(NamedTuple):
         return cls(known / max(beams, 1), hits / max(known, 1))
 
 
+FEW = 0.1  # of the beams, as a share: fewer fix a direction badly
+
+
 class MatchResult(NamedTuple):
     """The outcome of section IV-B on one scan.
 
@@ -80,6 +83,11 @@ class MatchResult(NamedTuple):
         """Mean of the residuals: 0 is a perfect fit, 0.5 an unknown map."""
         n = len(self.residuals)
         return float(np.add.reduce(self.residuals)) / n if n else float("nan")
+
+    @property
+    def is_badly_fixed(self) -> bool:
+        """Whether few beams fix the position along the direction that the scan's shape fixes worst."""
+        return self.weakest_share < FEW
 
     @property
     def weakest_sigma(self) -> float:

@@ -10,42 +10,28 @@ import numpy as np
 from slam_core.config import MatcherConfig
 from slam_core.kernels.coarse_to_fine import SURVEYED
 from slam_core.kernels.confirmed import confirmed_share
-from slam_core.localization.weak_direction import FEW
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import Float32s, Float64s
-from slam_core.navigation.monitor import SILENT_NS
 from slam_core.results import MatchResult, PlanarGaussian
 
 CONTRADICTS = 3.0  # sigmas of match and prediction
-SETTLED = 10  # scans that many beams fix: by then the filter knows the speed
 
 
-class FewBeams:
-    """Looks at the matches in one map, one after the other; each is predicted by inertial data."""
+def few_mislead(
+    pyramid: Pyramid, points: Float32s, match: MatchResult, prior: PlanarGaussian, config: MatcherConfig
+) -> bool:
+    """Whether few beams fix a direction, and inertial data contradict or the map does not confirm them.
 
-    def __init__(self) -> None:
-        self._well_fixed = 0  # scans since the map began, or since a gap
-
-    def mislead(
-        self, pyramid: Pyramid, points: Float32s, match: MatchResult, prior: PlanarGaussian, lapse_ns: int,
-        config: MatcherConfig,
-    ) -> bool:  # fmt: skip
-        """Whether few beams fix a direction, and inertial data contradict or the map does not confirm them.
-
-        points: (n, 2) endpoints in the stabilised frame, metres. prior: what inertial data predict. lapse_ns:
-        since the scan before: after a gap they predict nothing until the speed is known. It is off where
-        `degeneracy_threshold` is 0.
-        """
-        if not 0 < lapse_ns < SILENT_NS:
-            self._well_fixed = 0
-        is_few, least = match.weakest_share < FEW, config.degeneracy_threshold
-        self._well_fixed += not is_few
-        if not is_few or match.unobservable.any() or least <= 0.0 or self._well_fixed < SETTLED:
-            return False
-        direction = match.weakest_direction
-        off = float(direction @ (match.pose - prior.mean)[:2])
-        variance = float(direction @ (match.covariance + prior.covariance)[:2, :2] @ direction)
-        return off * off > CONTRADICTS**2 * variance or confirmed(pyramid, points, match.pose) < least
+    points: (n, 2) endpoints in the stabilised frame, metres. prior: what inertial data predict. It is off where
+    `degeneracy_threshold` is 0.
+    """
+    least = config.degeneracy_threshold
+    if not match.is_badly_fixed or match.unobservable.any() or least <= 0.0:
+        return False
+    direction = match.weakest_direction
+    off = float(direction @ (match.pose - prior.mean)[:2])
+    variance = float(direction @ (match.covariance + prior.covariance)[:2, :2] @ direction)
+    return off * off > CONTRADICTS**2 * variance or confirmed(pyramid, points, match.pose) < least
 
 
 def confirmed(pyramid: Pyramid, points: Float32s, pose: Float64s) -> float:

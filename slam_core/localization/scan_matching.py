@@ -5,7 +5,7 @@ from collections.abc import Callable
 from slam_core.config import MatcherConfig, SlamConfig
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_background, without_dynamic
-from slam_core.localization.few_beams import FewBeams
+from slam_core.localization.few_beams import few_mislead
 from slam_core.localization.hidden_walls import match_visible
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.tracking import (
@@ -37,7 +37,6 @@ class ScanMatching:
         self.tracker = Tracker()
         self.weak_direction = WeakDirection()
         self._pyramid, self._motion = pyramid, motion
-        self._few_beams = FewBeams()
 
     def matched(
         self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, lapse_ns: int,
@@ -53,8 +52,8 @@ class ScanMatching:
         else:
             self.weak_direction.held = False
             stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
-            if self._motion.inertial and self._few_beams.mislead(
-                self._pyramid, stabilised.points, match, prior, lapse_ns, config.matcher
+            if self._predicts(scan) and few_mislead(
+                self._pyramid, stabilised.points, match, prior, config.matcher
             ):
                 config = few_as_none(config)
                 stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
@@ -65,6 +64,10 @@ class ScanMatching:
             aligned = stabilised, match
             stabilised, match = self._without_dynamic(predicted, aligned, prior, lapse_ns, config.matcher)
         return config, prior, stabilised, match
+
+    def _predicts(self, scan: LaserScan) -> bool:
+        """Whether inertial data know the speed."""
+        return self._motion.inertial and self._motion.knows_speed(scan.mid_ns)
 
     def align(
         self,

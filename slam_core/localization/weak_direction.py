@@ -13,9 +13,8 @@ import numpy as np
 
 from slam_core.config import SlamConfig
 from slam_core.measurements import Float64s
-from slam_core.results import NOWHERE, MatchResult
+from slam_core.results import FEW, NOWHERE, MatchResult
 
-FEW = 0.1  # of the beams, as a share: fewer fix a direction badly
 WINDOW_NS = 600_000_000  # of the changes of the step that are looked at, and
 LEAST = 5  # so many of them at least: a slow scanner never has them
 SCATTER = 2.0  # times the usual change, and
@@ -62,7 +61,7 @@ class WeakDirection:
         direction = match.weakest_direction  # its sign stays that of the match before
         self.direction = direction if float(direction @ self.direction) >= 0.0 else -direction
         change = self._change(match.pose[:2], time_ns)
-        if match.weakest_share >= FEW:
+        if not match.is_badly_fixed:
             self._usual += MEMORY * (abs(change) - self._usual)
             self._changes.clear()
             self._few_since_ns, self.held = time_ns, False

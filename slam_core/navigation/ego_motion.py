@@ -8,6 +8,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.diagnostics import Diagnostic
+from slam_core.kernels.imu_propagation import MAX_GAP_NS
 from slam_core.measurements import (
     Attitude,
     Float64s,
@@ -27,7 +28,7 @@ from slam_core.navigation.filter import NavigationFilter, projected
 from slam_core.navigation.monitor import SILENT_NS, Monitor
 from slam_core.navigation.planar_motion import PlanarMotion, odometry_sigmas
 from slam_core.navigation.pose_reset import Origin
-from slam_core.navigation.rejections import UNUSABLE
+from slam_core.navigation.rejections import GAP, UNUSABLE
 from slam_core.navigation.rest import shows_motion
 from slam_core.results import AidingStatus, MatchResult, NavigationState, PlanarGaussian
 
@@ -37,6 +38,7 @@ FIRST_MATCH = MatchResult(
 )
 
 
+SETTLED = 10  # matches that many beams fix: by then the filter knows the speed
 PATIENCE_NS = 2_000_000_000  # inertial data that shows no attitude is waited for so much longer than it takes
 
 
@@ -58,6 +60,7 @@ class EgoMotion:
         self._has_imu = False
         self._first_scan: LaserScan | None = None
         self._lacks_attitude = False
+        self._gaps, self._well_fixed = 0, SETTLED
 
     def configure(self, config: SlamConfig) -> None:
         """Change settings from the next measurement on."""
@@ -191,6 +194,13 @@ class EgoMotion:
             self._planar.constrain_sideways()
         return self._planar.prior(time_ns, self._config.motion)
 
+    def knows_speed(self, time_ns: int) -> bool:
+        """Whether matches have shown the speed since the last gap in the inertial data, if there was one."""
+        gaps = self._filter.counts[GAP]
+        if gaps != self._gaps or time_ns - self._filter.sample_ns > MAX_GAP_NS:
+            self._gaps, self._well_fixed = gaps, 0
+        return self._well_fixed >= SETTLED
+
     def reaches(self, time_ns: int) -> bool:
         """Whether the state buffer reaches back to a time."""
         return not self.inertial or self._filter.at(time_ns).stamp_ns <= time_ns
@@ -239,6 +249,7 @@ class EgoMotion:
                 widen_vertical=config.widen_vertical,
             )
             fused = projected(navigation)
+            self._well_fixed += not match.is_badly_fixed
         self._aids.matched(time_ns)
         return fused, navigation
 

@@ -47,7 +47,7 @@ class MatchProblem:
     def matcher(self) -> MatcherConfig:
         """The run's matcher with eq. (7) alone: without prior and surfels, and to the last step.
 
-        A direction that the run left to the prediction because matches scatter is left to it here as well.
+        A direction that few beams fix is left to the prediction where the run left it to that.
         """
         config, match = self.config.matcher, self.match
         held = match.unobservable.any() and match.weakest_share >= config.degeneracy_threshold

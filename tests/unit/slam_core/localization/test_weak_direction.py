@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from slam_core.config import SlamConfig, with_value
-from slam_core.localization.weak_direction import FEW, WeakDirection
-from slam_core.results import MatchResult
+from slam_core.localization.weak_direction import WeakDirection
+from slam_core.results import FEW, MatchResult
 
 SCAN_NS = 75_000_000
 STEP = 0.06  # metres from one scan to the next
