@@ -11,9 +11,8 @@ import numpy as np
 from numba import njit
 
 from slam_core.kernels.gauss_newton import TOGETHER, in_lattice, joint_cost, place
-from slam_core.kernels.memory import pair
 from slam_core.kernels.structures import Beams
-from slam_core.kernels.surfels import RIGHT, unpacked
+from slam_core.kernels.surfels import four_around, unpacked
 
 AWAY = np.float32(0.2)  # cosine of beam and normal of a surface that looks away
 AT_UNKNOWN = np.float32(0.5)  # residual of an end on an unknown cell
@@ -35,9 +34,8 @@ def count_behind(walls, beams, pose, behind):
         place(beams.xs, beams.ys, begin, m, frame, columns, where, (arms[0], arms[1]))
         for i in range(m):
             k, x, y = np.int64(where[i]), arms[0, i], arms[1, i]
-            low, high, away = pair(flat, k), pair(flat, k + columns), AWAY * np.sqrt(x * x + y * y)
-            hidden = False
-            for word in (np.int32(low), np.int32(low >> RIGHT), np.int32(high), np.int32(high >> RIGHT)):
+            away, hidden = AWAY * np.sqrt(x * x + y * y), False
+            for word in four_around(flat, k, columns):
                 seen, nx, ny, _ = unpacked(word)
                 if seen > ZERO:
                     hidden = nx * x + ny * y > away

@@ -104,6 +104,13 @@ def _joined(word, beams, nx, ny, offset):
 
 
 @njit(inline="always")
+def four_around(surfels, k, columns):
+    """The words of cells k and k + 1, and of those in the next row."""
+    low, high = pair(surfels, k), pair(surfels, k + columns)
+    return np.int32(low), np.int32(low >> RIGHT), np.int32(high), np.int32(high >> RIGHT)
+
+
+@njit(inline="always")
 def unpacked(word: Any) -> tuple[Any, Any, Any, Any]:
     """Beams, normal, and offset in cells, of the word as an int32, or of an array of them in numpy."""
     return (

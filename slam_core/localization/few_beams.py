@@ -5,14 +5,15 @@ that the map does not hold yet. Eq. (15) claims millimetres for them, and one wr
 that it keeps until the next.
 """
 
-import numpy as np
+from dataclasses import replace
 
-from slam_core.config import MatcherConfig
+from slam_core.config import MatcherConfig, SlamConfig
 from slam_core.kernels.coarse_to_fine import SURVEYED
 from slam_core.kernels.confirmed import confirmed_share
 from slam_core.mapping.pyramid import Pyramid
+from slam_core.matching.matcher import beams_of, level_of
 from slam_core.measurements import Float32s, Float64s
-from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.results import FEW, MatchResult, PlanarGaussian
 
 CONTRADICTS = 3.0  # sigmas of match and prediction
 
@@ -40,6 +41,10 @@ def confirmed(pyramid: Pyramid, points: Float32s, pose: Float64s) -> float:
     points: (n, 2), of which SURVEYED or more are looked at. pose: (3,) of the scan in the map.
     """
     finest, step = pyramid.levels[0], max(1, len(points) // SURVEYED)
-    xs, ys = np.ascontiguousarray(points[::step].T)
-    level = (finest.cells, finest.corner, 1.0 / finest.resolution)
-    return float(confirmed_share(level, finest.surfels, xs, ys, pose))
+    return float(confirmed_share(level_of(finest), finest.surfels, beams_of(points[::step]), pose))
+
+
+def few_as_none(config: SlamConfig) -> SlamConfig:
+    """Settings of a match in which a direction that few beams fix is unobservable."""
+    threshold = max(config.matcher.degeneracy_threshold, FEW)
+    return replace(config, matcher=replace(config.matcher, degeneracy_threshold=threshold))

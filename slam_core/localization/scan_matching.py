@@ -5,7 +5,7 @@ from collections.abc import Callable
 from slam_core.config import MatcherConfig, SlamConfig
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_background, without_dynamic
-from slam_core.localization.few_beams import few_mislead
+from slam_core.localization.few_beams import few_as_none, few_mislead
 from slam_core.localization.hidden_walls import match_visible
 from slam_core.localization.motion_hypotheses import best_match
 from slam_core.localization.tracking import (
@@ -17,7 +17,7 @@ from slam_core.localization.tracking import (
     mahalanobis_distance,
     search_window,
 )
-from slam_core.localization.weak_direction import WeakDirection, few_as_none
+from slam_core.localization.weak_direction import WeakDirection
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
 from slam_core.matching.matcher import coarse_to_fine
@@ -52,7 +52,7 @@ class ScanMatching:
         else:
             self.weak_direction.held = False
             stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
-            if self._predicts(scan) and few_mislead(
+            if self._motion.knows_speed(scan.mid_ns) and few_mislead(
                 self._pyramid, stabilised.points, match, prior, config.matcher
             ):
                 config = few_as_none(config)
@@ -64,10 +64,6 @@ class ScanMatching:
             aligned = stabilised, match
             stabilised, match = self._without_dynamic(predicted, aligned, prior, lapse_ns, config.matcher)
         return config, prior, stabilised, match
-
-    def _predicts(self, scan: LaserScan) -> bool:
-        """Whether inertial data know the speed."""
-        return self._motion.inertial and self._motion.knows_speed(scan.mid_ns)
 
     def align(
         self,

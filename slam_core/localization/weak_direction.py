@@ -7,13 +7,13 @@ eq. (15) claims millimetres. The mean speed before is the better estimate.
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from slam_core.config import SlamConfig
+from slam_core.localization.few_beams import few_as_none
 from slam_core.measurements import Float64s
-from slam_core.results import FEW, NOWHERE, MatchResult
+from slam_core.results import NOWHERE, MatchResult
 
 WINDOW_NS = 600_000_000  # of the changes of the step that are looked at, and
 LEAST = 5  # so many of them at least: a slow scanner never has them
@@ -117,9 +117,3 @@ class WeakDirection:
         times = (np.array(times_ns) - times_ns[-1]) * 1e-9
         times -= times.mean()
         return float(times @ (np.array(places) @ self.direction) / max(float(times @ times), 1e-12))
-
-
-def few_as_none(config: SlamConfig) -> SlamConfig:
-    """Settings of a match in which a direction that few beams fix is unobservable."""
-    threshold = max(config.matcher.degeneracy_threshold, FEW)
-    return replace(config, matcher=replace(config.matcher, degeneracy_threshold=threshold))

@@ -60,7 +60,7 @@ class EgoMotion:
         self._has_imu = False
         self._first_scan: LaserScan | None = None
         self._lacks_attitude = False
-        self._gaps, self._well_fixed = 0, SETTLED
+        self._gaps, self._well_fixed = 0, SETTLED  # gaps in the inertial data, and well fixed matches since
 
     def configure(self, config: SlamConfig) -> None:
         """Change settings from the next measurement on."""
@@ -195,11 +195,10 @@ class EgoMotion:
         return self._planar.prior(time_ns, self._config.motion)
 
     def knows_speed(self, time_ns: int) -> bool:
-        """Whether matches have shown the speed since the last gap in the inertial data, if there was one."""
-        gaps = self._filter.counts[GAP]
-        if gaps != self._gaps or time_ns - self._filter.sample_ns > MAX_GAP_NS:
-            self._gaps, self._well_fixed = gaps, 0
-        return self._well_fixed >= SETTLED
+        """Whether inertial data know the speed at a time: after a gap in them matches have to show it again."""
+        if not self.inertial or time_ns - self._filter.sample_ns > MAX_GAP_NS:
+            return False
+        return self._well_fixed >= SETTLED and self._filter.counts[GAP] == self._gaps
 
     def reaches(self, time_ns: int) -> bool:
         """Whether the state buffer reaches back to a time."""
@@ -249,6 +248,8 @@ class EgoMotion:
                 widen_vertical=config.widen_vertical,
             )
             fused = projected(navigation)
+            if self._filter.counts[GAP] != self._gaps:
+                self._gaps, self._well_fixed = self._filter.counts[GAP], 0
             self._well_fixed += not match.is_badly_fixed
         self._aids.matched(time_ns)
         return fused, navigation

@@ -52,8 +52,7 @@ def _joined(moves: np.ndarray, lengths: np.ndarray) -> list[bool]:
         aside = moves[i][0] * moves[i - 1][1] - moves[i][1] * moves[i - 1][0]
         across = moves[i] + moves[i - 1]
         flat = aside * aside <= FLAT * FLAT * np.float64(across[0] * across[0] + across[1] * across[1])
-        if (large <= GROWTH * small or (flat and small >= DIRECTED)) and ahead >= STRAIGHT * lengths[i] * lengths[
-            i - 1
-        ]:
+        alike = large <= GROWTH * small or (flat and small >= DIRECTED)
+        if alike and ahead >= STRAIGHT * lengths[i] * lengths[i - 1]:
             joined[i - 1] = joined[i] = True
     return joined
