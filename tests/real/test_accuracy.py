@@ -116,15 +116,16 @@ def test_a_turn_that_the_wheels_do_not_show_is_found_by_the_scans(recordings: Pa
 
 
 def test_a_plain_corridor_is_as_long_in_each_variant_of_hallway(recordings: Path):
-    """With 3 mm of noise, within 0.6 m; without the speed before, matches that scatter part some by over 1 m."""
+    """With 3 mm of noise: within 0.6 m, half within 5 cm; else matches that scatter part some by over 1 m."""
     source = open_source(str(recordings / "hallway_rplidar/hallway.bag"), SourceOptions(scan_sweep=-0.0693))
     items = list(source.items())
-    worst = {}
+    errors = {}
     for keeps in (True, False):
         config = with_value(SlamConfig(), "tracking.keep_speed", keeps)
         runs = [follow(varied(items, variant), config, items[0].stamp_ns) for variant in range(1, 9)]
-        worst[keeps] = max(outcome.error for outcome in outcomes(runs))
-    assert worst[True] < 0.6 and worst[False] > 1.0
+        errors[keeps] = [outcome.error for outcome in outcomes(runs)]
+    assert max(errors[True]) < 0.6 and np.median(errors[True]) < 0.05
+    assert max(errors[False]) > 1.0
 
 
 def test_a_stated_pose_ends_a_kept_speed(recordings: Path):
