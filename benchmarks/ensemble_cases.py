@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 
 from benchmarks.additions.cases import bare
-from benchmarks.additions.faults import Fault, blind, covered, crowded, interrupted, repeated, unechoed
+from benchmarks.additions.faults import (
+    Fault,
+    blind,
+    covered,
+    crowded,
+    hit,
+    interrupted,
+    repeated,
+    spiked,
+    unechoed,
+)
 from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.simulation import SceneOptions, Simulation
@@ -68,6 +78,9 @@ AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
         True,
         ("arena", "rooms", "handheld", "littoral"),
     ),
+    ("1 of 200 IMU samples a spike", spiked(0.005, 1), True, ("rooms", "people", "handheld", "littoral")),
+    ("IMU with spikes of 2 samples", spiked(0.005, 2), True, ("rooms", "people", "handheld", "littoral")),
+    ("hit every 2 s, IMU of 2 g", hit(2.0), True, ("rooms", "people", "handheld", "littoral")),
     ("30% of the beams unseen", unechoed(0.3), True, ("corridor", "handheld")),
     ("70% of the beams unseen", unechoed(0.7), True, ("corridor", "handheld")),
     ("120 degrees ahead unseen", blind(120.0), True, ("arena", "rooms", "handheld", "littoral", "corridor")),

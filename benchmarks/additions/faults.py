@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.strays import astray
 from hectorscope.inputs import Item
-from slam_core.measurements import GpsPosition, Height, Imu, LaserScan, Odometry
+from slam_core.measurements import Float64s, GpsPosition, Height, Imu, LaserScan, Odometry
 
 Fault = Callable[[Sequence[Item], int], list[Item]]
 """The items of a drive, damaged; the seed draws the noise."""
@@ -16,6 +16,10 @@ AT_S = 12.0  # seconds from the first item to the fault
 BROKEN_SCANS = 10
 LATER = 5.0  # seconds from the first item to what happens again and again
 HAND = 0.4  # metres before the laser
+WILD = 5.0, 30.0  # rad/s, m/s²: one sigma of a spike of an IMU
+# The specific force (m/s²) of a base that is hit, from sample to sample, and the most that its IMU measures.
+HIT, TWO_G = (40.0, 40.0, -16.0, -16.0, -16.0, -16.0, -16.0), 19.6
+SHAKEN = 2.0  # rad/s, one sigma of its turns meanwhile, to one side and back
 AROUND, AWAY, BODY = 4.2, 0.7, 0.25  # radians of the field that people stand in, metres to them, their radius
 
 
@@ -187,6 +191,60 @@ def repeated(kind: type[LaserScan] | type[Imu], seconds: float, every: float) ->
         return changed(items, repeat)
 
     return fault
+
+
+def spiked(share: float, samples: int) -> Fault:
+    """At so many of the samples of an IMU its values leap, for so many samples."""
+
+    def fault(items: Sequence[Item], seed: int) -> list[Item]:
+        rng, left = np.random.default_rng([seed, 26]), 0
+        off = np.zeros(6)
+
+        def spike(_t: float, item: Item) -> Item:
+            nonlocal left
+            if not isinstance(item, Imu):
+                return item
+            if not left and rng.random() < share:
+                left, off[:] = samples, rng.standard_normal(6) * np.repeat(WILD, 3)
+            if not left:
+                return item
+            left -= 1
+            return _moved(item, off)
+
+        return changed(items, spike)
+
+    return fault
+
+
+def hit(every: float) -> Fault:
+    """About so often (s) the base is hit: it is as fast after it as before, but its accelerometers end at 2 g."""
+
+    def fault(items: Sequence[Item], seed: int) -> list[Item]:
+        rng, due = np.random.default_rng([seed, 27]), LATER
+        left, along, turn = 0, np.zeros(3), np.zeros(3)
+
+        def shake(t: float, item: Item) -> Item:
+            nonlocal due, left
+            if not isinstance(item, Imu):
+                return item
+            if t > due:
+                due, left = t + every * rng.uniform(0.5, 1.5), len(HIT)
+                along[:], turn[:] = rng.standard_normal(3), SHAKEN * rng.standard_normal(3)
+                along[:] /= np.linalg.norm(along)
+            push = HIT[-left] if left else 0.0
+            left = max(left - 1, 0)
+            felt = _moved(item, np.concatenate([np.sign(push) * turn, push * along]))
+            return replace(felt, linear_acceleration=np.clip(felt.linear_acceleration, -TWO_G, TWO_G))
+
+        return changed(items, shake)
+
+    return fault
+
+
+def _moved(imu: Imu, off: Float64s) -> Imu:
+    """A sample whose rates and forces are so far (6,) off."""
+    rates, forces = imu.angular_velocity + off[:3], imu.linear_acceleration + off[3:]
+    return replace(imu, angular_velocity=rates, linear_acceleration=forces)
 
 
 def unechoed(share: float) -> Fault:

@@ -1,11 +1,20 @@
-"""A look at every inertial sample, compiled as there may be a thousand a second."""
+"""A look at every inertial sample, compiled as there may be a thousand a second.
+
+A sample is (6,) rates in rad/s and forces in m/s², in `ImuBuffer` (8,) with its noise. A memory is kept from one
+to the next: rows that each function has for itself, steps (2, 2), of rates and of forces the mean step from sample
+to sample and how many there were, and leaps (2,) of both.
+"""
+
+import math
 
 import numpy as np
 from numba import njit
 
+from slam_core.kernels import INNER
 from slam_core.measurements import Float64s
 
-GOOD, BROKEN, CLIPPED, FROZEN = range(4)
+GOOD, BROKEN, CLIPPED, FROZEN, SHAKEN = range(5)
+PASSED, WAITS, FOLLOWED, WAS_SPIKE = 0, 1, 2, 4
 # No robot turns (rad/s) or accelerates (m/s²) like this: such a sample is broken.
 FASTEST, HARDEST = 200.0, 2000.0
 # A rate on one and the same value, the largest so far and above this, in so many samples: the end of the range.
@@ -16,35 +25,80 @@ CLIPPED_NOISE = 1.0  # rad/s/√Hz
 # So many samples in a row that are the same, of a sensor whose noise told so many apart before: its driver sends
 # the last one again. A simulation without noise sends the same at rest from the start.
 SAME, TOLD_APART = 20, 200
+# A leap is a step by more than this in rates (rad/s) or forces (m/s²) within so long (s), or by as much a second
+# if it takes longer; and by so many times the mean step, which is that of about the last so many.
+LEAP, WITHIN = (1.0, 10.0), 0.01
+TIMES, MEAN_OF = 8.0, 100.0
+# After a leap the readings may be off by all of it, for about so long (s); a share of the least leap is forgotten.
+SHAKEN_TIME, FORGOTTEN = 0.02, 0.1
+
+Memory = tuple[Float64s, Float64s, Float64s]
 
 
 @njit(cache=True, error_model="numpy")
-def check(rate: Float64s, force: Float64s, memory: Float64s, gyro_range: float, sample: Float64s) -> int:
-    """What a sample is. rate, force: (3,), which `sample` (7,) takes as those in `ImuBuffer`.
+def spike(rate: Float64s, force: Float64s, dt: float, memory: Memory) -> int:
+    """Whether a sample, (3,) and (3,), may be a spike and WAITS for the next one, or has PASSED.
 
-    memory: (4, 4), kept from one sample to the next: of each axis the last rate, how often it came, its largest
-    size, and the last force; then how often this sample came, how many were told apart, and whether the sensor has
-    no noise. gyro_range: rad/s, 0 if not known.
+    Added is what this one tells of the one that waited: FOLLOWED, or WAS_SPIKE. dt: seconds since the last
+    that passed, 0 if that tells nothing of this one. Rows of the memory (3, 6): the last that passed, the one that
+    waits, the last of all; leaps: whether the rates and the forces of the one that waits leap.
     """
-    for i in range(3):
-        sample[i], sample[3 + i] = rate[i], force[i]
-        if not (abs(rate[i]) < FASTEST and abs(force[i]) < HARDEST):
-            return BROKEN
+    rows, steps, leapt = memory
+    passed, waiting, last = rows
+    verdict, sample = PASSED, np.empty(6)
+    sample[:3], sample[3:] = rate, force
+    possible = _is_possible(sample)  # else `check` drops it
+    if leapt[0] > 0.0 or leapt[1] > 0.0:
+        back = possible and dt > 0.0
+        for group in range(2):
+            back &= leapt[group] == 0.0 or _step(sample, passed, group) < _step(sample, waiting, group)
+        verdict = WAS_SPIKE if back else FOLLOWED
+        if not back:
+            passed[:] = waiting
+    if not possible:
+        leapt[:] = 0.0
+        return verdict
+    for group in range(2):
+        leapt[group] = dt > 0.0 and _is_leap(_step(sample, passed, group), steps[group], LEAP[group], dt)
+        _learn(_step(sample, last, group), steps[group])
+    last[:] = sample
+    if leapt[0] > 0.0 or leapt[1] > 0.0:
+        waiting[:] = sample
+        return verdict | WAITS
+    passed[:] = sample
+    return verdict
+
+
+@njit(cache=True, error_model="numpy")
+def check(rate: Float64s, force: Float64s, dt: float, gyro_range: float, memory: Memory, sample: Float64s) -> int:
+    """What a sample is. rate, force: (3,), which `sample` (8,) takes as those in `ImuBuffer`.
+
+    dt: seconds since the last one. gyro_range: rad/s, 0 if not known. Rows of the memory (4, 4): of each axis the
+    last rate, how often it came, its largest size, and the last force; then how often this sample came, how many
+    were told apart, and whether the sensor has no noise. leaps: those that are not yet forgotten.
+    """
+    rows, steps, leaps = memory
+    sample[:3], sample[3:6] = rate, force
+    if not _is_possible(sample):
+        return BROKEN
+    shaken = _is_shaken(sample, rows, dt, steps, leaps)
     clipped, same, turns = False, True, False
     for i in range(3):
-        same &= rate[i] == memory[i, 0] and force[i] == memory[i, 3]
+        same &= rate[i] == rows[i, 0] and force[i] == rows[i, 3]
         turns |= rate[i] != 0.0  # a gyro may send nothing else at rest
-        memory[i, 3] = force[i]
-        last, size = memory[i, 0], abs(rate[i])
-        memory[i, 1] = memory[i, 1] + 1.0 if rate[i] == last else 1.0
-        memory[i, 2] = max(memory[i, 2], size)
-        memory[i, 0] = rate[i]
-        stuck = memory[i, 1] >= REPEATS and size >= max(LEAST_RANGE, memory[i, 2])
+        rows[i, 3] = force[i]
+        last, size = rows[i, 0], abs(rate[i])
+        rows[i, 1] = rows[i, 1] + 1.0 if rate[i] == last else 1.0
+        rows[i, 2] = max(rows[i, 2], size)
+        rows[i, 0] = rate[i]
+        stuck = rows[i, 1] >= REPEATS and size >= max(LEAST_RANGE, rows[i, 2])
         clipped |= stuck or (gyro_range > 0.0 and size >= 0.999 * gyro_range)
-    sample[6] = CLIPPED_NOISE**2 if clipped else 0.0
-    if _sent_again(same, memory[3]) and turns:
+    if _sent_again(same, rows[3]) and turns:
         return FROZEN
-    return CLIPPED if clipped else GOOD
+    if clipped:
+        sample[6] = max(sample[6], CLIPPED_NOISE**2)
+        return CLIPPED
+    return SHAKEN if shaken else GOOD
 
 
 @njit(inline="always")
@@ -57,6 +111,61 @@ def _sent_again(same, seen):
     if seen[1] < TOLD_APART:
         seen[2] = 1.0
     return seen[2] == 0.0
+
+
+@njit(**INNER)
+def _is_shaken(sample: Float64s, rows: Float64s, dt: float, steps: Float64s, leaps: Float64s) -> bool:
+    """Whether a sample leaps from the last one, or one did shortly before; it takes the noise of that.
+
+    A base that is hit moves between two samples as neither shows, and its sensors ring or are clipped.
+    """
+    last = np.empty(6)
+    last[:3], last[3:] = rows[:3, 0], rows[:3, 3]
+    for group in range(2):
+        step, leap = _step(sample, last, group), leaps[group] * math.exp(-dt / SHAKEN_TIME)
+        if _is_leap(step, steps[group], LEAP[group], dt):
+            leap = max(leap, step)
+        leaps[group] = leap if leap > FORGOTTEN * LEAP[group] else 0.0
+        _learn(step, steps[group])
+    sample[6] = sample[7] = 0.0
+    if leaps[0] == 0.0 and leaps[1] == 0.0:
+        return False
+    for group in range(2):  # never 0: this tells that the base is shaken
+        sample[6 + group] = max(leaps[group], FORGOTTEN * LEAP[group]) ** 2 * dt
+    return True
+
+
+@njit(**INNER)
+def _is_possible(sample: Float64s) -> bool:
+    """Whether all values are numbers by which a robot can turn and accelerate."""
+    possible = True
+    for i in range(3):
+        possible &= abs(sample[i]) < FASTEST and abs(sample[3 + i]) < HARDEST
+    return possible
+
+
+@njit(**INNER)
+def _step(sample: Float64s, other: Float64s, group: int) -> float:
+    """The largest difference of two samples in rates, group 0, or in forces, group 1."""
+    most = 0.0
+    for i in range(3 * group, 3 * group + 3):
+        most = max(most, abs(sample[i] - other[i]))
+    return most
+
+
+@njit(**INNER)
+def _is_leap(step: float, usual: Float64s, least: float, dt: float) -> bool:
+    """Whether a step within `dt` seconds is a leap. usual: (2,), a row of `steps`."""
+    count, mean = int(usual[1]), float(usual[0])
+    return count > 0 and step > max(least * max(1.0, dt / WITHIN), TIMES * mean)
+
+
+@njit(**INNER)
+def _learn(step: float, usual: Float64s) -> None:
+    """Take a step into the mean; the first sample of all comes after none."""
+    if usual[1] > 0.0:
+        usual[0] += (step - usual[0]) / min(usual[1], MEAN_OF)
+    usual[1] += 1.0
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,9 +1,9 @@
 """IMU propagation through recorded samples in one call; state, covariance and model as in `.navigation`.
 
-Recorded are stamps (n,) in nanoseconds and samples (n, 7), input u and a squared noise density that is added to
-the gyros', which count from `begin` to `end`; the first is not later than the given estimate. Between two samples
-their mean holds, after the last it alone, over a gap nothing. The system is the model, the one that holds over a
-gap, and the bounds.
+Recorded are stamps (n,) in nanoseconds and samples (n, 8), input u with squared noise densities that are added to
+those of gyros and accelerometers, which count from `begin` to `end`; the first is not later than the given
+estimate. Between two samples their mean holds, after the last it alone, over a gap nothing. The system is the
+model, the one that holds over a gap, and the bounds.
 """
 
 import math
@@ -19,7 +19,7 @@ from slam_core.measurements import Float64s, Int64s
 
 # Between two inertial samples further apart than this, or this long after the last, the motion is unknown.
 MAX_GAP_NS = 200_000_000
-COLUMNS = 7  # of a sample
+COLUMNS = 8  # of a sample
 UNAIDED_STEP = 0.05  # s
 UNAIDED_SPAN = 10.0  # s, after which nothing more can be forgotten
 
@@ -99,6 +99,9 @@ def _propagate(
             if u[6] > 0.0:
                 noisy = model.copy()
                 noisy[2] += u[6]
+                noisy[3] += u[7]
+                if u[7] > 0.0:
+                    noisy[1] = math.inf  # of a base that is shaken neither turns nor forces show where down is
         for _ in range(steps):
             if not known:
                 _straight(x, unaided[0], u)
@@ -150,7 +153,7 @@ def _carry(
 
 @njit(**INNER)
 def _interval(k: int, to_ns: int, recorded: Recorded, u: Float64s) -> tuple[int, bool]:
-    """Up to when sample k, or what held before it, is the input u (7,), and whether that is known."""
+    """Up to when sample k, or what held before it, is the input u (8,), and whether that is known."""
     stamps, samples, _, end = recorded
     next_k = min(k, end - 1)
     for i in range(COLUMNS):

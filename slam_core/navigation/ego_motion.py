@@ -25,6 +25,7 @@ from slam_core.navigation.aiding.aids import AidingMeasurement, Aids
 from slam_core.navigation.aiding.planar import PlanarEstimator
 from slam_core.navigation.aiding.plausibility import SOURCES, is_plausible
 from slam_core.navigation.filter import NavigationFilter, projected
+from slam_core.navigation.imu_spikes import SpikeFilter
 from slam_core.navigation.monitor import SILENT_NS, Monitor
 from slam_core.navigation.planar_motion import PlanarMotion, odometry_sigmas
 from slam_core.navigation.pose_reset import Origin
@@ -57,6 +58,7 @@ class EgoMotion:
         self._filter = NavigationFilter(config.navigation, config.platform)
         self._aids = Aids()
         self._monitor = Monitor()
+        self._spikes = SpikeFilter(self._filter.counts)
         self._has_imu = False
         self._first_scan: LaserScan | None = None
         self._lacks_attitude = False
@@ -126,10 +128,12 @@ class EgoMotion:
     def _add_imu(self, imu: Imu) -> None:
         """Inertial data to the filter; while that cannot begin, only the yaw rate is used."""
         self._has_imu = True
-        self._filter.predict(imu)
-        self._aids.add_imu(imu, self._filter, self._config.aiding)
-        if self._filter.weightless:
-            self._planar.add_yaw_rate(imu.stamp_ns, float(imu.angular_velocity[2]), self._config.motion)
+        for sample in self._spikes.admit(imu):
+            self._filter.predict(sample)
+            self._aids.add_imu(sample, self._filter, self._config.aiding)
+            if self._filter.weightless:
+                yaw_rate = float(sample.angular_velocity[2])
+                self._planar.add_yaw_rate(sample.stamp_ns, yaw_rate, self._config.motion)
 
     def _add_odometry(self, odometry: Odometry) -> None:
         motion = self._config.motion

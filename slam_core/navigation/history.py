@@ -102,7 +102,7 @@ class History:
         return self._after(len(self._corrections)).statuses
 
     def add_sample(self, stamp_ns: int, sample: Float64s) -> None:
-        """Go on with an inertial sample (7,) later than the last one."""
+        """Go on with an inertial sample (8,) later than the last one."""
         before_ns = self._samples.last_ns
         self._samples.append(stamp_ns, sample)
         # Estimates beyond the sample before used an assumed input.

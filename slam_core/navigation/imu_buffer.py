@@ -22,17 +22,17 @@ class ImuBuffer:
 
     @property
     def rows(self) -> tuple[Int64s, Float64s, int, int]:
-        """Stamps (n,) in ns, values (n, 7) as `kernels.imu_propagation` takes them, and the range."""
+        """Stamps (n,) in ns, values (n, 8) as `kernels.imu_propagation` takes them, and the range."""
         return self._stamps, self._values, self._begin, self._end
 
     @property
     def last(self) -> Float64s:
-        """The latest (7,)."""
+        """The latest (8,)."""
         latest: Float64s = self._values[self._end - 1].copy()
         return latest
 
     def append(self, stamp_ns: int, value: Float64s) -> None:
-        """One later than all before: (7,)."""
+        """One later than all before: (8,)."""
         if self._end == len(self._stamps):
             self._make_room()
         self._stamps[self._end] = self.last_ns = stamp_ns

@@ -1,18 +1,22 @@
 """What is wrong with an inertial sample before the filter sees it.
 
-It is no number, the gyro is clipped, the driver sends the last one again, the clock was set back.
+It is no number, the gyro is clipped, the base is shaken hard, the driver sends the last one again, the clock was
+set back.
 """
 
 import numpy as np
 
 from slam_core.config import NavigationConfig
-from slam_core.kernels.imu_check import BROKEN, FROZEN, GOOD, check
-from slam_core.kernels.imu_propagation import MAX_GAP_NS
+from slam_core.kernels.imu_check import BROKEN, CLIPPED, FROZEN, SHAKEN, check
+from slam_core.kernels.imu_propagation import COLUMNS, MAX_GAP_NS
 from slam_core.measurements import Float64s, Imu
 
 AT_RANGE = "gyro at the end of its range"
 NO_NUMBER = "inertial sample without a plausible value"
 SENT_AGAIN = "inertial sample that repeats the ones before"
+AFTER_LEAP = "inertial sample of a base that is shaken"
+FAULTS = {BROKEN: NO_NUMBER, CLIPPED: AT_RANGE, FROZEN: SENT_AGAIN, SHAKEN: AFTER_LEAP}
+UNUSABLE = BROKEN, FROZEN
 BACK_FOR_NS = 200_000_000  # of samples in order, all of them in the past
 
 
@@ -20,8 +24,9 @@ class ImuCheck:
     """Looks at one sample after the other; remembers just enough of those before."""
 
     def __init__(self) -> None:
-        self._memory = np.zeros((4, 4))
-        self._sample = np.zeros(7)
+        self._memory = np.zeros((4, 4)), np.zeros((2, 2)), np.zeros(2)
+        self._sample = np.zeros(COLUMNS)
+        self._last_ns = 0
         self._behind: tuple[int, int] | None = None
 
     def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
@@ -29,13 +34,11 @@ class ImuCheck:
 
         It holds until the next one is checked.
         """
-        sample = self._sample
-        found = check(imu.angular_velocity, imu.linear_acceleration, self._memory, config.gyro_range, sample)
-        if found == GOOD:
-            return sample, ""
-        if found == FROZEN:
-            return None, SENT_AGAIN
-        return (None, NO_NUMBER) if found == BROKEN else (sample, AT_RANGE)
+        dt = min(max(imu.stamp_ns - self._last_ns, 0), MAX_GAP_NS) * 1e-9
+        rate, force = imu.angular_velocity, imu.linear_acceleration
+        found = check(rate, force, dt, config.gyro_range, self._memory, self._sample)
+        self._last_ns = imu.stamp_ns
+        return self._sample if found not in UNUSABLE else None, FAULTS.get(found, "")
 
     def goes_on(self) -> None:
         """A sample was in order: none before it was of a clock that was set back."""

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from slam_core.diagnostics import NO_BEAM, REPEATED, Code, Diagnostic, Recent
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.navigation.gates import LEAST_STREAK
-from slam_core.navigation.imu_check import AT_RANGE, NO_NUMBER, SENT_AGAIN
+from slam_core.navigation.imu_check import AFTER_LEAP, AT_RANGE, NO_NUMBER, SENT_AGAIN
+from slam_core.navigation.imu_spikes import SPIKE
 from slam_core.navigation.level_ride import LevelRide
 from slam_core.navigation.rejections import LEAPT, SET_BACK, TOO_OLD, UNUSABLE
 from slam_core.results import AidingStatus
@@ -21,6 +22,8 @@ COUNTED: Mapping[str, Code] = {
     LEAPT: "imu_clock_set_ahead",
     NO_NUMBER: "imu_implausible",
     SENT_AGAIN: "imu_repeats",
+    SPIKE: "imu_spikes",
+    AFTER_LEAP: "imu_shaken",
     NO_BEAM: "no_beam_in_range",
     REPEATED: "scans_repeated",
 }

@@ -11,7 +11,7 @@ MODEL = Strapdown(NavigationConfig(), PlatformConfig())
 STEP_NS = 10_000_000
 SAMPLES = ImuBuffer()
 for _k in range(5 * FIRST_SIZE):
-    SAMPLES.append(_k * STEP_NS, np.array([0.1, -0.2, 0.3, 0.5, 0.1, 9.8, 0.0]))
+    SAMPLES.append(_k * STEP_NS, np.array([0.1, -0.2, 0.3, 0.5, 0.1, 9.8, 0.0, 0.0]))
 X, P = np.eye(1, STATES)[0], 1e-4 * np.eye(ERRORS)
 BEGIN_NS = STEP_NS // 2  # between two samples
 

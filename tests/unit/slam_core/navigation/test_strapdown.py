@@ -128,7 +128,7 @@ def fed(u: np.ndarray, seconds: float) -> ImuBuffer:
     """The same input a hundred times a second."""
     samples = ImuBuffer()
     for k in range(round(100 * seconds) + 1):
-        samples.append(k * 10_000_000, np.append(u, 0.0))
+        samples.append(k * 10_000_000, np.append(u, [0.0, 0.0]))
     return samples
 
 
@@ -212,3 +212,11 @@ def test_smoothed_force_follows_the_body_not_the_map() -> None:
         up = geometry.rotate(geometry.conjugate(x[:4]), np.array([0.0, 0.0, G]))
         x = move(x, np.array([1.0, 0.0, 0.0, *up]), dt, G, 0.5)
     assert np.allclose(geometry.rotate(x[:4], x[16:19]), [0.0, 0.0, G], atol=0.15)
+
+
+def test_smoothed_force_stays_while_the_base_is_shaken() -> None:
+    """Neither the turn nor the push that is felt then moves what shows where down is."""
+    x = np.zeros(STATES)
+    x[0], x[18] = 1.0, G
+    moved = move(x, np.array([5.0, 0.0, 0.0, 40.0, 0.0, G]), 0.01, G, np.inf)
+    assert (moved[16:19] == x[16:19]).all() and moved[7] > 0.3

@@ -1,0 +1,104 @@
+"""Samples of an IMU that leap: spikes are left out, motions are used, those of a base that is hit count less."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from slam_core.measurements import Float64s, Imu
+from slam_core.navigation.filter import NavigationFilter
+from slam_core.navigation.imu_check import AFTER_LEAP
+from slam_core.navigation.imu_spikes import NEAR_NS, SPIKE, SpikeFilter
+from tests.filters import OMEGA, R, begun
+from tests.motions import GRAVITY, stamp
+
+REST = np.concatenate([np.zeros(3), -GRAVITY])
+TURN, PUSH = np.array([0.0, 5.0, 0.0, 0.0, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 30.0, 0.0, 0.0])
+
+
+def sample(k: int, values: Float64s, rate: float = 100.0) -> Imu:
+    """The k-th of an IMU, (6,) rates and forces."""
+    return Imu(stamp(k / rate), values[:3].copy(), values[3:].copy())
+
+
+def admitted(samples: list[Imu]) -> tuple[list[Imu], int]:
+    """What is used of them, and how many spikes were counted."""
+    counts: Counter[str] = Counter()
+    spikes = SpikeFilter(counts)
+    return [each for imu in samples for each in spikes.admit(imu)], counts[SPIKE]
+
+
+@pytest.mark.parametrize("leap", [TURN, PUSH, -TURN - PUSH])
+def test_a_spike_is_left_out_and_counted(leap: Float64s) -> None:
+    """One sample that leaps, in rates, in forces, or in both; those around it are used as they come."""
+    samples = [sample(k, REST + leap * (k in (20, 40, 42))) for k in range(60)]
+    used, spikes = admitted(samples)
+    assert used == [imu for k, imu in enumerate(samples) if k not in (20, 40, 42)]
+    assert spikes == 3
+
+
+@pytest.mark.parametrize("leap", [TURN, PUSH])
+def test_a_motion_that_begins_at_once_is_used(leap: Float64s) -> None:
+    """The next sample follows the one that leapt: both are used, in their order."""
+    samples = [sample(k, REST + leap * (20 <= k < 40)) for k in range(60)]
+    assert admitted(samples) == (samples, 0)
+
+
+def test_a_base_that_shakes_all_the_time_has_no_spikes() -> None:
+    """Forces to and fro by 4 g from sample to sample, as on an engine: after the first second all are used."""
+    rng = np.random.default_rng(1)
+    samples = [sample(k, REST + np.repeat([1.0, 40.0], 3) * rng.uniform(-1, 1, 6)) for k in range(500)]
+    used, _ = admitted(samples)
+    assert used[-400:] == samples[-400:]
+
+
+def test_an_imu_that_is_slow_is_used_as_it_is() -> None:
+    """Between samples further apart than a spike may be long a base can begin and end a motion."""
+    samples = [sample(k, REST + TURN * (k % 7 == 6), rate=8.0) for k in range(60)]
+    assert admitted(samples) == (samples, 0)
+
+
+NUMBERS = st.sampled_from([0.0, 0.5, -3.0, 20.0, 90.0, -250.0, 1e4, np.nan, np.inf])
+
+
+@given(st.lists(st.tuples(st.sampled_from([-5, 0, 1, 10, 40, 120]), NUMBERS, NUMBERS), max_size=60))
+def test_nothing_is_held_for_long_used_twice_or_lost_uncounted(drawn: list[tuple[int, float, float]]) -> None:
+    """Whatever comes, by clocks that stop and go back, too: at most the last one waits, and the order is kept."""
+    counts: Counter[str] = Counter()
+    spikes, used, stamp_ns = SpikeFilter(counts), [], 0
+    samples = []
+    for step, rate, force in drawn:
+        stamp_ns += step * 1_000_000
+        samples.append(Imu(stamp_ns, np.full(3, rate), np.full(3, force)))
+        used += spikes.admit(samples[-1])
+    order = [next(k for k, each in enumerate(samples) if each is imu) for imu in used]
+    waiting = len(samples) - len(used) - counts[SPIKE]
+    assert len(set(order)) == len(order) and 0 <= waiting <= 1
+    possible = [k for k in order if abs(samples[k].angular_velocity[0]) < 200.0]
+    assert possible == sorted(possible)
+    later = spikes.admit(Imu(stamp_ns + 2 * NEAR_NS, np.zeros(3), np.zeros(3)))
+    assert len(later) == 1 + waiting
+
+
+def hit(samples: int, leap: Float64s) -> NavigationFilter:
+    """At rest for 2 s, then hit for so many samples, then at rest for 1.5 s again; matches at 20 Hz."""
+    estimator = begun(2.0)
+    for k in range(201, 351):
+        t = k / 100
+        values = REST + leap * (k < 201 + samples)
+        estimator.predict(sample(k, values))
+        if k % 5 == 0:
+            estimator.fuse_planar(stamp(t), np.zeros(3), R, OMEGA)
+    return estimator
+
+
+@pytest.mark.parametrize("samples", [2, 3])
+def test_the_tilt_is_found_again_after_a_hit(samples: int) -> None:
+    """Samples that leap by 5 rad/s and 3 g, and follow each other: what they showed is soon not believed."""
+    estimator = hit(samples, TURN + PUSH)
+    state = estimator.state
+    tilt = np.degrees(2.0 * np.hypot(*state.T_map_base.rotation[1:3]))
+    assert estimator.counts[AFTER_LEAP] > samples
+    assert tilt < 2.0 and np.linalg.norm(state.velocity[:2]) < 0.15
