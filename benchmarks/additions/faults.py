@@ -19,7 +19,7 @@ HAND = 0.4  # metres before the laser
 WILD = 5.0, 30.0  # rad/s, m/s²: one sigma of a spike of an IMU
 # The specific force (m/s²) of a base that is hit, from sample to sample, and the most that its IMU measures.
 HIT, TWO_G = (40.0, 40.0, -16.0, -16.0, -16.0, -16.0, -16.0), 19.6
-SHAKEN = 2.0  # rad/s, one sigma of its turns meanwhile, to one side and back
+SHAKEN = 2.0  # rad/s, one sigma of its turns at first; it turns back as well
 AROUND, AWAY, BODY = 4.2, 0.7, 0.25  # radians of the field that people stand in, metres to them, their radius
 
 
@@ -233,7 +233,7 @@ def hit(every: float) -> Fault:
                 along[:] /= np.linalg.norm(along)
             push = HIT[-left] if left else 0.0
             left = max(left - 1, 0)
-            felt = _moved(item, np.concatenate([np.sign(push) * turn, push * along]))
+            felt = _moved(item, np.concatenate([push / HIT[0] * turn, push * along]))
             return replace(felt, linear_acceleration=np.clip(felt.linear_acceleration, -TWO_G, TWO_G))
 
         return changed(items, shake)

@@ -13,6 +13,7 @@ from slam_core.localization.tracking import (
     NEAR,
     Tracker,
     exceeds_basin,
+    is_sharp,
     least_unusual,
     mahalanobis_distance,
     search_window,
@@ -135,7 +136,8 @@ class ScanMatching:
 
         Where only matches observe the motion, at a low rate, a sudden turn and a wrong match look alike. A match
         that is far from the prediction is compared with the outcome of a search then. One that leaps is no motion.
-        Wheels slip in a turn: where they alone observe it besides, a match that fits badly is compared, too.
+        Wheels slip in a turn: where they alone observe it besides, a match that fits badly is compared, too. So it
+        is where inertial data leave the heading unsure.
         """
         tracker, tracking, unaided = self.tracker, config.tracking, self._motion.unaided
         distance = mahalanobis_distance(match, prior)
@@ -150,7 +152,8 @@ class ScanMatching:
                 rejection = tracker.check(match.fit, distance, tracking)
         leaps = unaided and tracker.leaps(match, prior)
         if not (rejection or (doubtful and distance > limit) or leaps):
-            if not (unaided or self._motion.inertial) and tracker.is_bad(match.fit):
+            sharp = self._motion.inertial and is_sharp(prior)
+            if not (unaided or sharp) and tracker.is_bad(match.fit):
                 placed, found = self._nearby(scan, stabilised, match, prior, config)
                 if tracker.is_better(found.fit, match.fit):
                     stabilised, match = placed, found

@@ -16,6 +16,7 @@ TIMES = 5.0  # the usual distance between match and prediction: further off is u
 # Metres from the prediction, or what a change of speed (m/s) makes of the time between two scans; nearer is usual.
 UNUSUAL, UNUSUAL_CHANGE = 0.08, 0.4
 LEAP, LEAP_SIGMAS = 0.4, 4.0  # metres, standard deviations: an unusual distance beyond both is no motion
+SHARP = 0.02  # radians, one sigma of a heading; inertial data predict it to some milliradians
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
 CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
@@ -31,6 +32,11 @@ def mahalanobis_distance(match: MatchResult, prior: PlanarGaussian) -> float:
 def exceeds_basin(prior: PlanarGaussian) -> bool:
     """Whether three sigmas of the predicted heading leave the basin of convergence of the matcher."""
     return 3.0 * math.sqrt(float(prior.covariance[2, 2])) > BASIN
+
+
+def is_sharp(prior: PlanarGaussian) -> bool:
+    """Whether the heading is predicted as well as inertial data of a base that is not shaken do."""
+    return float(prior.covariance[2, 2]) < SHARP**2
 
 
 def least_unusual(lapse_ns: int) -> float:
