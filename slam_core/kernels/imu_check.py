@@ -29,8 +29,9 @@ SAME, TOLD_APART = 20, 200
 # if it takes longer; and by so many times the mean step, which is that of about the last so many.
 LEAP, WITHIN = (1.0, 10.0), 0.01
 TIMES, MEAN_OF = 8.0, 100.0
-# After a leap the readings may be off by all of it, for about so long (s); a share of the least leap is forgotten.
-SHAKEN_TIME, FORGOTTEN = 0.02, 0.1
+# After a leap rates may be off by half of it, as far as the mean of two samples, and forces by all of it, as those
+# of a base that is hit are clipped; for about so long (s). A share of the least leap is forgotten.
+OFF, SHAKEN_TIME, FORGOTTEN = (0.5, 1.0), 0.02, 0.1
 
 Memory = tuple[Float64s, Float64s, Float64s]
 
@@ -131,7 +132,7 @@ def _is_shaken(sample: Float64s, rows: Float64s, dt: float, steps: Float64s, lea
     if leaps[0] == 0.0 and leaps[1] == 0.0:
         return False
     for group in range(2):  # never 0: this tells that the base is shaken
-        sample[6 + group] = max(leaps[group], FORGOTTEN * LEAP[group]) ** 2 * dt
+        sample[6 + group] = (OFF[group] * max(leaps[group], FORGOTTEN * LEAP[group])) ** 2 * dt
     return True
 
 
