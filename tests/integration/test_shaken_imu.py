@@ -14,7 +14,7 @@ VARIANTS = 1, 2
 @pytest.mark.parametrize(
     ("case", "metres"),
     [
-        ("rooms, 1 of 200 IMU samples a spike", 0.01),
+        ("rooms, 1 of 200 IMU samples a spike", 0.005),
         ("handheld, IMU with spikes of 2 samples", 0.1),
         ("littoral, IMU with spikes of 2 samples", 0.5),
         ("rooms, hit every 2 s, IMU of 2 g", 0.05),

@@ -11,7 +11,7 @@ from slam_core.measurements import Float64s, Imu
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.navigation.imu_check import AFTER_LEAP
 from slam_core.navigation.imu_spikes import NEAR_NS, SPIKE, SpikeFilter
-from tests.filters import OMEGA, R, begun
+from tests.filters import CONFIG, OMEGA, R, begun
 from tests.motions import GRAVITY, stamp
 
 REST = np.concatenate([np.zeros(3), -GRAVITY])
@@ -55,9 +55,20 @@ def test_a_base_that_shakes_all_the_time_has_no_spikes() -> None:
 
 
 def test_an_imu_that_is_slow_is_used_as_it_is() -> None:
-    """Between samples further apart than a spike may be long a base can begin and end a motion."""
+    """Between samples that far apart a base begins and ends a motion."""
     samples = [sample(k, REST + TURN * (k % 7 == 6), rate=8.0) for k in range(60)]
     assert admitted(samples) == (samples, 0)
+
+
+@pytest.mark.parametrize(("push", "leaps"), [(20.0, False), (40.0, True)])
+def test_the_further_apart_samples_are_the_more_they_may_differ(push: float, leaps: bool) -> None:
+    """At 30 Hz 20 m/s² in one of them are a motion, which makes nothing unsure; 40 m/s² are a spike or a hit."""
+    values = [REST + push / 30.0 * PUSH * (k == 40) for k in range(100)]
+    samples = [sample(k, each, rate=30.0) for k, each in enumerate(values)]
+    estimator = NavigationFilter(CONFIG)
+    for each in samples:
+        estimator.predict(each)
+    assert (admitted(samples)[1] > 0) == (estimator.counts[AFTER_LEAP] > 0) == leaps
 
 
 NUMBERS = st.sampled_from([0.0, 0.5, -3.0, 20.0, 90.0, -250.0, 1e4, np.nan, np.inf])
