@@ -263,6 +263,17 @@ def unechoed(share: float) -> Fault:
     return fault
 
 
+def ending(reach: float) -> Fault:
+    """A laser that sees so many metres far, and sends that where nothing returns."""
+
+    def ended(_t: float, item: Item) -> Item:
+        if not isinstance(item, LaserScan):
+            return item
+        return replace(item, ranges=np.minimum(item.ranges, np.float32(reach)), range_max=reach)
+
+    return lambda items, _seed: changed(items, ended)
+
+
 def blind(degrees: float) -> Fault:
     """So much of the view ahead is blocked, by a mast or a load before the laser, and gives no echo."""
 

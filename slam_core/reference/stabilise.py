@@ -15,7 +15,7 @@ def stabilise(scan: LaserScan, attitude: Float64s, config: ScanConfig) -> tuple[
     """
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     ranges = np.asarray(scan.ranges, float)
-    low, high = max(config.range_min, scan.range_min), min(config.range_max, scan.range_max)
+    low, high = max(config.range_min, scan.range_min), min(config.range_max, scan.range_end)
     kept = (ranges >= low) & (ranges < high)
     beams = ranges[kept, None] * np.column_stack([np.cos(angles[kept]), np.sin(angles[kept]), 0.0 * angles[kept]])
     mount = scan.T_base_laser

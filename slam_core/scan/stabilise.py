@@ -53,7 +53,7 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
         config.stabilise,
         (
             max(config.range_min, scan.range_min),
-            min(config.range_max, _end(scan.range_max)),
+            min(config.range_max, scan.range_end),
             scan.range_max,
             config.clear_range,
             config.z_min,
@@ -62,10 +62,6 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
         (points, heights, free, laser),
     )
     return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser, poses)
-
-
-def _end(range_max: float) -> float:
-    return range_max if range_max > 0.0 else float("inf")
 
 
 @lru_cache(maxsize=8)
