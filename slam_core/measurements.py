@@ -20,8 +20,6 @@ PLAUSIBLE = 1e7
 FARTHEST_LASER = 1e3
 # A stamp this far ahead is accepted only when the next one confirms it.
 LEAP_NS = 10_000_000_000
-# Metres before the end of a laser's range in which a range is none: simulators add noise to what they send there.
-NO_RETURN_WITHIN = 0.1
 
 
 def _identity_quaternion() -> Float64s:
@@ -55,11 +53,6 @@ class LaserScan:
     range_min: float = 0.0
     range_max: float = float("inf")
     T_base_laser: Transform = field(default_factory=Transform)
-
-    @property
-    def range_end(self) -> float:
-        """Metres from where on a range is no endpoint: without a return many drivers send about range_max."""
-        return self.range_max - NO_RETURN_WITHIN if self.range_max > 0.0 else math.inf
 
     @property
     def end_ns(self) -> int:

@@ -9,11 +9,15 @@ from slam_core.kernels import INNER
 from slam_core.kernels.memory import alias_scope
 from slam_core.kernels.rotations import cosines, product
 from slam_core.kernels.structures import BeamLimits
+from slam_core.measurements import Float32s
 
 get, _ = alias_scope(0)
 _, put = alias_scope(1)
 
 FURTHEST = 1e4  # metres from the base: no beam ends there, nor where it is no number
+# Metres before the end of a laser's range that noise on it reaches. It is noise if one range is before the end for
+# so many at it.
+NOISE, NOISY = 0.1, 4
 
 
 @njit(cache=True, error_model="numpy")
@@ -54,6 +58,23 @@ def place_beams(ranges, directions, poses, mount, level, limits, output):
                 free[cleared, 0], free[cleared, 1] = xs[i], ys[i]
                 cleared += 1
     return kept, cleared
+
+
+@njit(cache=True, error_model="numpy")
+def end_of_range(ranges: Float32s, range_max: float) -> float:
+    """Where endpoints end, metres, for ranges (n,): at the end of the laser's range, infinite if it states none.
+
+    Where nothing returns, some drivers send the end. Simulators add noise to it: then as many ranges are just
+    before it, and none of these is an endpoint.
+    """
+    if not range_max > 0.0:
+        return math.inf
+    end, ended, near = np.float32(range_max), 0, 0
+    for r in ranges:
+        ended += end <= r < math.inf
+        near += end - NOISE <= r < end
+    noisy = ended > 0 and NOISY * near >= ended
+    return float(end) - (NOISE if noisy else 0.0)
 
 
 @njit(**INNER)

@@ -15,7 +15,7 @@ def stabilise(scan: LaserScan, attitude: Float64s, config: ScanConfig) -> tuple[
     """
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     ranges = np.asarray(scan.ranges, float)
-    low, high = max(config.range_min, scan.range_min), min(config.range_max, scan.range_end)
+    low, high = max(config.range_min, scan.range_min), min(config.range_max, _end_of_range(ranges, scan.range_max))
     kept = (ranges >= low) & (ranges < high)
     beams = ranges[kept, None] * np.column_stack([np.cos(angles[kept]), np.sin(angles[kept]), 0.0 * angles[kept]])
     mount = scan.T_base_laser
@@ -25,3 +25,11 @@ def stabilise(scan: LaserScan, attitude: Float64s, config: ScanConfig) -> tuple[
     heights = points[:, 2] - laser[2]
     band = (heights >= config.z_min) & (heights <= config.z_max)
     return points[band, :2], laser[:2]
+
+
+def _end_of_range(ranges: Float64s, range_max: float) -> float:
+    """Where endpoints end: before ranges that are the end of the laser's range with noise, as nothing returned."""
+    ended = np.isfinite(ranges) & (ranges >= range_max)
+    near = (ranges >= range_max - 0.1) & (ranges < range_max)
+    noisy = ended.any() and 4 * near.sum() >= ended.sum()
+    return range_max - 0.1 if noisy else range_max

@@ -8,7 +8,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import ScanConfig
-from slam_core.kernels.endpoints import place_beams
+from slam_core.kernels.endpoints import end_of_range, place_beams
 from slam_core.measurements import FARTHEST_LASER, Float32s, Float64s, Int64s, LaserScan, Transform
 
 # Attitude and position of the base in the map, (k, 7) or wider, at instants (k,) that are nanoseconds after one.
@@ -45,15 +45,16 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
     points, heights, laser = np.empty((n, 2), np.float32), np.empty(n, np.float32), np.empty(2)
     free = np.empty((n, 2), np.float32) if config.clear_range > 0.0 else NO_END
     poses = motion(*_instants(scan, config))
+    ranges = np.ascontiguousarray(scan.ranges[:n], np.float32)
     kept, cleared = place_beams(
-        np.ascontiguousarray(scan.ranges[:n], np.float32),
+        ranges,
         _directions(scan.angle_min, scan.angle_increment, n),
         poses,
         _mount(scan.T_base_laser),
         config.stabilise,
         (
             max(config.range_min, scan.range_min),
-            min(config.range_max, scan.range_end),
+            min(config.range_max, end_of_range(ranges, scan.range_max)),
             scan.range_max,
             config.clear_range,
             config.z_min,

@@ -42,7 +42,7 @@ def test_a_laser_that_cannot_sit_there_has_no_beam(far):
     assert len(stabilise(mounted, standing, OPEN).points) == 0
 
 
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 0.0, 0.39, 49.92, 50.0, 60.0, -1.0])
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 0.0, 0.39, 50.0, 60.0, -1.0])
 def test_rep_117_values_and_ranges_out_of_bounds_are_left_out(bad):
     """NaN, both infinities, zero, too close and too far never become endpoints."""
     got = stabilise(scan([1.0, bad, 3.0, 4.0]), standing, ScanConfig(range_min=0.4, range_max=50.0))
@@ -51,9 +51,16 @@ def test_rep_117_values_and_ranges_out_of_bounds_are_left_out(bad):
 
 
 def test_what_is_sent_where_nothing_returns_is_no_wall():
-    """The end of the range with 3 cm of noise: 10 cm before it the endpoints end, whatever the settings are."""
+    """The end of the range with 3 cm of noise, cut off there or not: 10 cm before it the endpoints end."""
     sent = 50.0 + 0.03 * np.random.default_rng(1).standard_normal(200)
-    assert len(stabilise(scan([49.8, *sent]), standing, OPEN).points) == 1
+    for each in (sent, np.minimum(sent, 50.0)):
+        assert len(stabilise(scan([49.8, *each]), standing, OPEN).points) == 1
+
+
+def test_walls_up_to_the_end_of_the_range_are_seen():
+    """Few ranges are just before it, of a laser that sends the end itself where nothing returns, or nothing."""
+    for nothing in (50.0, math.inf):
+        assert len(stabilise(scan([49.95, *[nothing] * 20]), standing, OPEN).points) == 1
 
 
 def test_the_scan_s_own_limits_hold_too():
