@@ -15,9 +15,9 @@ get, _ = alias_scope(0)
 _, put = alias_scope(1)
 
 FURTHEST = 1e4  # metres from the base: no beam ends there, nor where it is no number
-# Metres before the end of a laser's range that noise on it reaches. It is noise if one range is before the end for
-# so many at it.
-NOISE, NOISY = 0.1, 4
+# Metres to both sides of the end of a laser's range that noise on it reaches. It is noise if one beam in so many
+# is at the end, and for so many of those another is before it: walls there are seen by fewer.
+NOISE, ENDED, NOISY = 0.1, 50, 4
 
 
 @njit(cache=True, error_model="numpy")
@@ -64,16 +64,17 @@ def place_beams(ranges, directions, poses, mount, level, limits, output):
 def end_of_range(ranges: Float32s, range_max: float) -> float:
     """Where endpoints end, metres, for ranges (n,): at the end of the laser's range, infinite if it states none.
 
-    Where nothing returns, some drivers send the end. Simulators add noise to it: then as many ranges are just
-    before it, and none of these is an endpoint.
+    Where nothing returns, some drivers send the end in place of infinity. Simulators add noise to it: then as many
+    ranges are just before it, and none of these is an endpoint.
     """
     if not range_max > 0.0:
         return math.inf
-    end, ended, near = np.float32(range_max), 0, 0
+    end, ended, near, empty = np.float32(range_max), 0, 0, 0
     for r in ranges:
-        ended += end <= r < math.inf
+        ended += end <= r <= end + NOISE
         near += end - NOISE <= r < end
-    noisy = ended > 0 and NOISY * near >= ended
+        empty += r == math.inf
+    noisy = empty == 0 and 0 < len(ranges) <= ENDED * ended <= ENDED * NOISY * near
     return float(end) - (NOISE if noisy else 0.0)
 
 

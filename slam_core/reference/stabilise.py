@@ -29,7 +29,7 @@ def stabilise(scan: LaserScan, attitude: Float64s, config: ScanConfig) -> tuple[
 
 def _end_of_range(ranges: Float64s, range_max: float) -> float:
     """Where endpoints end: before ranges that are the end of the laser's range with noise, as nothing returned."""
-    ended = np.isfinite(ranges) & (ranges >= range_max)
+    ended = (ranges >= range_max) & (ranges <= range_max + 0.1)
     near = (ranges >= range_max - 0.1) & (ranges < range_max)
-    noisy = ended.any() and 4 * near.sum() >= ended.sum()
+    noisy = not np.isposinf(ranges).any() and 0 < len(ranges) <= 50 * ended.sum() <= 200 * near.sum()
     return range_max - 0.1 if noisy else range_max

@@ -58,9 +58,13 @@ def test_what_is_sent_where_nothing_returns_is_no_wall():
 
 
 def test_walls_up_to_the_end_of_the_range_are_seen():
-    """Few ranges are just before it, of a laser that sends the end itself where nothing returns, or nothing."""
-    for nothing in (50.0, math.inf):
-        assert len(stabilise(scan([49.95, *[nothing] * 20]), standing, OPEN).points) == 1
+    """Few are before the end of a laser that sends it where nothing returns, any of one that sends infinity there.
+
+    Some measure beyond the end that they state.
+    """
+    assert len(stabilise(scan([49.95, *[50.0] * 99]), standing, OPEN).points) == 1
+    assert len(stabilise(scan([49.95, 50.05] * 20 + [math.inf]), standing, OPEN).points) == 20
+    assert len(stabilise(scan([49.95, 51.0] * 20), standing, OPEN).points) == 20
 
 
 def test_the_scan_s_own_limits_hold_too():
