@@ -101,7 +101,7 @@ def _propagate(
                 noisy[2] += u[6]
                 noisy[3] += u[7]
                 if u[7] > 0.0:
-                    noisy[1] = math.inf  # of a base that is shaken neither turns nor forces show where down is
+                    noisy[1] = math.inf  # the force of a base that is shaken does not show where down is
         for _ in range(steps):
             if not known:
                 _straight(x, unaided[0], u)

@@ -68,7 +68,7 @@ def advance(
 def move(x: Float64s, u: Float64s, dt: float, gravity: float, smoothing: float) -> Float64s:
     """Eqs. (1)-(3) under constant u: exact turn, trapezoid for velocity and position.
 
-    smoothing: seconds; infinite: the smoothed force stays as it is.
+    smoothing: seconds; infinite: the smoothed force turns with the base and takes in none.
     """
     out = x.copy()
     turn = exponential(((u[0] - x[10]) * dt, (u[1] - x[11]) * dt, (u[2] - x[12]) * dt))
@@ -80,8 +80,7 @@ def move(x: Float64s, u: Float64s, dt: float, gravity: float, smoothing: float) 
         smoothed = back[i] * x[16] + back[3 + i] * x[17] + back[6 + i] * x[18]
         out[7 + i] += dt * (force[i] - (gravity if i == 2 else 0.0))
         out[4 + i] += 0.5 * dt * (x[7 + i] + out[7 + i])
-        if smoothing < math.inf:
-            out[16 + i] = smoothed + share * (u[3 + i] - smoothed)
+        out[16 + i] = smoothed + share * (u[3 + i] - smoothed)
     return out
 
 
