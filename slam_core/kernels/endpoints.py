@@ -74,7 +74,7 @@ def end_of_range(ranges: Float32s, range_max: float) -> float:
         ended += end <= r <= end + NOISE
         near += end - NOISE <= r < end
         empty += r == math.inf
-    noisy = empty == 0 and 0 < len(ranges) <= ENDED * ended <= ENDED * NOISY * near
+    noisy = empty == 0 and ended * ENDED >= len(ranges) and near * NOISY >= ended
     return float(end) - (NOISE if noisy else 0.0)
 
 

@@ -1,8 +1,8 @@
 """A look at every inertial sample, compiled as there may be a thousand a second.
 
 A sample is (6,) rates in rad/s and forces in m/s², in `ImuBuffer` (8,) with its noise. A memory is kept from one
-to the next: rows that each function has for itself, steps (2, 2), of rates and of forces the mean step from sample
-to sample and how many there were, and leaps (2,) of both.
+to the next. Its last two rows, `usual`, are those of rates and of forces: the mean step from sample to sample, how
+many there were, and a leap.
 """
 
 import math
@@ -14,7 +14,6 @@ from slam_core.kernels import INNER
 from slam_core.measurements import Float64s
 
 GOOD, BROKEN, CLIPPED, FROZEN, SHAKEN = range(5)
-PASSED, WAITS, FOLLOWED, WAS_SPIKE = 0, 1, 2, 4
 # No robot turns (rad/s) or accelerates (m/s²) like this: such a sample is broken.
 FASTEST, HARDEST = 200.0, 2000.0
 # A rate on one and the same value, the largest so far and above this, in so many samples: the end of the range.
@@ -33,68 +32,33 @@ TIMES, MEAN_OF = 8.0, 100.0
 # of a base that is hit are clipped; for about so long (s). A share of the least leap is forgotten.
 OFF, SHAKEN_TIME, FORGOTTEN = (0.5, 1.0), 0.02, 0.1
 
-Memory = tuple[Float64s, Float64s, Float64s]
-
 
 @njit(cache=True, error_model="numpy")
-def spike(rate: Float64s, force: Float64s, dt: float, memory: Memory) -> int:
-    """Whether a sample, (3,) and (3,), may be a spike and WAITS for the next one, or has PASSED.
-
-    Added is what this one tells of the one that waited: FOLLOWED, or WAS_SPIKE. dt: seconds since the last
-    that passed, 0 if that tells nothing of this one. Rows of the memory (3, 6): the last that passed, the one that
-    waits, the last of all; leaps: whether the rates and the forces of the one that waits leap.
-    """
-    rows, steps, leapt = memory
-    passed, waiting, last = rows
-    verdict, sample = PASSED, np.empty(6)
-    sample[:3], sample[3:] = rate, force
-    possible = _is_possible(sample)  # else `check` drops it
-    if leapt[0] > 0.0 or leapt[1] > 0.0:
-        back = possible and dt > 0.0
-        for group in range(2):
-            back &= leapt[group] == 0.0 or _step(sample, passed, group) < _step(sample, waiting, group)
-        verdict = WAS_SPIKE if back else FOLLOWED
-        if not back:
-            passed[:] = waiting
-    if not possible:
-        leapt[:] = 0.0
-        return verdict
-    for group in range(2):
-        leapt[group] = dt > 0.0 and _is_leap(_step(sample, passed, group), steps[group], LEAP[group], dt)
-        _learn(_step(sample, last, group), steps[group])
-    last[:] = sample
-    if leapt[0] > 0.0 or leapt[1] > 0.0:
-        waiting[:] = sample
-        return verdict | WAITS
-    passed[:] = sample
-    return verdict
-
-
-@njit(cache=True, error_model="numpy")
-def check(rate: Float64s, force: Float64s, dt: float, gyro_range: float, memory: Memory, sample: Float64s) -> int:
+def check(
+    rate: Float64s, force: Float64s, dt: float, gyro_range: float, memory: Float64s, sample: Float64s
+) -> int:
     """What a sample is. rate, force: (3,), which `sample` (8,) takes as those in `ImuBuffer`.
 
-    dt: seconds since the last one. gyro_range: rad/s, 0 if not known. Rows of the memory (4, 4): of each axis the
-    last rate, how often it came, its largest size, and the last force; then how often this sample came, how many
-    were told apart, and whether the sensor has no noise. leaps: those that are not yet forgotten.
+    dt: seconds since the last one. gyro_range: rad/s, 0 if not known. memory: (6, 4), of each axis the last
+    rate, how often it came, its largest size, and the last force; then how often this sample came, how many were
+    told apart, and whether the sensor has no noise; the leaps are those that are not yet forgotten.
     """
-    rows, steps, leaps = memory
     sample[:3], sample[3:6] = rate, force
-    if not _is_possible(sample):
+    if not is_possible(sample):
         return BROKEN
-    shaken = _is_shaken(sample, rows, dt, steps, leaps)
+    shaken = _is_shaken(sample, memory, dt)
     clipped, same, turns = False, True, False
     for i in range(3):
-        same &= rate[i] == rows[i, 0] and force[i] == rows[i, 3]
+        same &= rate[i] == memory[i, 0] and force[i] == memory[i, 3]
         turns |= rate[i] != 0.0  # a gyro may send nothing else at rest
-        rows[i, 3] = force[i]
-        last, size = rows[i, 0], abs(rate[i])
-        rows[i, 1] = rows[i, 1] + 1.0 if rate[i] == last else 1.0
-        rows[i, 2] = max(rows[i, 2], size)
-        rows[i, 0] = rate[i]
-        stuck = rows[i, 1] >= REPEATS and size >= max(LEAST_RANGE, rows[i, 2])
+        memory[i, 3] = force[i]
+        last, size = memory[i, 0], abs(rate[i])
+        memory[i, 1] = memory[i, 1] + 1.0 if rate[i] == last else 1.0
+        memory[i, 2] = max(memory[i, 2], size)
+        memory[i, 0] = rate[i]
+        stuck = memory[i, 1] >= REPEATS and size >= max(LEAST_RANGE, memory[i, 2])
         clipped |= stuck or (gyro_range > 0.0 and size >= 0.999 * gyro_range)
-    if _sent_again(same, rows[3]) and turns:
+    if _sent_again(same, memory[3]) and turns:
         return FROZEN
     if clipped:
         sample[6] = max(sample[6], CLIPPED_NOISE**2)
@@ -115,29 +79,31 @@ def _sent_again(same, seen):
 
 
 @njit(**INNER)
-def _is_shaken(sample: Float64s, rows: Float64s, dt: float, steps: Float64s, leaps: Float64s) -> bool:
+def _is_shaken(sample: Float64s, memory: Float64s, dt: float) -> bool:
     """Whether a sample leaps from the last one, or one did shortly before; it takes the noise of that.
 
     A base that is hit moves between two samples as neither shows, and its sensors ring or are clipped.
     """
-    last = np.empty(6)
-    last[:3], last[3:] = rows[:3, 0], rows[:3, 3]
+    last, shaken = np.empty(6), False
+    last[:3], last[3:] = memory[:3, 0], memory[:3, 3]
     for group in range(2):
-        step, leap = _step(sample, last, group), leaps[group] * math.exp(-dt / SHAKEN_TIME)
-        if _is_leap(step, steps[group], LEAP[group], dt):
+        usual, least = memory[4 + group], FORGOTTEN * LEAP[group]
+        step, leap = step_of(sample, last, group), usual[2]
+        if leap > 0.0:
+            leap *= math.exp(-dt / SHAKEN_TIME)
+        if is_leap(step, usual, group, dt):
             leap = max(leap, step)
-        leaps[group] = leap if leap > FORGOTTEN * LEAP[group] else 0.0
-        _learn(step, steps[group])
-    sample[6] = sample[7] = 0.0
-    if leaps[0] == 0.0 and leaps[1] == 0.0:
-        return False
-    for group in range(2):  # never 0: this tells that the base is shaken
-        sample[6 + group] = (OFF[group] * max(leaps[group], FORGOTTEN * LEAP[group])) ** 2 * dt
-    return True
+        learn(step, usual)
+        usual[2] = leap if leap > least else 0.0
+        shaken |= leap > least
+        sample[6 + group] = (OFF[group] * max(leap, least)) ** 2 * dt
+    if not shaken:
+        sample[6] = sample[7] = 0.0
+    return shaken  # then no noise is 0, which tells that it is
 
 
 @njit(**INNER)
-def _is_possible(sample: Float64s) -> bool:
+def is_possible(sample: Float64s) -> bool:
     """Whether all values are numbers by which a robot can turn and accelerate."""
     possible = True
     for i in range(3):
@@ -146,7 +112,7 @@ def _is_possible(sample: Float64s) -> bool:
 
 
 @njit(**INNER)
-def _step(sample: Float64s, other: Float64s, group: int) -> float:
+def step_of(sample: Float64s, other: Float64s, group: int) -> float:
     """The largest difference of two samples in rates, group 0, or in forces, group 1."""
     most = 0.0
     for i in range(3 * group, 3 * group + 3):
@@ -155,14 +121,14 @@ def _step(sample: Float64s, other: Float64s, group: int) -> float:
 
 
 @njit(**INNER)
-def _is_leap(step: float, usual: Float64s, least: float, dt: float) -> bool:
-    """Whether a step within `dt` seconds is a leap. usual: (2,), a row of `steps`."""
+def is_leap(step: float, usual: Float64s, group: int, dt: float) -> bool:
+    """Whether a step within `dt` seconds is a leap. usual: the row of the group."""
     count, mean = int(usual[1]), float(usual[0])
-    return count > 0 and step > max(least * max(1.0, dt / WITHIN), TIMES * mean)
+    return count > 0 and step > max(LEAP[group] * max(1.0, dt / WITHIN), TIMES * mean)
 
 
 @njit(**INNER)
-def _learn(step: float, usual: Float64s) -> None:
+def learn(step: float, usual: Float64s) -> None:
     """Take a step into the mean; the first sample of all comes after none."""
     if usual[1] > 0.0:
         usual[0] += (step - usual[0]) / min(usual[1], MEAN_OF)

@@ -24,7 +24,7 @@ class ImuCheck:
     """Looks at one sample after the other; remembers just enough of those before."""
 
     def __init__(self) -> None:
-        self._memory = np.zeros((4, 4)), np.zeros((2, 2)), np.zeros(2)
+        self._memory = np.zeros((6, 4))
         self._sample = np.zeros(COLUMNS)
         self._last_ns = 0
         self._behind: tuple[int, int] | None = None
@@ -37,7 +37,8 @@ class ImuCheck:
         dt = min(max(imu.stamp_ns - self._last_ns, 0), MAX_GAP_NS) * 1e-9
         rate, force = imu.angular_velocity, imu.linear_acceleration
         found = check(rate, force, dt, config.gyro_range, self._memory, self._sample)
-        self._last_ns = imu.stamp_ns
+        if found != BROKEN:
+            self._last_ns = imu.stamp_ns
         return self._sample if found not in UNUSABLE else None, FAULTS.get(found, "")
 
     def goes_on(self) -> None:

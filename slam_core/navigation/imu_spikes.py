@@ -4,8 +4,8 @@ from collections import Counter
 
 import numpy as np
 
-from slam_core.kernels.imu_check import FOLLOWED, WAITS, WAS_SPIKE, spike
 from slam_core.kernels.imu_propagation import MAX_GAP_NS
+from slam_core.kernels.imu_spikes import FOLLOWED, WAITS, WAS_SPIKE, spike
 from slam_core.measurements import Imu
 
 SPIKE = "inertial sample far from those on both sides"
@@ -20,7 +20,7 @@ class SpikeFilter:
 
     def __init__(self, counts: Counter[str]) -> None:
         self._counts = counts
-        self._memory = np.zeros((3, 6)), np.zeros((2, 2)), np.zeros(2)
+        self._memory = np.zeros((5, 6))
         self._passed_ns = 0
         self._waiting: list[Imu] = []  # none or one
 

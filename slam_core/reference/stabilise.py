@@ -31,5 +31,5 @@ def _end_of_range(ranges: Float64s, range_max: float) -> float:
     """Where endpoints end: before ranges that are the end of the laser's range with noise, as nothing returned."""
     ended = (ranges >= range_max) & (ranges <= range_max + 0.1)
     near = (ranges >= range_max - 0.1) & (ranges < range_max)
-    noisy = not np.isposinf(ranges).any() and 0 < len(ranges) <= 50 * ended.sum() <= 200 * near.sum()
+    noisy = 50 * ended.sum() >= len(ranges) and 4 * near.sum() >= ended.sum() and not np.isposinf(ranges).any()
     return range_max - 0.1 if noisy else range_max
