@@ -28,6 +28,11 @@ def test_a_robot_is_not_led_astray_by_samples_that_leap(case: str, metres: float
     assert not any(each.misplaced or each.silent for each in found)
 
 
+def test_a_match_is_compared_with_a_search_where_the_heading_is_unsure() -> None:
+    """Among reeds, where few beams fit: without the comparison this drive is metres off."""
+    assert ensembles.outcomes([ensembles.run("littoral, IMU with spikes of 2 samples", 1, {})])[0].error < 0.5
+
+
 @pytest.mark.parametrize(
     ("case", "code", "reason"),
     [

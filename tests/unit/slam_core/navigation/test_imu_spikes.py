@@ -93,10 +93,10 @@ def test_nothing_is_held_for_long_used_twice_or_lost_uncounted(drawn: list[tuple
     assert len(later) == 1 + waiting
 
 
-def hit(samples: int, leap: Float64s) -> NavigationFilter:
-    """At rest for 2 s, then hit for so many samples, then at rest for 1.5 s again; matches at 20 Hz."""
+def hit(samples: int, leap: Float64s, rest: int) -> NavigationFilter:
+    """At rest for 2 s, hit for so many samples, at rest for so many, at 100 Hz; matches at 20 Hz."""
     estimator = begun(2.0)
-    for k in range(201, 351):
+    for k in range(201, 201 + samples + rest):
         t = k / 100
         values = REST + leap * (k < 201 + samples)
         estimator.predict(sample(k, values))
@@ -108,8 +108,17 @@ def hit(samples: int, leap: Float64s) -> NavigationFilter:
 @pytest.mark.parametrize("samples", [2, 3])
 def test_the_tilt_is_found_again_after_a_hit(samples: int) -> None:
     """Samples that leap by 5 rad/s and 3 g, and follow each other: what they showed is soon not believed."""
-    estimator = hit(samples, TURN + PUSH)
+    estimator = hit(samples, TURN + PUSH, 150 - samples)
     state = estimator.state
     tilt = np.degrees(2.0 * np.hypot(*state.T_map_base.rotation[1:3]))
     assert estimator.counts[AFTER_LEAP] > samples
     assert tilt < 2.0 and np.linalg.norm(state.velocity[:2]) < 0.15
+
+
+@pytest.mark.parametrize("samples", [2, 3, 4])
+def test_a_push_does_not_show_where_down_is(samples: int) -> None:
+    """The smoothed force takes in nothing while a base is shaken: a push of 3 g does not tilt it by 1 degree."""
+    estimator = hit(samples, PUSH, 1)
+    assert estimator.sample_ns is not None
+    force = estimator.poses(estimator.sample_ns, np.zeros(1, np.int64))[0, 16:19]
+    assert np.degrees(np.arctan2(np.hypot(*force[:2]), force[2])) < 1.0
