@@ -36,6 +36,7 @@ class HectorSlam(SlamState):
         """The path of a scan, in the order of figure 1."""
         config, motion, time_ns = self.config, self._motion, scan.mid_ns
         self._scan_ns = scan.end_ns
+        raw, scan = scan, self._smooth(scan, config.scan)
         if motion.awaits_filter(scan, begun=self._scans > 0):
             return self._skip(NO_ATTITUDE)
         stabilised = self._stabilise(scan, motion.poses, config.scan)  # section IV
@@ -46,7 +47,7 @@ class HectorSlam(SlamState):
         if not self._locator.initialise(stabilised, time_ns, config):
             return self._skip(NOT_LOCALISED)
         prior = self._predict(time_ns)  # section V-A
-        if self._repeats.takes(scan, prior.mean, measured=not motion.unaided):
+        if self._repeats.takes(raw, prior.mean, measured=not motion.unaided):
             return self._skip(REPEATED)
         placed, pose, match, verdict = self._locate(scan, stabilised, prior, config)  # sections IV-B, IV-C
         update = self._update(placed, pose, match, verdict, time_ns, config.map, unaided=motion.unaided)

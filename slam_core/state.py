@@ -17,6 +17,7 @@ from slam_core.measurements import Float64s
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import PlanarGaussian, PoseRecord, Poses, Status
 from slam_core.scan.repeats import Repeats
+from slam_core.scan.smoothing import Smoothing
 from slam_core.scan.stabilise import stabilise
 from slam_core.sequencer import Sequencer
 from slam_core.timing import Stopwatch
@@ -46,10 +47,12 @@ class SlamState:
         self._scans, self._scan_ns = 0, 0
         self._record = PoseRecord()
         self._repeats = Repeats()
+        self._smoothing = Smoothing()
         self._stopwatch = Stopwatch(clock)
         # The stages of figure 1, with their durations.
         timed = self._stopwatch.timed
         self._take, self._stabilise = timed("filter", self._motion.take), timed("stabilise", stabilise)
+        self._smooth = timed("stabilise", self._smoothing.take)
         self._predict, self._fuse = timed("filter", self._motion.prior), timed("filter", self._motion.correct)
         self._use(pyramid, localiser, Mapper(pyramid, writes=writes))
 

@@ -117,7 +117,7 @@ def _pair(
     base: str, load: Load, with_imu: Tags, *names: str, family: str = "scenes", **details: Any
 ) -> Iterator[Case]:
     """A drive with inertial data, and without."""
-    kept = with_imu & {"aids", "sweep", "large"}
+    kept = with_imu & {"aids", "sweep", "large", "noisy"}
     name = names[0] if names else base
     yield Case(family, name, load, tags=with_imu, base=base, **details)
     yield Case(f"{family} without IMU", name, bare(load), tags=kept | {"no imu", "unaided"}, base=base, **details)
@@ -152,6 +152,7 @@ def _scenes() -> Iterator[Case]:
     yield Case("scenes", "glass", drive("glass", replace(moderate, scan_rate=10.0)), tags=IMU, base="glass")
     slow = drive("rooms", SceneOptions(scan_rate=10.0, duration=SECONDS))
     yield from _pair("stray beams, 30 %, 10 Hz", faulty(slow, faults.stray_beams), IMU)
+    yield from _pair("noise of 1 % of the range, 10 Hz", faulty(slow, faults.noisy(0.01)), IMU | {"noisy"})
 
 
 def _corridor() -> Iterator[Case]:

@@ -66,6 +66,7 @@ _LOST = Scope(after=frozenset({"degraded", "lost"}))
 _ACCURACY = Scope(accuracy=True)
 SCOPES: Mapping[str, Scope] = {
     "scan.deskew": _needs("sweep", accuracy=True),
+    "scan.smooth_noise": _needs("noisy"),
     "motion.deskew_refinements": _needs("no imu", "sweep"),
     "map.factor_behind": _ACCURACY,
     "map.keyframe_max_delay": _needs("unaided"),

@@ -274,6 +274,23 @@ def ending(reach: float) -> Fault:
     return lambda items, _seed: changed(items, ended)
 
 
+def noisy(share: float) -> Fault:
+    """A laser whose ranges have a noise of so much of them."""
+
+    def fault(items: Sequence[Item], seed: int) -> list[Item]:
+        rng = np.random.default_rng([seed, 28])
+
+        def scattered(_t: float, item: Item) -> Item:
+            if not isinstance(item, LaserScan):
+                return item
+            factors = 1.0 + share * rng.standard_normal(len(item.ranges))
+            return replace(item, ranges=(item.ranges * factors).astype(np.float32))
+
+        return changed(items, scattered)
+
+    return fault
+
+
 def blind(degrees: float) -> Fault:
     """So much of the view ahead is blocked, by a mast or a load before the laser, and gives no echo."""
 

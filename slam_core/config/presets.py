@@ -31,6 +31,10 @@ ADDITIONS = (
         {"scan.deskew": False},
     ),
     Addition(
+        "Smooths ranges of a laser with much noise along straight walls.",
+        {"scan.smooth_noise": 0.0},
+    ),
+    Addition(
         "Without an IMU, deskews and matches a sweep again with the velocity that its match gives.",
         {"motion.deskew_refinements": 0},
     ),

@@ -48,7 +48,7 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
     ranges = np.ascontiguousarray(scan.ranges[:n], np.float32)
     kept, cleared = place_beams(
         ranges,
-        _directions(scan.angle_min, scan.angle_increment, n),
+        directions(scan.angle_min, scan.angle_increment, n),
         poses,
         _mount(scan.T_base_laser),
         config.stabilise,
@@ -66,7 +66,8 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
 
 
 @lru_cache(maxsize=8)
-def _directions(angle_min: float, angle_increment: float, n: int) -> tuple[Float64s, Float64s]:
+def directions(angle_min: float, angle_increment: float, n: int) -> tuple[Float64s, Float64s]:
+    """Cosines and sines (n,) of the beams."""
     angles = angle_min + angle_increment * np.arange(n)
     return np.cos(angles), np.sin(angles)
 

@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from slam_core.config import MapConfig, MatcherConfig
+from slam_core.kernels.range_noise import BANDS, learn_noise, smooth
 from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
 from slam_core.localization.dynamic_beams import BESIDE, foreground
@@ -182,3 +183,29 @@ def test_searches_stay_within_the_map(kind, points, pose):
         assert 0.0 <= agreement(pyramid, scan, pose) <= 1.0
         known, crossing = crossings(pyramid, scan, pose)
         assert 0 <= crossing <= known <= len(ends)
+
+
+RANGES = st.sampled_from([math.nan, math.inf, -math.inf, -1.0, 0.0, 0.3, 2.0, 2.02, 5.0, 80.0, 3e38]) | st.floats(
+    0.1, 9.0
+)
+SIGMAS = st.sampled_from([-1.0, 0.0, 0.01, 0.05, 3.0, math.inf, math.nan])
+
+
+@settings(max_examples=60, derandomize=True)
+@given(
+    st.lists(st.tuples(RANGES, RANGES), max_size=150),
+    st.lists(SIGMAS, min_size=BANDS, max_size=BANDS).map(np.array),
+    st.floats(-0.1, 0.1) | FAR,
+)
+def test_noise_is_taken_out_of_ranges_only(pairs, noise, increment):
+    """Any scans, whatever their noise is taken for: what is no range stays as it is, and a range remains one."""
+    ranges, before = np.array(pairs, np.float32).reshape(-1, 2).T.copy()
+    limits = 0.25, 50.0
+    angles = increment * np.arange(len(ranges))
+    found = smooth(ranges, (np.cos(angles), np.sin(angles)), limits, noise, 0.04, 0.01)
+    valid = (ranges >= limits[0]) & (ranges < limits[1])
+    np.testing.assert_array_equal(found[~valid], ranges[~valid])
+    assert (np.isfinite(found[valid]) & (found[valid] > 0.0)).all()
+    estimates = np.full(BANDS, -1.0)
+    learn_noise(ranges, before, limits, estimates, noise)
+    assert np.isfinite(noise).all() and (noise <= 50.0).all()

@@ -1,7 +1,7 @@
 """What a recording holds and what a run would make of it, found by reading it once as a run does."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -96,6 +96,7 @@ class BagReport:
     source: SourceReport
     measures: Measures
     sweep: SweepTime | None
+    range_noise: Sequence[tuple[float, float]]
     findings: tuple[Finding, ...]
     repaired: tuple[Finding, ...] = ()
     faults: tuple[Finding, ...] = ()
@@ -141,6 +142,7 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
         source.report,
         measures,
         statistics.sweep_time(),
+        statistics.range_noise(),
         tuple(findings(measures, options)),
         faults=tuple(check.findings(source.parts, source.unplaced, source.clock_offset_ns)),
     )

@@ -1,7 +1,7 @@
 """The answer of `hectorscope inspect` laid out for a terminal."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -9,6 +9,7 @@ from hectorscope.checks.findings import remedy
 from hectorscope.checks.sensor_statistics import Measures
 from hectorscope.checks.sweep_time import SweepTime
 from hectorscope.inputs import Finding, SourceReport
+from slam_core.config import ScanConfig
 
 if TYPE_CHECKING:
     from hectorscope.checks.inspect import BagReport, TopicLine
@@ -36,7 +37,7 @@ def rendered(report: "BagReport") -> Iterator[str]:
     ]
     yield from _table([("part", "played by", "used", ""), *used], right=(2,))
     for title, lines in (
-        ("sensors", [*_sensors(report.measures), *_sweep(report.sweep)]),
+        ("sensors", [*_sensors(report.measures), *_sweep(report.sweep), *_noise(report.range_noise)]),
         ("repaired", [f"{finding.fact}: {finding.repair}" for finding in report.repaired]),
         ("sensor contradictions", list(_wrong(report.findings))),
         ("faults of the recording", [_fault(fault, report.start_ns) for fault in report.faults]),
@@ -105,6 +106,19 @@ def _sweep(sweep: SweepTime | None) -> Iterator[str]:
         )
     else:
         yield "no beam timing: the scans fit as well as if each was taken at once"
+
+
+def _noise(known: Sequence[tuple[float, float]]) -> Iterator[str]:
+    """What the scans show of the noise of their ranges: near, in the middle and far."""
+    if not known:
+        return
+    shown = sorted({0, len(known) // 2, len(known) - 1})
+    at = ", ".join(f"{1e3 * known[i][1]:.0f} mm at {known[i][0]:.2g} m" for i in shown)
+    limit = ScanConfig().smooth_noise
+    smoothed = (
+        f"; where many have more than {1e3 * limit:.0f} mm, they are smoothed" if known[-1][1] > limit else ""
+    )
+    yield f"noise of the ranges: {at}{smoothed}"
 
 
 def _wrong(found: tuple[Finding, ...]) -> Iterator[str]:

@@ -10,8 +10,10 @@ from hectorscope.checks.matched_scans import MatchedScans
 from hectorscope.checks.sweep_time import SweepTime, estimate
 from hectorscope.inputs import Item
 from hectorscope.run.warmup import warm_up
+from slam_core.config import ScanConfig
 from slam_core.geometry import heading
 from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry, TruthPose
+from slam_core.scan.smoothing import Smoothing
 
 LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
 SCAN_PERIOD_NS = 70_000_000  # more scans a second add nothing about turns
@@ -122,6 +124,15 @@ class SensorStatistics:
             truth=truth,
             order=order,
         )
+
+    def range_noise(self) -> list[tuple[float, float]]:
+        """Ranges (m) of the laser, and the noise (m) that the scans show of each."""
+        smoothing = Smoothing()
+        if self._matched.scans:
+            warm_up()
+        for scan in self._matched.scans:
+            smoothing.take(scan, ScanConfig())
+        return smoothing.known
 
     def sweep_time(self) -> SweepTime | None:
         """How long a sweep seems to take, where the scans do not tell it. Matches them several times."""

@@ -19,6 +19,7 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig, with_value
+from slam_core.kernels.range_noise import BANDS, learn_noise, smooth
 from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.few_beams import confirmed
 from slam_core.localization.placements import KeptScan, Placements, Usual
@@ -29,7 +30,7 @@ from slam_core.matching.landscape import costs
 from slam_core.measurements import GroundDistance, Height, Imu, LaserScan, Measurement, Odometry
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import ACCEPTED, PlanarGaussian
-from slam_core.scan.stabilise import stabilise
+from slam_core.scan.stabilise import directions, stabilise
 
 FIRST = 55  # functions of ours that the first scan has compiled, with those that they call
 ALL = 117  # that every kernel has
@@ -217,8 +218,16 @@ def _second_scan(motion: EgoMotion) -> None:
     motion.take(Odometry(END_NS, np.zeros(2), 0.0))
     motion.correct(END_NS, None, accepted=True)
     config = SlamConfig()
+    _noise(_scan(END_NS))
     placed = stabilise(_scan(END_NS), EgoMotion(config).poses, config.scan)
     Pyramid(config.map).clear(placed.points, placed.laser, np.zeros(3), config.map)
+
+
+def _noise(scan: LaserScan) -> None:
+    """What measures the noise of ranges, and takes it out."""
+    ranges, limits, noise = scan.ranges, (scan.range_min, scan.range_max), np.ones(BANDS)
+    learn_noise(ranges, ranges, limits, noise.copy(), noise)
+    smooth(ranges, directions(scan.angle_min, scan.angle_increment, len(ranges)), limits, noise, 0.1, 0.1)
 
 
 def load_everything() -> None:
@@ -246,6 +255,7 @@ def _everything(inertial: bool) -> None:
             pipeline.step(ready)
         pipeline.slam.reset_pose(PlanarGaussian(np.zeros(3), np.eye(3)))  # as where it was found again
         pipeline.step(_scan(END_NS + 1))
+        _noise(_scan(END_NS))
         placed = stabilise(_scan(END_NS), EgoMotion(config).poses, config.scan)
         placements = Placements()  # of a local map
         placements.add([np.zeros(3)], np.zeros(3))

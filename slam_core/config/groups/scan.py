@@ -44,3 +44,13 @@ class ScanConfig:
         float,
         Param("A beam without a return clears the cells up to this range (0: it is not used).", "m", 0.0, 30.0),
     ] = 0.0
+    smooth_noise: Annotated[
+        float,
+        Param(
+            "A range with more noise than this, as the scans show it, is smoothed along the straight wall on which"
+            " its neighbours lie (0: none is).",
+            "m",
+            0.0,
+            1.0,
+        ),
+    ] = 0.04

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from hectorscope.checks.inspect import inspect_bag
+from hectorscope.cli.opening import demo_bag
 from hectorscope.inputs import SourceError, SourceOptions
 from tests.ros_messages import SECOND, Messages, write_bag
 
@@ -73,3 +74,12 @@ def test_overrides_are_obeyed(bag: Path) -> None:
     assert "mount 1.000 0.000 0.000 m, 0.0 0.0 180.0°" in report.parts[0].detail
     with pytest.raises(SourceError, match="there is no topic '/imu'"):
         inspect_bag(bag, SourceOptions(imu_topic="/imu"))
+
+
+def test_the_noise_of_the_laser_is_reported() -> None:
+    """The scanner of the arena has 1 cm at every range, that of the littoral twice as much and more far away."""
+    near = inspect_bag(demo_bag("arena"), SourceOptions())
+    assert all(0.007 < sigma < 0.013 for _, sigma in near.range_noise[1:])
+    assert "noise of the ranges: " in str(near) and "smoothed" not in str(near)
+    far = inspect_bag(demo_bag("littoral"), SourceOptions()).range_noise[-1]
+    assert far[0] > 20.0 and 0.03 < far[1] < 0.07
