@@ -108,3 +108,40 @@ def test_beams_without_a_range_keep_none() -> None:
     ranges = found[-1].ranges
     np.testing.assert_array_equal(np.isfinite(ranges), ~none)
     assert off(ranges[~none], truth[~none]) < off(scans[-1].ranges[~none], truth[~none]) / 2.5
+
+
+def test_a_scan_with_few_ranges_of_much_noise_stays_as_it_is() -> None:
+    """A doorway to a far room, in near walls."""
+    truth = room(half=1.5)
+    truth[100:170] = 12.0
+    scans = [scan(truth, 0.01, k + 1) for k in range(10)]
+    smoothing, found = smoothed(scans)
+    assert smoothing.noise.max() > CONFIG.smooth_noise
+    np.testing.assert_array_equal(found[-1].ranges, scans[-1].ranges)
+
+
+def test_what_scatters_by_more_than_any_laser_is_no_noise() -> None:
+    """Grass in the wind ends beams anywhere, and elsewhere in each scan: a tenth of the range is not smoothed."""
+    scans = [scan(room(), 0.1, k + 1) for k in range(10)]
+    _, found = smoothed(scans)
+    np.testing.assert_array_equal(found[-1].ranges, scans[-1].ranges)
+
+
+def mean_after_smoothing(truth: Float64s) -> Float64s:
+    """(n,) of ranges with a noise of 1 %, once that is known."""
+    _, found = smoothed([scan(truth, 0.01, k + 1) for k in range(50)])
+    return np.mean([each.ranges for each in found[10:]], axis=0)
+
+
+def facing() -> list[int]:
+    """The beams on the two walls beside the laser."""
+    return [i for i in range(BEAMS) if abs(abs(ANGLES[i]) - math.pi / 2) < 0.7]
+
+
+@pytest.mark.parametrize(("every", "wide", "out"), [(24, 6, 0.15), (4, 2, 0.2), (20, 1, 0.25)])
+def test_what_stands_out_of_a_wall_stays(every: int, wide: int, out: float) -> None:
+    """Pillars that a window would span, pickets of a fence, thin posts: most of their depth is left."""
+    truth = room()
+    before = [i for i in facing() if i % every < wide]
+    truth[before] *= 1.0 - out / 6.0
+    assert np.median(mean_after_smoothing(truth)[before] - truth[before]) < 0.4 * out
