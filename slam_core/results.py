@@ -278,10 +278,12 @@ class Durations(NamedTuple):
 class Sweep(NamedTuple):
     """Where the endpoints of a scan come from; `slam_core.scan.beams` finds the beam of an endpoint by it.
 
-    poses: as `place_beams` takes them. config: in force. laser: (2,) where beams start in the stabilised frame.
+    scan: as it was used; its ranges may be smoothed. measured: (n,) its ranges as they came. poses: as
+    `place_beams` takes them. config: in force. laser: (2,) where beams start in the stabilised frame.
     """
 
     scan: LaserScan
+    measured: Float32s
     poses: Float64s
     config: ScanConfig
     laser: Float64s

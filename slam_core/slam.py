@@ -73,7 +73,7 @@ class HectorSlam(SlamState):
             verdict=observed(verdict, match, fused),
             aiding=motion.aiding,
             world=motion.world,
-            sweep=Sweep(scan, placed.poses, config.scan, placed.laser),
+            sweep=Sweep(scan, raw.ranges, placed.poses, config.scan, placed.laser),
         )
 
     def _skip(self, reason: str) -> StepResult | None:

@@ -42,6 +42,8 @@ def _square(cell: CellView) -> list[float]:
 def _measured(beam: BeamView) -> Iterator[Row]:
     reach = {math.inf: "no return", -math.inf: "too close"}.get(beam.range_m, f"{fixed(beam.range_m, 3)} m")
     yield "range", "no value" if math.isnan(beam.range_m) else reach
+    if beam.end is not None and beam.used_m != beam.range_m:
+        yield "smoothed to", f"{fixed(beam.used_m, 3)} m"
     yield "angle", f"{fixed(math.degrees(beam.angle), 2)}°"
     late = "no beam timing" if math.isnan(beam.after_s) else f"{fixed(1e3 * beam.after_s, 2)} ms"
     yield "in the sweep after", late

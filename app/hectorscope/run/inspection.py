@@ -83,7 +83,7 @@ def _beam(
     beam = BeamView(
         number,
         len(scan.ranges),
-        float(scan.ranges[number]),
+        float(sweep.measured[number]),
         scan.angle_min + number * scan.angle_increment,
         number * scan.time_increment if scan.time_increment else math.nan,
         (x, y),
@@ -94,6 +94,7 @@ def _beam(
     x, y = transform_points(result.planar, result.points[endpoint : endpoint + 1])[0].tolist()
     return replace(
         beam,
+        used_m=float(scan.ranges[number]),
         height=float(result.heights[endpoint]),
         residual=float(result.match.residuals[endpoint]) if result.match else math.nan,
         left_out=endpoint in result.match.left_out if result.match else False,

@@ -77,9 +77,9 @@ class BeamView:
 
     beams: of the scan. range_m: as measured, may be inf or nan. angle: radians, by the laser. after_s: since the
     first beam; nan without beam timing. laser: (x, y) where the beam starts, metres in the map.
-    Of a beam with an endpoint alone: height over the laser, metres. residual: 1 - M in the match, at the finest
-    level; nan for a scan that was matched to nothing. left_out: it was not matched, as it is on an object that may
-    move. unexpected: it ended in free space. end: the map there.
+    Of a beam with an endpoint alone: used_m, its range, which may be smoothed. height over the laser, metres.
+    residual: 1 - M in the match, at the finest level; nan for a scan that was matched to nothing. left_out: it was
+    not matched, as it is on an object that may move. unexpected: it ended in free space. end: the map there.
     """
 
     number: int
@@ -88,6 +88,7 @@ class BeamView:
     angle: float
     after_s: float
     laser: tuple[float, float]
+    used_m: float = math.nan
     height: float = math.nan
     residual: float = math.nan
     left_out: bool = False

@@ -14,7 +14,7 @@ from hectorscope.session.commands import AHEAD, Inspect, Pick
 
 LEVELS = (LevelReading((4, -3), 0.05, 0.93, 0.08), LevelReading((2, -2), 0.1, None, 0.5))
 CELL = CellView(0, 0.22, -0.13, LEVELS, History(Span(12, 12, 1.2, 1.2), Span(50, 99, 5.0, 9.9)))
-BEAM = BeamView(17, 1081, 2.5, math.radians(-30.0), 0.004, (0.1, 0.2), 0.01, 0.25, False, False, CELL)
+BEAM = BeamView(17, 1081, 2.5, math.radians(-30.0), 0.004, (0.1, 0.2), 2.5, 0.01, 0.25, False, False, CELL)
 
 
 def test_the_card_of_a_beam_says_what_was_measured_and_what_it_met() -> None:
@@ -23,6 +23,13 @@ def test_the_card_of_a_beam_says_what_was_measured_and_what_it_met() -> None:
     for part in ("Beam 17", "of 1081", "2.500 m", "−30.00°", "4.00 ms", "0.250", "0.930", "unknown", "0.080"):
         assert part in html
     assert marks(BEAM) == {"beam": [0.1, 0.2, 0.22, -0.13], "cell": [0, 4 * 0.05, -3 * 0.05, 0.05]}
+
+
+def test_the_card_says_to_what_a_range_was_smoothed() -> None:
+    """Beside the measured one; of a range that was used as it is there is nothing to say."""
+    html = card_html(replace(BEAM, used_m=2.441))
+    assert "2.500 m" in html and "smoothed to" in html and "2.441 m" in html
+    assert "smoothed" not in card_html(BEAM)
 
 
 def test_the_card_says_of_a_beam_that_the_match_did_without_it() -> None:

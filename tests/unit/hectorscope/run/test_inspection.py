@@ -6,6 +6,7 @@ from copy import copy
 import numpy as np
 import pytest
 
+from benchmarks.additions.faults import noisy
 from hectorscope.run.cell_history import cell_history
 from hectorscope.run.checkpoints import Checkpoints, Place
 from hectorscope.run.inspection import nearest_beam, target_at, view_of
@@ -39,6 +40,21 @@ def value(tiled, level, cell) -> float:
     return float(tiled.gather(level, (row, row + 1, column, column + 1)).item())
 
 
+def test_a_smoothed_beam_has_its_range_as_measured_too() -> None:
+    """Of a laser with a noise of 1 %: the one that came with the scan, and the one that its endpoint is at."""
+    pipeline, measured = Pipeline(START), np.empty(0, np.float32)
+    items = list(Simulation("rooms", SceneOptions(duration=8.0, scan_rate=10.0, beams=721)).items())
+    for item in noisy(0.01)(items, 1):
+        if isinstance(item, LaserScan):
+            measured = item.ranges
+        for measurement in pipeline.admit(item):
+            pipeline.step(measurement)
+    views = [view_of(BeamTarget(number), pipeline, Checkpoints()) for number in range(0, 721, 20)]
+    beams = [view for view in views if isinstance(view, BeamView) and view.end is not None]
+    assert all(view.range_m == measured[view.number] for view in beams)
+    assert sum(view.used_m != view.range_m for view in beams) > 5
+
+
 def test_a_beam_is_found_at_its_endpoint_with_its_figures(driven) -> None:
     """Its number by the place, and by the number the range, the angle and the residual that the match had."""
     pipeline, kept, _ = driven
@@ -50,7 +66,7 @@ def test_a_beam_is_found_at_its_endpoint_with_its_figures(driven) -> None:
         view = view_of(target, pipeline, kept)
         assert isinstance(view, BeamView)
         scan = result.sweep.scan
-        assert view.range_m == scan.ranges[view.number]
+        assert view.range_m == view.used_m == scan.ranges[view.number]
         assert view.angle == pytest.approx(scan.angle_min + view.number * scan.angle_increment)
         assert view.residual == result.match.residuals[k]
         assert (view.end.x, view.end.y) == pytest.approx(tuple(ends[k]))

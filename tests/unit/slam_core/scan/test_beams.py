@@ -25,7 +25,7 @@ def sweep_of(ranges) -> tuple[Sweep, np.ndarray]:
     """A sweep over 180 degrees in 0.1 s, and its endpoints."""
     scan = LaserScan(0, np.asarray(ranges, np.float32), -math.pi / 2, math.pi / (N - 1), 0.1 / N, 0.1, 30.0)
     placed = stabilise(scan, leaning_turn, CONFIG)
-    return Sweep(scan, placed.poses, CONFIG, placed.laser), placed.points
+    return Sweep(scan, scan.ranges, placed.poses, CONFIG, placed.laser), placed.points
 
 
 def test_each_endpoint_finds_its_beam_and_the_beam_its_endpoint():
