@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.strays import astray
 from hectorscope.inputs import Item
-from slam_core.measurements import Float64s, GpsPosition, Height, Imu, LaserScan, Odometry
+from slam_core.measurements import Float32s, Float64s, GpsPosition, Height, Imu, LaserScan, Odometry
 
 Fault = Callable[[Sequence[Item], int], list[Item]]
 """The items of a drive, damaged; the seed draws the noise."""
@@ -247,20 +247,23 @@ def _moved(imu: Imu, off: Float64s) -> Imu:
     return replace(imu, angular_velocity=rates, linear_acceleration=forces)
 
 
-def unechoed(share: float) -> Fault:
-    """So many of the beams have no echo, others in each scan: the walls are dark."""
+def _drawn(stream: int, ranges: Callable[[Float32s, np.random.Generator], Float32s]) -> Fault:
+    """Scans whose ranges come of the measured ones by chance. stream: of the generator, as well as the seed."""
 
     def fault(items: Sequence[Item], seed: int) -> list[Item]:
-        rng = np.random.default_rng([seed, 25])
+        rng = np.random.default_rng([seed, stream])
 
-        def darkened(_t: float, item: Item) -> Item:
-            if not isinstance(item, LaserScan):
-                return item
-            return replace(item, ranges=np.where(rng.random(len(item.ranges)) < share, np.inf, item.ranges))
+        def scan(_t: float, item: Item) -> Item:
+            return replace(item, ranges=ranges(item.ranges, rng)) if isinstance(item, LaserScan) else item
 
-        return changed(items, darkened)
+        return changed(items, scan)
 
     return fault
+
+
+def unechoed(share: float) -> Fault:
+    """So many of the beams have no echo, others in each scan: the walls are dark."""
+    return _drawn(25, lambda ranges, rng: np.where(rng.random(len(ranges)) < share, np.float32(np.inf), ranges))
 
 
 def ending(reach: float) -> Fault:
@@ -277,18 +280,10 @@ def ending(reach: float) -> Fault:
 def noisy(share: float) -> Fault:
     """A laser whose ranges have a noise of so much of them."""
 
-    def fault(items: Sequence[Item], seed: int) -> list[Item]:
-        rng = np.random.default_rng([seed, 28])
+    def scattered(ranges: Float32s, rng: np.random.Generator) -> Float32s:
+        return (ranges * (1.0 + share * rng.standard_normal(len(ranges)))).astype(np.float32)
 
-        def scattered(_t: float, item: Item) -> Item:
-            if not isinstance(item, LaserScan):
-                return item
-            factors = 1.0 + share * rng.standard_normal(len(item.ranges))
-            return replace(item, ranges=(item.ranges * factors).astype(np.float32))
-
-        return changed(items, scattered)
-
-    return fault
+    return _drawn(28, scattered)
 
 
 def blind(degrees: float) -> Fault:

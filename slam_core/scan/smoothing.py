@@ -6,7 +6,8 @@ import numpy as np
 
 from slam_core.config import ScanConfig
 from slam_core.kernels.endpoints import end_of_range
-from slam_core.kernels.range_noise import BANDS, NEAREST, learn_noise, smooth
+from slam_core.kernels.range_noise import BANDS, NEAREST, learn_noise
+from slam_core.kernels.straight_walls import smooth
 from slam_core.measurements import Float32s, LaserScan
 from slam_core.scan.stabilise import directions
 
@@ -34,26 +35,27 @@ class Smoothing:
 
     def take(self, scan: LaserScan, config: ScanConfig) -> LaserScan:
         """The scan, smoothed where its ranges have more noise than config.smooth_noise; unchanged if it is 0."""
-        ranges, least = np.ascontiguousarray(scan.ranges, np.float32), config.smooth_noise
+        least = config.smooth_noise
         if not least > 0.0:
             return scan
-        self._scans += 1
-        if self._scans % EVERY == 1:
-            self._before = ranges
-        elif self._scans % EVERY == 2:
-            self._learn(ranges, scan, config)
+        self.learn(scan, config)
         if not self._most > least:
             return scan
+        ranges = np.ascontiguousarray(scan.ranges, np.float32)
         beams = directions(scan.angle_min, scan.angle_increment, len(ranges))
         limits = _limits(ranges, scan, config)
         return replace(scan, ranges=smooth(ranges, beams, limits, self.noise, least, WANTED))
 
-    def _learn(self, ranges: Float32s, scan: LaserScan, config: ScanConfig) -> None:
-        """By this scan and the one before. The same again, as of a driver that hangs, tells nothing."""
-        if len(ranges) != len(self._before) or np.array_equal(ranges, self._before, equal_nan=True):
+    def learn(self, scan: LaserScan, config: ScanConfig) -> None:
+        """The noise alone, by two in a row of EVERY scans. The same scan again tells nothing."""
+        self._scans += 1
+        number, before = self._scans % EVERY, self._before
+        if number not in {1, 2}:
             return
-        learn_noise(ranges, self._before, _limits(ranges, scan, config), self._estimates, self.noise)
-        self._most = float(self.noise.max())
+        self._before = ranges = np.ascontiguousarray(scan.ranges, np.float32)
+        if number == 2 and len(ranges) == len(before) and not np.array_equal(ranges, before, equal_nan=True):
+            learn_noise(ranges, before, _limits(ranges, scan, config), self._estimates, self.noise)
+            self._most = float(self.noise.max())
 
 
 def _limits(ranges: Float32s, scan: LaserScan, config: ScanConfig) -> tuple[float, float]:

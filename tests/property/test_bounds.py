@@ -11,7 +11,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from slam_core.config import MapConfig, MatcherConfig
-from slam_core.kernels.range_noise import BANDS, learn_noise, smooth
+from slam_core.kernels.range_noise import BANDS, learn_noise
+from slam_core.kernels.straight_walls import smooth
 from slam_core.kernels.structures import Level
 from slam_core.kernels.surfels import normal_equations as surfel_equations
 from slam_core.localization.dynamic_beams import BESIDE, foreground

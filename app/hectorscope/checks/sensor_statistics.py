@@ -131,7 +131,7 @@ class SensorStatistics:
         if self._matched.scans:
             warm_up()
         for scan in self._matched.scans:
-            smoothing.take(scan, ScanConfig())
+            smoothing.learn(scan, ScanConfig())
         return smoothing.known
 
     def sweep_time(self) -> SweepTime | None:

@@ -19,7 +19,8 @@ from hectorscope.run.pipeline import Pipeline
 from hectorscope.run.report import Report
 from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig, with_value
-from slam_core.kernels.range_noise import BANDS, learn_noise, smooth
+from slam_core.kernels.range_noise import BANDS, learn_noise
+from slam_core.kernels.straight_walls import smooth
 from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.few_beams import confirmed
 from slam_core.localization.placements import KeptScan, Placements, Usual
@@ -33,7 +34,7 @@ from slam_core.results import ACCEPTED, PlanarGaussian
 from slam_core.scan.stabilise import directions, stabilise
 
 FIRST = 55  # functions of ours that the first scan has compiled, with those that they call
-ALL = 117  # that every kernel has
+ALL = 134  # that every kernel has
 # Objects made before the collector looks for cycles among them: a step makes many, and no cycle.
 GARBAGE = 20_000
 PERIOD_S = 0.25
