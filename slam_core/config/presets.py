@@ -63,6 +63,10 @@ ADDITIONS = (
         {"matcher.prior_weight": 0.0},
     ),
     Addition(
+        "Weighs a prediction by wheels more, unless the walls of the map contradict it.",
+        {"matcher.wheels_weight": 0.0},
+    ),
+    Addition(
         "Keeps surfels on the finest level and lets the match settle on them.",
         {"matcher.surfel_weight": 0.0},
     ),

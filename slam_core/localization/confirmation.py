@@ -19,8 +19,8 @@ DRIFT = 0.1  # metres a metre: of a motion that matches at a wrong place have sh
 TURNED = 1.0  # radians from the prediction: no robot turns so far between a few scans
 FEW, SEVERAL = 2, 5  # scans that a pose near the prediction has to explain, and one anywhere
 MOVED = 0.4  # metres, radians between them: a pose far from the prediction has to hold elsewhere, too
-SIGMAS, TURN = 5.0, 0.5  # of an inertial prediction, and radians besides: such a heading a robot can have
-# Metres, metres, radians a second: how inertial data strays while matches at a wrong place correct the filter.
+SIGMAS, TURN = 5.0, 0.5  # of a prediction by other sensors, and radians besides: such a heading a robot can have
+# Metres, metres, radians a second: how a prediction strays while matches at a wrong place correct the filter.
 STRAYS = np.array([0.5, 0.5, 0.02])
 WHILE_NS = 1_000_000_000  # over which a speed is measured
 RESTED = 0.05  # m/s: slower, the robot stands
@@ -67,7 +67,7 @@ class Confirmation:
 
         pose: (3,) the one that waits, at this time. It may be wrong, but matches followed the robot since it was
         found: the robot was within reach then, and its motion since is known, but for DRIFT. predicted: where
-        inertial data has it, which limits its heading, too; None without them.
+        other sensors have it, which limits its heading, too; None without them.
         """
         motion = AT_REST
         if pose is not None and self._found is not None:
@@ -79,7 +79,7 @@ class Confirmation:
     def limited(self, time_ns: int, motion: Float64s, predicted: PlanarGaussian | None) -> Region | None:
         """Where the robot can have been at a time, with its motion (3,) from then on.
 
-        predicted: where inertial data had it at that time; None without them.
+        predicted: where other sensors had it at that time; None without them.
         """
         reached = self._reached(time_ns, motion)
         if predicted is None or self.rejected_matches.contradict:
@@ -104,11 +104,11 @@ class Confirmation:
 
     def accepted(
         self, pose: Float64s, fit: Fit, verdict: Verdict, prior: PlanarGaussian, usual: float, time_ns: int,
-        config: TrackingConfig, *, is_unusual: bool, inertial: bool,
+        config: TrackingConfig, *, is_unusual: bool, measured: bool,
     ) -> Verdict:  # fmt: skip
         """The verdict on an accepted match at `pose` (3,). usual: the mean inlier ratio before it.
 
-        is_unusual: the match is so far from the prediction that it has to fit well. inertial: inertial data makes
+        is_unusual: the match is so far from the prediction that it has to fit well. measured: other sensors make
         the prediction, so that a vague one follows a long time without matches.
         """
         step = pose - prior.mean
@@ -121,7 +121,7 @@ class Confirmation:
             self._instead_of = prior
             self._found_ns, self._is_followed = time_ns, True
             self._is_best = relocalised
-            missed_long = (inertial or self.missed >= config.lost_after) and is_vague(prior)
+            missed_long = (measured or self.missed >= config.lost_after) and is_vague(prior)
             self.is_lost |= relocalised or missed_long or off > REACH or turned > TURNED
         elif max(off, turned) > NEAR:
             self._is_followed = False
@@ -147,7 +147,7 @@ class Confirmation:
         return failed
 
     def as_predicted(self, pose: Float64s, time_ns: int) -> PlanarGaussian | None:
-        """Where inertial data has a robot that was found at a wrong place; None if this is not known to be wrong.
+        """Where other sensors have a robot that was found at a wrong place; None if this is not known to be wrong.
 
         pose: (3,) where it is by the filter, which followed the motion from the wrong place.
         """

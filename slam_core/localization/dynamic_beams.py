@@ -5,8 +5,8 @@ come. A match that follows the person is far from the prediction, but so is one 
 them apart is the rest of the scan: it fits better at the true pose. People who set off with the robot hold it back
 little by little, so that no match is far from the prediction: each scan is matched without its foreground, too.
 
-Inertial data predict the motion well. With them a scan is matched without its foreground only where its match is
-far from the prediction or fits badly: somebody may stand right before the laser.
+Inertial data and wheels predict the motion well. With them a scan is matched without its foreground only where its
+match is far from the prediction or fits badly: somebody may stand right before the laser, or walk along.
 """
 
 import math
@@ -67,11 +67,11 @@ def match_background(
     prior: PlanarGaussian,
     config: MatcherConfig,
     *,
-    inertial: bool = False,
+    measured: bool = False,
 ) -> MatchResult | None:
     """The match without every object in the foreground; None if the background fits not clearly better so.
 
-    inertial: the prediction is from inertial data; None if it and the background together are explained no better.
+    measured: other sensors make the prediction; None if it and the background together are explained no better.
     The residuals of the result are as of `match_without`.
     """
     static = ~foreground(points)
@@ -79,7 +79,7 @@ def match_background(
         return None
     other = coarse_to_fine(pyramid, points[static], prior.mean, config, prior=prior)
     before = match.residuals[static]
-    if inertial:
+    if measured:
         is_taken = is_better_with_prediction(other, match, before, prior, config)
     else:
         is_taken = is_clearly_better(other, match, before)

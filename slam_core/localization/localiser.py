@@ -119,7 +119,7 @@ class Localiser:
                 scan.mid_ns,
                 config.tracking,
                 is_unusual=self._motion.unaided and tracker.is_unusual(match, prior, DOUBTED),
-                inertial=self._is_inertial(prior),
+                measured=self._is_measured(prior),
             )
             if verdict.confirmed:
                 tracker.learn(match, prior)
@@ -188,7 +188,7 @@ class Localiser:
         """
         confirmation, rejected = self._confirmation, self._confirmation.rejected_matches
         rejected.add(fit, self._matching.tracker.usual, config.tracking, is_vague=is_vague(prior))
-        predicted = confirmation.as_predicted(prior.mean, time_ns) if self._is_inertial(prior) else None
+        predicted = confirmation.as_predicted(prior.mean, time_ns) if self._is_measured(prior) else None
         failed = confirmation.rejected()
         if predicted is not None:
             self._reset_pose(time_ns, predicted)
@@ -210,7 +210,7 @@ class Localiser:
     ) -> tuple[MatchResult, Verdict]:  # fmt: skip
         """Look for a lost robot where it can have come, or for a better place than the one it was found at."""
         waiting = match.pose if verdict.accepted else None
-        predicted = prior if self._is_inertial(prior) else None
+        predicted = prior if self._is_measured(prior) else None
         region = self._confirmation.region(time_ns, waiting, predicted)
         found = self.relocaliser.search(self._pyramid, scan, time_ns, prior.mean, region, config, waiting)
         if found is None:
@@ -224,9 +224,9 @@ class Localiser:
         accepted = self._matching.tracker.accept(verdict.rejection)
         return found, accepted._replace(recovery="relocalised")
 
-    def _is_inertial(self, prior: PlanarGaussian) -> bool:
-        """Whether inertial data made a prediction: over a gap in them even the heading becomes unknown."""
-        return self._motion.inertial and not exceeds_basin(prior)
+    def _is_measured(self, prior: PlanarGaussian) -> bool:
+        """Whether other sensors made a prediction: over a gap in them even the heading becomes unknown."""
+        return self._motion.measured and not exceeds_basin(prior)
 
     def _jump(self, match: MatchResult, verdict: Verdict, prior: PlanarGaussian, time_ns: int) -> None:
         """Go on at a match that a local search found far beyond the noise of an inertial prediction.
@@ -278,7 +278,7 @@ class Localiser:
 
         prior: the prediction at that time.
         """
-        return self._confirmation.limited(time_ns, motion, prior if self._is_inertial(prior) else None)
+        return self._confirmation.limited(time_ns, motion, prior if self._is_measured(prior) else None)
 
     def reset(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Continue at a pose that somebody states, and match from there."""

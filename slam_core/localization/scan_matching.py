@@ -13,12 +13,15 @@ from slam_core.localization.tracking import (
     NEAR,
     Tracker,
     exceeds_basin,
+    is_beyond,
     is_sharp,
     least_unusual,
     mahalanobis_distance,
     search_window,
+    sigmas_off,
 )
 from slam_core.localization.weak_direction import WeakDirection
+from slam_core.localization.wheel_prediction import by_wheels, slipped
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
 from slam_core.matching.matcher import coarse_to_fine
@@ -50,6 +53,9 @@ class ScanMatching:
         """
         if self._motion.unaided and config.tracking.keep_speed:
             config, prior, stabilised, match = self._steadied(scan, predicted, start, prior, lapse_ns, config)
+        elif self._motion.by_wheels:
+            self.weak_direction.held = False
+            config, stabilised, match = self._driven(scan, predicted, start, prior, config)
         else:
             self.weak_direction.held = False
             stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
@@ -105,6 +111,19 @@ class ScanMatching:
             stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
         return config, prior, stabilised, match
 
+    def _driven(
+        self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, config: SlamConfig
+    ) -> tuple[SlamConfig, StabilisedScan, MatchResult]:
+        """A scan matched by a prediction of wheels, unless it shows that they slip. Returns the settings, too."""
+        weighed = by_wheels(config)
+        stabilised, match = self.align(scan, predicted, start(prior, weighed), prior, weighed)
+        if weighed is config:
+            return config, stabilised, match
+        placed, alone = self.align(scan, predicted, start(prior, config), prior, config)
+        if slipped(self._pyramid, predicted.points, match, alone, prior):
+            return config, placed, alone
+        return weighed, stabilised, match
+
     def _without_dynamic(
         self, predicted: StabilisedScan, aligned: tuple[StabilisedScan, MatchResult], prior: PlanarGaussian,
         lapse_ns: int, config: MatcherConfig,
@@ -114,11 +133,11 @@ class ScanMatching:
         is_unusual = self.tracker.is_unusual(match, prior, least_unusual(lapse_ns))
         if self._motion.unaided:
             return without_dynamic(self._pyramid, predicted, aligned, prior, config, is_unusual=is_unusual)
-        if self._motion.inertial and (
+        if self._motion.measured and (
             is_unusual or self.tracker.is_bad(match.fit) or mahalanobis_distance(match, prior) > NEAR
         ):
             match = (
-                match_background(self._pyramid, scan.points, match, prior, config, inertial=True)
+                match_background(self._pyramid, scan.points, match, prior, config, measured=True)
                 or match_visible(self._pyramid, scan, prior, self.tracker.usual, config)
                 or match
             )
@@ -136,8 +155,8 @@ class ScanMatching:
 
         Where only matches observe the motion, at a low rate, a sudden turn and a wrong match look alike. A match
         that is far from the prediction is compared with the outcome of a search then. One that leaps is no motion.
-        Wheels slip in a turn: where they alone observe it besides, a match that fits badly is compared, too. So it
-        is where inertial data leave the heading unsure.
+        Wheels slip in a turn: where they alone observe it besides, a match that fits worse than most is compared,
+        too. So it is where inertial data leave the heading unsure. What is found is where the prediction is.
         """
         tracker, tracking, unaided = self.tracker, config.tracking, self._motion.unaided
         distance = mahalanobis_distance(match, prior)
@@ -153,13 +172,13 @@ class ScanMatching:
         leaps = unaided and tracker.leaps(match, prior)
         if not (rejection or (doubtful and distance > limit) or leaps):
             sharp = self._motion.inertial and is_sharp(prior)
-            if not (unaided or sharp) and tracker.is_bad(match.fit):
+            if not (unaided or sharp) and tracker.is_poor(match.fit):
                 placed, found = self._nearby(scan, stabilised, match, prior, config)
-                if tracker.is_better(found.fit, match.fit):
+                if tracker.is_better(found.fit, match.fit) and sigmas_off(found, prior) < LEAP_SIGMAS:
                     stabilised, match = placed, found
             return stabilised, match, tracker.accept(None)
         for placed, candidate in (self._nearby(scan, stabilised, match, prior, config), (stabilised, match)):
-            if unaided and tracker.leaps(candidate, prior):
+            if (unaided and tracker.leaps(candidate, prior)) or is_beyond(candidate, prior, tracking):
                 continue
             if tracker.confirms(candidate.fit, mahalanobis_distance(candidate, prior), tracking):
                 return placed, candidate, tracker.accept(rejection)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from slam_core import geometry
 from slam_core.config import TrackingConfig
 from slam_core.kernels.planar import sigmas_apart
 from slam_core.results import ACCEPTED, Fit, MatchResult, PlanarGaussian, Rejection, Verdict
@@ -21,12 +22,20 @@ BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in mos
 POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
 CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
 UNCERTAIN = 1.0  # metres, one sigma: a position that is known worse is not called tracked
+BEYOND = 0.5  # metres, radians that a match may end outside of a window
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
 
 
 def mahalanobis_distance(match: MatchResult, prior: PlanarGaussian) -> float:
     """Distance of match and prediction in sigmas of both together."""
     return float(sigmas_apart(match.pose, match.covariance, prior.mean, prior.covariance))
+
+
+def sigmas_off(match: MatchResult, prior: PlanarGaussian) -> float:
+    """Distance of the positions of match and prediction in sigmas of both together."""
+    off = match.pose[:2] - prior.mean[:2]
+    P = prior.covariance[:2, :2] + match.covariance[:2, :2]
+    return math.sqrt(float(off @ np.linalg.solve(P, off)))
 
 
 def exceeds_basin(prior: PlanarGaussian) -> bool:
@@ -49,6 +58,13 @@ def search_window(prior: PlanarGaussian, config: TrackingConfig) -> tuple[float,
     x, y, psi = (3.0 * math.sqrt(variance) for variance in prior.covariance.diagonal().tolist())
     distance = min(max(x, y, LEAST_WINDOW[0]), config.search_distance)
     return distance, min(max(psi, LEAST_WINDOW[1]), config.search_angle)
+
+
+def is_beyond(match: MatchResult, prior: PlanarGaussian, config: TrackingConfig) -> bool:
+    """Whether a match has left the window of a search: in a scan with few known cells it runs off for metres."""
+    distance, angle = search_window(prior, config)
+    turned = abs(geometry.wrap(match.pose[2] - prior.mean[2]))
+    return prior.distance_to(match.pose) > distance + BEYOND or turned > angle + BEYOND
 
 
 def observed(verdict: Verdict, match: MatchResult | None, fused: PlanarGaussian) -> Verdict:
@@ -117,9 +133,7 @@ class Tracker:
         """
         if not self.is_unusual(match, prior, LEAP):
             return False
-        off = match.pose[:2] - prior.mean[:2]
-        P = prior.covariance[:2, :2] + match.covariance[:2, :2]
-        return float(off @ np.linalg.solve(P, off)) > LEAP_SIGMAS**2
+        return sigmas_off(match, prior) > LEAP_SIGMAS
 
     def is_unusual(self, match: MatchResult, prior: PlanarGaussian, least: float) -> bool:
         """Whether the position is much further from the prediction than those before, and than `least` metres."""

@@ -80,6 +80,16 @@ class EgoMotion:
         return not (self.inertial or self._planar.aided)
 
     @property
+    def by_wheels(self) -> bool:
+        """Whether wheels measure the motion, and no inertial data."""
+        return not self.inertial and self._planar.driven
+
+    @property
+    def measured(self) -> bool:
+        """Whether inertial data or wheels measure the motion."""
+        return self.inertial or self._planar.driven
+
+    @property
     def unused(self) -> Counter[str]:
         """Measurements that were not used as they came, by reason."""
         return self._filter.counts + self._plane.counts

@@ -19,6 +19,7 @@ from slam_core.kernels.imu_check import FASTEST
 from slam_core.kernels.navigation import SLIP_SIGMA
 from slam_core.measurements import Attitude, Float64s, Int64s, Odometry, Transform
 from slam_core.navigation.covariance_intersection import intersect
+from slam_core.navigation.wheel_slip import WheelSlip
 from slam_core.results import NOWHERE, PlanarGaussian
 
 MEMORY = 256  # attitudes kept: some seconds
@@ -29,30 +30,28 @@ OBSERVE_TWIST = np.eye(3, 6, 3)
 # Longest prediction, and the step back of a stamp that counts as a clock that was set.
 LONGEST_NS = 2_000_000_000
 SET_BACK_NS = 1_000_000_000
+WHEELS_SILENT_NS = 500_000_000  # without a wheel velocity: from then on the motion is not measured
 # A match this many standard deviations from the prediction, that a motion reaches only by more than this
 # acceleration (m/s^2), tells of an error of the pose and not of a velocity.
 JUMP_SIGMAS, JUMP_ACCELERATION = 5.0, 20.0
 
 
 class PlanarMotion:
-    """A Kalman filter on x, y, psi in the map and the body's velocity forward, left and about z; six states.
-
-    aided: whether there was an external attitude or odometry.
-    """
+    """A Kalman filter on x, y, psi in the map and the body's velocity forward, left and about z; six states."""
 
     def __init__(self) -> None:
         self.stamp_ns: int | None = None
-        self.aided = False
         self._mean = np.zeros(6)
         self._covariance = np.diag([0.01, 0.01, 0.01, 1.0, 1.0, 1.0]) ** 2.0
         self._attitudes: deque[Attitude] = deque(maxlen=MEMORY)
         self._fused_ns: int | None = None
+        self._rolled_ns: int | None = None  # of the last wheel velocity that was used
+        self._slip = WheelSlip()
         self._jumped = False
 
     def add_attitude(self, attitude: Attitude) -> None:
         """Remember roll and pitch."""
         self._attitudes.append(attitude)
-        self.aided = True
 
     def add_yaw_rate(self, time_ns: int, rate: float, config: MotionConfig) -> None:
         """Let a gyro correct the yaw rate, rad/s."""
@@ -66,9 +65,11 @@ class PlanarMotion:
         self._observe(OBSERVE_TWIST[1:2], np.zeros(1), np.array([[SLIP_SIGMA**2]]))
 
     def add_odometry(self, odometry: Odometry, config: MotionConfig) -> None:
-        """Let wheels correct the velocity."""
+        """Let wheels correct the velocity, unless they slip."""
         self._advance(odometry.stamp_ns, config)
-        self.aided = True
+        if not self._slip.rolls(odometry, self._mean[3:5]):
+            return
+        self._rolled_ns = odometry.stamp_ns
         wanted = np.array([*odometry.velocity, odometry.yaw_rate])
         self._observe(OBSERVE_TWIST, wanted, np.diag(odometry_sigmas(odometry, config) ** 2))
 
@@ -151,6 +152,18 @@ class PlanarMotion:
         """The pose at the time of the last estimate."""
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
+    @property
+    def driven(self) -> bool:
+        """Whether wheels have measured the velocity for the last estimate, or shortly before."""
+        if self._rolled_ns is None or self.stamp_ns is None:
+            return False
+        return self.stamp_ns - self._rolled_ns <= WHEELS_SILENT_NS
+
+    @property
+    def aided(self) -> bool:
+        """Whether there was an external attitude, or wheels measure the velocity."""
+        return bool(self._attitudes) or self.driven
+
     def given(self, direction: Float64s, offset: float) -> "PlanarMotion":
         """A copy whose mean is that given that the pose lies `offset` further along a `direction` (3,)."""
         part = self._covariance[:, :3] @ direction
@@ -173,8 +186,8 @@ class PlanarMotion:
         """An independent copy."""
         other = PlanarMotion()
         other.stamp_ns, other._mean, other._covariance = self.stamp_ns, self._mean.copy(), self._covariance.copy()
-        other.aided, other._attitudes = self.aided, self._attitudes.copy()
-        other._fused_ns, other._jumped = self._fused_ns, self._jumped
+        other._attitudes, other._slip = self._attitudes.copy(), self._slip.copy()
+        other._fused_ns, other._jumped, other._rolled_ns = self._fused_ns, self._jumped, self._rolled_ns
         return other
 
     def _advance(self, time_ns: int, config: MotionConfig) -> None:

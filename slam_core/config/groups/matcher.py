@@ -97,6 +97,16 @@ class MatcherConfig:
             10.0,
         ),
     ] = 1.0
+    wheels_weight: Annotated[
+        float,
+        Param(
+            "The same of a prediction by wheels, unless the walls of the map contradict it: then, and if this is"
+            " 0, prior_weight counts.",
+            "",
+            0.0,
+            100.0,
+        ),
+    ] = 10.0
     start_estimate: Annotated[
         StartEstimate,
         Param(

@@ -38,7 +38,7 @@ class Drive:
         sigma: float = 1.0,
         *,
         is_unusual: bool = False,
-        inertial: bool = False,
+        measured: bool = False,
     ):
         """The verdict on an accepted match at x, with a standard deviation of the prediction."""
         self.time_ns += DT
@@ -46,7 +46,7 @@ class Drive:
         prior = PlanarGaussian(mean, sigma**2 * np.eye(3))
         pose = np.array([x, 0.0, 0.0])
         return self.confirmation.accepted(
-            pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG, is_unusual=is_unusual, inertial=inertial
+            pose, fit, verdict, prior, USUAL, self.time_ns, CONFIG, is_unusual=is_unusual, measured=measured
         )
 
     def miss(self, times: int = 1) -> bool:
@@ -145,7 +145,7 @@ def test_without_searches_a_pose_far_off_need_not_wait_for_one():
         prior, alone = PlanarGaussian(pose, np.eye(3)), TrackingConfig(relocalise=False)
         time_ns = drive.time_ns + k * DT
         verdict = drive.confirmation.accepted(
-            pose, GOOD, ACCEPTED, prior, USUAL, time_ns, alone, is_unusual=False, inertial=False
+            pose, GOOD, ACCEPTED, prior, USUAL, time_ns, alone, is_unusual=False, measured=False
         )
     assert verdict.confirmed
     assert not drive.confirmation.pending
@@ -202,7 +202,7 @@ def test_a_vague_inertial_prediction_makes_a_robot_lost_after_one_bad_match():
         drive = Drive()
         drive.match()
         drive.miss()
-        verdicts = [drive.match(sigma=sigma, inertial=True) for _ in range(FEW)]
+        verdicts = [drive.match(sigma=sigma, measured=True) for _ in range(FEW)]
         assert verdicts[-1].state == state
 
 
@@ -244,8 +244,8 @@ def test_where_a_robot_was_predicted_counts_while_a_pose_waits():
     drive = Drive()
     drive.match()
     drive.miss(CONFIG.lost_after)
-    drive.match(6.0, verdict=SEARCHED, predicted=1.0, sigma=0.2, inertial=True)
-    assert drive.match(8.0, sigma=0.01, inertial=True).state == "lost"
+    drive.match(6.0, verdict=SEARCHED, predicted=1.0, sigma=0.2, measured=True)
+    assert drive.match(8.0, sigma=0.01, measured=True).state == "lost"
     region = drive.confirmation.region(drive.time_ns, np.array([8.0, 0.0, 0.0]), predicted(8.0, 0.01))
     assert region is not None
     assert region.centre[0] == 1.0 and region.motion[0] == pytest.approx(2.0)
@@ -262,10 +262,10 @@ def test_only_a_pose_far_from_its_prediction_is_given_up_for_it():
     drive.match()
     assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is None
     drive.miss()
-    drive.match(0.2, predicted=0.0, sigma=0.1, inertial=True)
+    drive.match(0.2, predicted=0.0, sigma=0.1, measured=True)
     assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is None
     drive.miss(CONFIG.lost_after)
-    drive.match(6.0, verdict=SEARCHED, predicted=0.0, sigma=0.1, inertial=True)
+    drive.match(6.0, verdict=SEARCHED, predicted=0.0, sigma=0.1, measured=True)
     assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is not None
     drive.confirmation.rejected_matches.add(Fit(0.9, 0.1), USUAL, CONFIG, is_vague=False)
     assert drive.confirmation.as_predicted(np.zeros(3), drive.time_ns) is None

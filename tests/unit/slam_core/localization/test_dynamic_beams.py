@@ -122,7 +122,7 @@ def predicted_match(person: tuple[float, float], moved: float) -> tuple[MatchRes
     pyramid, scan = mapped(person), points(true, (person[0] + moved, person[1]))
     prior = PlanarGaussian(np.array([0.01, 0.0, 0.0]), np.diag([0.03, 0.03, 0.02]) ** 2)
     match = coarse_to_fine(pyramid, scan, prior.mean, CONFIG.matcher, prior=prior)
-    return match, match_background(pyramid, scan, match, prior, CONFIG.matcher, inertial=True)
+    return match, match_background(pyramid, scan, match, prior, CONFIG.matcher, measured=True)
 
 
 def test_by_inertial_data_a_match_leaves_out_somebody_right_before_the_laser() -> None:
@@ -142,9 +142,9 @@ def test_by_inertial_data_background_and_prediction_decide_together() -> None:
     prior = PlanarGaussian(np.array([0.01, 0.0, 0.0]), np.diag([0.03, 0.03, 0.02]) ** 2)
     match = coarse_to_fine(pyramid, scan[~foreground(scan)], prior.mean, CONFIG.matcher, prior=prior)
     same = match._replace(residuals=residuals(pyramid.levels[0], scan, match.pose))
-    assert match_background(pyramid, scan, same, prior, CONFIG.matcher, inertial=True) is None
+    assert match_background(pyramid, scan, same, prior, CONFIG.matcher, measured=True) is None
     far = match._replace(pose=np.array([2.0, 0.0, 0.0]), residuals=np.zeros(len(scan), np.float32))
-    found = match_background(pyramid, scan, far, prior, CONFIG.matcher, inertial=True)
+    found = match_background(pyramid, scan, far, prior, CONFIG.matcher, measured=True)
     assert found is not None
     np.testing.assert_allclose(found.pose, match.pose)
 
