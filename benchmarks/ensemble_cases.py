@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.additions.cases import bare
+from benchmarks.additions.cases import bare, faulty, wheeled
 from benchmarks.additions.faults import (
     Fault,
     blind,
@@ -18,7 +18,10 @@ from benchmarks.additions.faults import (
     interrupted,
     noisy,
     repeated,
+    slipping,
     spiked,
+    spinning,
+    stuck,
     unechoed,
 )
 from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
@@ -93,6 +96,17 @@ AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
     ("120 degrees ahead unseen", blind(120.0), True, ("arena", "rooms", "handheld", "littoral", "corridor")),
 )
 
+# What wheels do, and the scenes: with a laser that sees so many metres far, and with one that sees all.
+NEAR: tuple[tuple[float, str, Fault | None, tuple[ScenarioName, ...]], ...] = (
+    (4.0, "with wheels", None, ("rooms", "people", "offices")),
+    (6.0, "with wheels", None, ("people",)),
+    (4.0, "wheels that slip in turns", slipping(0.5, 3.0), ("rooms", "people", "offices")),
+)
+FAR: tuple[tuple[str, Fault, tuple[ScenarioName, ...]], ...] = (
+    ("wheels stuck for 2 s in 10", stuck(2.0, 10.0), ("rooms", "people", "offices")),
+    ("wheels that spin for 2 s in 10", spinning(2.0, 10.0), ("rooms", "people", "offices")),
+)
+
 Load = Callable[[int], list[Item]]
 
 
@@ -116,6 +130,14 @@ def simulated(name: str, scene: ScenarioName, options: SceneOptions, *, imu: boo
     """A scene as a case; without an IMU it is measured by the laser alone."""
     load: Load = lambda seed: list(Simulation(scene, replace(options, seed=seed)).items())  # noqa: E731
     return Case(f"{name}{'' if imu else ', laser alone'}", load if imu else bare(load), seeded=True)
+
+
+def driven(what: str, fault: Fault | None, scene: ScenarioName) -> Case:
+    """A scene that wheels measure besides the laser."""
+    corridors = SceneOptions(scan_rate=10.0, beams=451, duration=120.0)
+    options = corridors if scene == "offices" else SceneOptions(scan_rate=10.0)
+    load = wheeled(simulated(scene, scene, options, imu=False).load)
+    return Case(f"{scene}, {what}", faulty(load, fault) if fault else load, seeded=True)
 
 
 def within(reach: float, case: Case) -> Case:
@@ -188,6 +210,8 @@ def cases() -> list[Case]:
             for what, fault, imu, scenes in AGAIN
             for scene in scenes
         ),
+        *(within(reach, driven(what, fault, scene)) for reach, what, fault, scenes in NEAR for scene in scenes),
+        *(driven(what, fault, scene) for what, fault, scenes in FAR for scene in scenes),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),

@@ -25,6 +25,7 @@ Code = Literal[
     "imu_shaken",  # it leaps, and the next samples follow
     "no_beam_in_range",
     "scans_repeated",
+    "wheels_slip",  # they stop or spin as no base does, or scans contradict them
     "height_unknown",  # nothing measures the height of a platform that stays level
     "aid_implausible",  # source: which one, as in AidingStatus
     "aid_too_late",

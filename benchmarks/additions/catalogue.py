@@ -73,7 +73,7 @@ SCOPES: Mapping[str, Scope] = {
     "map.grow": _needs("large"),
     "matcher.surfel_weight": _ACCURACY,
     "matcher.converged_step": _ACCURACY,
-    "matcher.wheels_weight": _needs("wheels"),
+    "matcher.wheels_weight": _needs("wheels", "no imu"),
     "matcher.start_estimate": _needs("no imu"),
     "tracking.check": _REJECTING,
     "tracking.min_inlier_ratio": _REJECTING,

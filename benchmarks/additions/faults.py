@@ -14,6 +14,7 @@ Fault = Callable[[Sequence[Item], int], list[Item]]
 Change = Callable[[float, Item], Item | None]
 AT_S = 12.0  # seconds from the first item to the fault
 BROKEN_SCANS = 10
+BRAKES_S = 0.5  # in which wheels come to rest
 LATER = 5.0  # seconds from the first item to what happens again and again
 HAND = 0.4  # metres before the laser
 WILD = 5.0, 30.0  # rad/s, m/s²: one sigma of a spike of an IMU
@@ -121,6 +122,41 @@ def spinning_wheels(items: Sequence[Item], _seed: int) -> list[Item]:
         return replace(item, velocity=item.velocity + np.array([1.0, 0.0]))
 
     return changed(items, spun)
+
+
+def stuck(seconds: float, every: float) -> Fault:
+    """Wheels that come to rest within half a second for so long, again and again, while the base drives on."""
+
+    def stop(wheels: Odometry, passed: float) -> Odometry:
+        share = max(0.0, 1.0 - passed / BRAKES_S)
+        return replace(wheels, velocity=share * wheels.velocity, yaw_rate=share * wheels.yaw_rate)
+
+    return _wheels_again(seconds, every, stop)
+
+
+def spinning(seconds: float, every: float) -> Fault:
+    """Wheels that turn 1 m/s too fast at once for so long, again and again."""
+    ahead = np.array([1.0, 0.0])
+    return _wheels_again(seconds, every, lambda wheels, _: replace(wheels, velocity=wheels.velocity + ahead))
+
+
+def slipping(seconds: float, every: float) -> Fault:
+    """Wheels that show a tenth of each turn for so long, again and again."""
+    return _wheels_again(seconds, every, lambda wheels, _: replace(wheels, yaw_rate=0.1 * wheels.yaw_rate))
+
+
+def _wheels_again(seconds: float, every: float, change: Callable[[Odometry, float], Odometry]) -> Fault:
+    """Change what wheels measure for so long, again and again; the change gets the time since then, too."""
+
+    def fault(items: Sequence[Item], _seed: int) -> list[Item]:
+        return changed(
+            items,
+            lambda t, i: (
+                change(i, t % every) if isinstance(i, Odometry) and t > LATER and t % every < seconds else i
+            ),
+        )
+
+    return fault
 
 
 def jumping_satellites(items: Sequence[Item], _seed: int) -> list[Item]:

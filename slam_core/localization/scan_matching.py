@@ -121,6 +121,7 @@ class ScanMatching:
             return config, stabilised, match
         placed, alone = self.align(scan, predicted, start(prior, config), prior, config)
         if slipped(self._pyramid, predicted.points, match, alone, prior):
+            self._motion.doubt_wheels(scan.mid_ns)
             return config, placed, alone
         return weighed, stabilised, match
 

@@ -29,7 +29,7 @@ from slam_core.navigation.imu_spikes import SpikeFilter
 from slam_core.navigation.monitor import SILENT_NS, Monitor
 from slam_core.navigation.planar_motion import PlanarMotion, odometry_sigmas
 from slam_core.navigation.pose_reset import Origin
-from slam_core.navigation.rejections import GAP, UNUSABLE
+from slam_core.navigation.rejections import GAP, SLIPPED, UNUSABLE
 from slam_core.navigation.rest import shows_motion
 from slam_core.results import AidingStatus, MatchResult, NavigationState, PlanarGaussian
 
@@ -150,8 +150,8 @@ class EgoMotion:
         if self._filter.ready:
             sigma = float(odometry_sigmas(odometry, motion)[0])
             self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma)
-        else:
-            self._planar.add_odometry(odometry, motion)
+        elif not self._planar.add_odometry(odometry, motion):
+            self._filter.counts[SLIPPED] += 1
 
     def _aid(self, aid: AidingMeasurement) -> None:
         """The other sensors; the planar model has no distance to the ground."""
@@ -229,6 +229,10 @@ class EgoMotion:
         """The prediction at a speed, m/s, along a direction (2,) of the map; only matches observe the motion."""
         self._planar.keep_speed(direction, speed)
         return self.prior(time_ns)
+
+    def doubt_wheels(self, time_ns: int) -> None:
+        """A scan of this time has shown that the wheels slip."""
+        self._planar.doubt_wheels(time_ns)
 
     def hold(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Stay at a pose at a time, where only matches observe the motion."""

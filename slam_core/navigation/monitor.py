@@ -9,7 +9,7 @@ from slam_core.navigation.gates import LEAST_STREAK
 from slam_core.navigation.imu_check import AFTER_LEAP, AT_RANGE, NO_NUMBER, SENT_AGAIN
 from slam_core.navigation.imu_spikes import SPIKE
 from slam_core.navigation.level_ride import LevelRide
-from slam_core.navigation.rejections import LEAPT, SET_BACK, TOO_OLD, UNUSABLE
+from slam_core.navigation.rejections import LEAPT, SET_BACK, SLIPPED, TOO_OLD, UNUSABLE
 from slam_core.results import AidingStatus
 
 SILENT_NS = 500_000_000
@@ -26,6 +26,7 @@ COUNTED: Mapping[str, Code] = {
     AFTER_LEAP: "imu_shaken",
     NO_BEAM: "no_beam_in_range",
     REPEATED: "scans_repeated",
+    SLIPPED: "wheels_slip",
 }
 OF_SOURCE: Mapping[str, Code] = {UNUSABLE: "aid_implausible", TOO_OLD: "aid_too_late"}
 

@@ -64,14 +64,15 @@ class PlanarMotion:
         """Section III: the non-holonomic constraint of wheels that do not slip: no velocity to the left."""
         self._observe(OBSERVE_TWIST[1:2], np.zeros(1), np.array([[SLIP_SIGMA**2]]))
 
-    def add_odometry(self, odometry: Odometry, config: MotionConfig) -> None:
-        """Let wheels correct the velocity, unless they slip."""
+    def add_odometry(self, odometry: Odometry, config: MotionConfig) -> bool:
+        """Let wheels correct the velocity. Whether they do: not while they slip."""
         self._advance(odometry.stamp_ns, config)
         if not self._slip.rolls(odometry, self._mean[3:5]):
-            return
+            return False
         self._rolled_ns = odometry.stamp_ns
         wanted = np.array([*odometry.velocity, odometry.yaw_rate])
         self._observe(OBSERVE_TWIST, wanted, np.diag(odometry_sigmas(odometry, config) ** 2))
+        return True
 
     def keep_speed(self, direction: Float64s, speed: float) -> None:
         """Let a mean speed, m/s, along a direction (2,) of the map correct the velocity since the last match."""
@@ -151,6 +152,10 @@ class PlanarMotion:
     def planar(self) -> PlanarGaussian:
         """The pose at the time of the last estimate."""
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
+
+    def doubt_wheels(self, time_ns: int) -> None:
+        """A scan of this time has shown that the wheels slip."""
+        self._slip.doubt(time_ns)
 
     @property
     def driven(self) -> bool:

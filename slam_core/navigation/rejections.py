@@ -14,6 +14,7 @@ TOO_EARLY = "correction before the attitude was known"
 FAR_AHEAD = "stamp far ahead"
 NOT_LATER = "inertial sample not later than the one before"
 GAP = "gap in the inertial data"
+SLIPPED = "wheel velocity while the wheels slip"
 
 
 class Rejections:

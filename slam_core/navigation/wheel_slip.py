@@ -1,4 +1,4 @@
-"""Whether wheels roll: a reading that no vehicle can follow shows that they slip, spin, or are stuck."""
+"""Whether wheels roll: readings that no base can follow, or scans, show that they slip, spin, or are stuck."""
 
 import math
 
@@ -7,6 +7,7 @@ from slam_core.measurements import Float64s, Odometry
 HARDEST = 10.0  # m/s^2: no base on wheels brakes or gathers speed so fast
 LEAST = 0.3  # m/s: what is less may be noise of two readings
 NEAR = 0.2  # m/s: readings that agree with the motion again
+SHORTEST_NS = 300_000_000  # in which scans correct the speed that such readings have left
 LONGEST_NS = 3_000_000_000  # a base that was stopped by an obstacle is believed after that
 
 
@@ -16,11 +17,12 @@ class WheelSlip:
     def __init__(self) -> None:
         self._last: Odometry | None = None
         self._since_ns: int | None = None
+        self._until_ns = 0  # at the earliest
 
     def rolls(self, odometry: Odometry, velocity: Float64s) -> bool:
         """Whether a reading can be the motion of the base; take the next one.
 
-        velocity: (2,) forward and left by the estimate before it, m/s. After a leap the readings count again once
+        velocity: (2,) forward and left by the estimate before it, m/s. Readings that are in doubt count again once
         they agree with the estimate, which matches correct meanwhile, or after LONGEST_NS.
         """
         last, self._last = self._last, odometry
@@ -28,14 +30,19 @@ class WheelSlip:
             self._since_ns = odometry.stamp_ns
         if self._since_ns is not None:
             off = math.hypot(*(odometry.velocity - velocity))
-            if off < NEAR or not 0 <= odometry.stamp_ns - self._since_ns <= LONGEST_NS:
+            agrees = off < NEAR and odometry.stamp_ns >= self._until_ns
+            if agrees or not 0 <= odometry.stamp_ns - self._since_ns <= LONGEST_NS:
                 self._since_ns = None
         return self._since_ns is None
+
+    def doubt(self, time_ns: int) -> None:
+        """A scan of this time has shown that they slip."""
+        self._since_ns, self._until_ns = time_ns, time_ns + SHORTEST_NS
 
     def copy(self) -> "WheelSlip":
         """An independent copy."""
         other = WheelSlip()
-        other._last, other._since_ns = self._last, self._since_ns
+        other._last, other._since_ns, other._until_ns = self._last, self._since_ns, self._until_ns
         return other
 
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from benchmarks import ensemble_cases, ensembles
-from hectorscope.run.pipeline import Pipeline
-from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig
 from slam_core.diagnostics import REPEATED
+from tests.ensemble import told
 
 CASES = {each.name: each for each in ensemble_cases.cases()}
 
@@ -71,11 +70,7 @@ def test_a_robot_with_nothing_but_a_laser_gets_lost_then_and_finds_its_place(nam
 def test_scans_that_the_driver_sends_again_are_counted() -> None:
     """They have no result: the reason stands beside their number, and the sensors' faults contain them."""
     items = CASES["rooms, laser alone, scans repeated for 0.5 s in 6"].load(1)
-    pipeline, faults = Pipeline(Settings(), items[0].stamp_ns), set[str]()
-    for item in items:
-        for measurement in pipeline.admit(item):
-            pipeline.step(measurement)
-            faults |= {each.code for each in pipeline.slam.diagnostics}
+    pipeline, faults = told(items)
     scans = [each for each in items if hasattr(each, "ranges")]
     again = sum(np.array_equal(a.ranges, b.ranges) for a, b in pairwise(scans))
     assert 50 < pipeline.skipped[REPEATED] <= again

@@ -2,15 +2,14 @@
 
 import pytest
 
-from benchmarks import ensembles
+from tests.ensemble import outcomes
 
 VARIANTS = 1, 2
 
 
 def error(case: str, **settings: float) -> float:
     """Metres, of all variants together."""
-    runs = [ensembles.run(case, variant, settings) for variant in VARIANTS]
-    return sum(each.error for each in ensembles.outcomes(runs))
+    return sum(each.error for each in outcomes(case, VARIANTS, settings))
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,8 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "no_beam_in_range": "scans come without a beam in range: the pose is predicted without them; check the laser",
     "scans_repeated": "the laser sends the same scan again while the robot moves: such scans are left out; check"
     " its driver and its link",
+    "wheels_slip": "the wheels slip, spin or are stuck: their velocity is left out until the scans agree with it;"
+    " check the ground and the encoders",
     "height_unknown": "nothing measures the height, and the robot stayed level: set platform.planar if it drives"
     " on a plane, else add a height source",
     "aid_implausible": "{source} sends values that are not finite or not plausible: they are left out; check that"

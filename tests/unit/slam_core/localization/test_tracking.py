@@ -5,14 +5,18 @@ import pytest
 
 from slam_core.config import TrackingConfig
 from slam_core.localization.tracking import (
+    BEYOND,
+    LEAST_WINDOW,
     NEAR,
     UNCERTAIN,
     UNUSUAL,
     Tracker,
     exceeds_basin,
+    is_beyond,
     least_unusual,
     mahalanobis_distance,
     observed,
+    sigmas_off,
 )
 from slam_core.mapping.grid import GridLevel
 from slam_core.results import ACCEPTED, Fit, MatchResult, PlanarGaussian, Rejection, Verdict
@@ -192,3 +196,20 @@ def test_an_observed_direction_may_be_uncertain():
     across = ALONG._replace(unobservable=np.array([0.0, 1.0]))
     for match in (matched(0.0), across, None):
         assert observed(ACCEPTED, match, down_a_corridor(3.0)) is ACCEPTED
+
+
+def test_a_match_counts_within_the_window_that_was_searched():
+    """And half a metre, half a radian beyond; it is three sigmas of the prediction, at least LEAST_WINDOW."""
+    distance, angle = LEAST_WINDOW
+    turned = matched(0.0)._replace(pose=np.array([0.0, 0.0, angle + BEYOND + 0.01]))
+    assert not is_beyond(matched(distance + BEYOND - 0.01), predicted(0.1), CONFIG)
+    assert is_beyond(matched(distance + BEYOND + 0.01), predicted(0.1), CONFIG)
+    assert is_beyond(turned, predicted(0.1), CONFIG)
+    assert not is_beyond(turned, predicted(0.2), CONFIG)
+    assert not is_beyond(matched(distance + BEYOND + 0.01), predicted(0.2), CONFIG)
+
+
+def test_the_distance_of_positions_is_in_sigmas_of_both():
+    """Whatever the headings are."""
+    turned = matched(0.3)._replace(pose=np.array([0.3, 0.0, 1.0]))
+    assert sigmas_off(turned, predicted(0.1)) == pytest.approx(3.0, rel=1e-3)
