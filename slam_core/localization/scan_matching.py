@@ -34,6 +34,9 @@ Start = Callable[[PlanarGaussian, SlamConfig], Float64s]
 """Where the match of a scan begins, (3,), by its prediction and the settings."""
 
 
+IN_A_ROW = 3  # scans that contradict the wheels: one or two may be led astray
+
+
 class ScanMatching:
     """In one map. tracker: what is usual of its matches. weak_direction: in which matches scatter."""
 
@@ -41,6 +44,7 @@ class ScanMatching:
         self.tracker = Tracker()
         self.weak_direction = WeakDirection()
         self._pyramid, self._motion = pyramid, motion
+        self._slips = 0  # scans in a row that contradicted the wheels
 
     def matched(
         self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, lapse_ns: int,
@@ -120,8 +124,11 @@ class ScanMatching:
         if weighed is config:
             return config, stabilised, match
         placed, alone = self.align(scan, predicted, start(prior, config), prior, config)
-        if slipped(self._pyramid, predicted.points, match, alone, prior):
+        slips = slipped(self._pyramid, predicted.points, match, alone, prior)
+        self._slips = self._slips + 1 if slips else 0
+        if self._slips >= IN_A_ROW:
             self._motion.doubt_wheels(scan.mid_ns)
+        if slips:
             return config, placed, alone
         return weighed, stabilised, match
 
