@@ -5,8 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from benchmarks.additions.cases import bare, faulty, wheeled
 from benchmarks.additions.faults import (
     Fault,
@@ -18,6 +16,7 @@ from benchmarks.additions.faults import (
     interrupted,
     noisy,
     repeated,
+    seen_within,
     slipping,
     spiked,
     spinning,
@@ -144,13 +143,6 @@ def within(reach: float, case: Case) -> Case:
     """The same with a laser that sees so many metres far."""
     load: Load = lambda seed: [seen_within(reach, item) for item in case.load(seed)]  # noqa: E731
     return replace(case, name=f"{case.name}, {reach:g} m", load=load)
-
-
-def seen_within(reach: float, item: Item) -> Item:
-    """A scan as such a laser measures it; what is no scan as it is."""
-    if not isinstance(item, LaserScan):
-        return item
-    return replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
 
 
 def without(seconds: float, what: str, kinds: tuple[type, ...], case: Case, begin: float = BLIND_S) -> Case:

@@ -148,6 +148,8 @@ def _scenes() -> Iterator[Case]:
     people, hall = drive("people", PEOPLE, begun_at_angles=False), drive("people", replace(PEOPLE, people=False))
     yield Case("scenes", "people", people, tags=IMU, ghosts=True, base="people")
     yield Case("scenes without IMU", "people", bare(people), tags=BARE, base="people")
+    driven = faulty(wheeled(bare(people)), faults.nearsighted(4.0))
+    yield Case("scenes without IMU", "people, 4 m, with wheels", driven, tags=BARE_WHEELED)
     yield Case("scenes", "the hall without people", hall, tags=IMU, base="hall")
     yield Case("scenes", "glass", drive("glass", replace(moderate, scan_rate=10.0)), tags=IMU, base="glass")
     slow = drive("rooms", SceneOptions(scan_rate=10.0, duration=SECONDS))

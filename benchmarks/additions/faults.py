@@ -170,6 +170,18 @@ def jumping_satellites(items: Sequence[Item], _seed: int) -> list[Item]:
     return changed(items, jumped)
 
 
+def seen_within(reach: float, item: Item) -> Item:
+    """A scan as such a laser measures it; what is no scan as it is."""
+    if not isinstance(item, LaserScan):
+        return item
+    return replace(item, ranges=np.where(item.ranges > reach, np.inf, item.ranges), range_max=reach)
+
+
+def nearsighted(reach: float) -> Fault:
+    """A laser that sees so many metres far."""
+    return lambda items, _: [seen_within(reach, item) for item in items]
+
+
 def interrupted(seconds: float, every: float) -> Fault:
     """No data for so long, again and again."""
     kinds = LaserScan, Imu, Height, Odometry

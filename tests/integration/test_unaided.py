@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy import outcome, process
-from benchmarks.ensemble_cases import seen_within
+from benchmarks.additions.faults import seen_within
 from benchmarks.ensembles import varied
 from benchmarks.turned import angle_of, turned
 from benchmarks.wheels import with_wheels

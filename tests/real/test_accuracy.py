@@ -108,11 +108,12 @@ def test_a_small_laser_with_wheels_is_followed(recordings: Path):
 def test_a_turn_that_the_wheels_do_not_show_is_found_by_the_scans(recordings: Path):
     """Where one scan in ten is missing, the robot turns by 17 degrees more than the wheels say between two scans.
 
-    As it is and in two such variants, the recording gives the same trajectory within 0.4 m.
+    As it is, in two such variants, and in three that a search took to a place 1 m beside the way, the recording
+    gives the same trajectory within 0.5 m.
     """
     items = list(open_source(str(recordings / "coreslam_urg" / "exp1.dat"), SourceOptions()).items())
-    runs = [follow(varied(items, variant), SlamConfig(), items[0].stamp_ns) for variant in (1, 3, 6)]
-    assert max(outcome.error for outcome in outcomes(runs)) < 0.4
+    runs = [follow(varied(items, variant), SlamConfig(), items[0].stamp_ns) for variant in (1, 3, 6, 11, 42, 52)]
+    assert max(outcome.error for outcome in outcomes(runs)) < 0.5
 
 
 def test_a_plain_corridor_is_as_long_in_each_variant_of_hallway(recordings: Path):
