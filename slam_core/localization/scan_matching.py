@@ -164,7 +164,8 @@ class ScanMatching:
         Where only matches observe the motion, at a low rate, a sudden turn and a wrong match look alike. A match
         that is far from the prediction is compared with the outcome of a search then. One that leaps is no motion.
         Wheels slip in a turn: where they alone observe it besides, a match that fits worse than most is compared,
-        too. So it is where inertial data leave the heading unsure. What is found is where the prediction is.
+        too, with what is found at the position of the prediction. So is one whose heading inertial data leave
+        unsure.
         """
         tracker, tracking, unaided = self.tracker, config.tracking, self._motion.unaided
         distance = mahalanobis_distance(match, prior)
@@ -182,7 +183,8 @@ class ScanMatching:
             sharp = self._motion.inertial and is_sharp(prior)
             if not (unaided or sharp) and tracker.is_poor(match.fit):
                 placed, found = self._nearby(scan, stabilised, match, prior, config)
-                if tracker.is_better(found.fit, match.fit) and sigmas_off(found, prior) < LEAP_SIGMAS:
+                moved = self._motion.by_wheels and sigmas_off(found, prior) > LEAP_SIGMAS
+                if tracker.is_better(found.fit, match.fit) and not moved:
                     stabilised, match = placed, found
             return stabilised, match, tracker.accept(None)
         for placed, candidate in (self._nearby(scan, stabilised, match, prior, config), (stabilised, match)):

@@ -109,11 +109,10 @@ def test_somebody_in_a_corridor_does_not_pull_the_robot_along(options: SceneOpti
     assert on < 0.05
 
 
-@pytest.mark.parametrize(("seed", "seconds"), [(14, 35), (9, 290)])
-def test_somebody_right_before_the_laser_does_not_pull_a_robot_with_an_imu_along(seed: int, seconds: int):
+def test_somebody_right_before_the_laser_does_not_pull_a_robot_with_an_imu_along():
     """They spoil the fit of the match, or take it along; the prediction and the walls tell where the robot is."""
-    slow = replace(OFFICES, scan_rate=5.5, duration=300.0, seed=seed)
-    part = [seen_within(8.0, item) for item in begin_of(slow, seconds, imu=True)]
+    slow = replace(OFFICES, scan_rate=5.5, duration=300.0, seed=9)
+    part = [seen_within(8.0, item) for item in begin_of(slow, 290, imu=True)]
     off, on = (outcome(process(part, with_value(SlamConfig(), IGNORE, ignore))).raw for ignore in (False, True))
     assert off > 0.5
     assert on < 0.1
