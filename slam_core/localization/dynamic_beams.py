@@ -175,13 +175,15 @@ def _is_as_known(other: MatchResult, match: MatchResult) -> bool:
 
 def is_clearly_better(other: MatchResult, match: MatchResult, before: Float32s) -> bool:
     """The same wherever the prediction is; the gain of the beams together has to stand out of their gains."""
-    costs, others = (np.square(each.astype(np.float64)) for each in (before, other.residuals))
+    return _is_as_known(other, match) and fit_clearly_better(before, other.residuals, SIGMAS)
+
+
+def fit_clearly_better(before: Float32s, after: Float32s, sigmas: float) -> bool:
+    """Whether beams fit better by CLEARLY, and by `sigmas` standard deviations. Their residuals: (n,) each."""
+    costs, others = (np.square(each.astype(np.float64)) for each in (before, after))
     gains = costs - others
-    return (
-        _is_as_known(other, match)
-        and float(others.sum()) <= CLEARLY * float(costs.sum())
-        and float(gains.sum()) >= SIGMAS * float(np.linalg.norm(gains))
-    )
+    is_less = float(others.sum()) <= CLEARLY * float(costs.sum())
+    return is_less and float(gains.sum()) >= sigmas * float(np.linalg.norm(gains))
 
 
 def is_better_with_prediction(

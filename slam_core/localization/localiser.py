@@ -184,7 +184,7 @@ class Localiser:
         """After a rejected match: the pose to go on from, and the verdict.
 
         Where only matches observe the motion, a robot that is lost, or was found at a wrong place, stays where it
-        was sure last. Inertial data has one that was found at a wrong place go on from where it was predicted.
+        was sure last. Other sensors have one that was found at a wrong place go on from where it was predicted.
         """
         confirmation, rejected = self._confirmation, self._confirmation.rejected_matches
         rejected.add(fit, self._matching.tracker.usual, config.tracking, is_vague=is_vague(prior))

@@ -21,7 +21,7 @@ from slam_core.localization.tracking import (
     sigmas_off,
 )
 from slam_core.localization.weak_direction import WeakDirection
-from slam_core.localization.wheel_prediction import by_wheels, slipped
+from slam_core.localization.wheel_prediction import slipped, weighed
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose
 from slam_core.matching.matcher import coarse_to_fine
@@ -34,9 +34,6 @@ Start = Callable[[PlanarGaussian, SlamConfig], Float64s]
 """Where the match of a scan begins, (3,), by its prediction and the settings."""
 
 
-IN_A_ROW = 3  # scans that contradict the wheels: one or two may be led astray
-
-
 class ScanMatching:
     """In one map. tracker: what is usual of its matches. weak_direction: in which matches scatter."""
 
@@ -44,7 +41,6 @@ class ScanMatching:
         self.tracker = Tracker()
         self.weak_direction = WeakDirection()
         self._pyramid, self._motion = pyramid, motion
-        self._slips = 0  # scans in a row that contradicted the wheels
 
     def matched(
         self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, lapse_ns: int,
@@ -119,18 +115,14 @@ class ScanMatching:
         self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, config: SlamConfig
     ) -> tuple[SlamConfig, StabilisedScan, MatchResult]:
         """A scan matched by a prediction of wheels, unless it shows that they slip. Returns the settings, too."""
-        weighed = by_wheels(config)
-        stabilised, match = self.align(scan, predicted, start(prior, weighed), prior, weighed)
-        if weighed is config:
+        heavier = weighed(config)
+        stabilised, match = self.align(scan, predicted, start(prior, heavier), prior, heavier)
+        if heavier is config:
             return config, stabilised, match
         placed, alone = self.align(scan, predicted, start(prior, config), prior, config)
         slips = slipped(self._pyramid, predicted.points, match, alone, prior)
-        self._slips = self._slips + 1 if slips else 0
-        if self._slips >= IN_A_ROW:
-            self._motion.doubt_wheels(scan.mid_ns)
-        if slips:
-            return config, placed, alone
-        return weighed, stabilised, match
+        self._motion.judge_wheels(scan.mid_ns, slips=slips)
+        return (config, placed, alone) if slips else (heavier, stabilised, match)
 
     def _without_dynamic(
         self, predicted: StabilisedScan, aligned: tuple[StabilisedScan, MatchResult], prior: PlanarGaussian,

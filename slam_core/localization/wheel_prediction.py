@@ -12,7 +12,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.localization.dynamic_beams import foreground
+from slam_core.localization.dynamic_beams import fit_clearly_better, foreground
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import residuals
 from slam_core.measurements import Float32s
@@ -21,11 +21,10 @@ from slam_core.results import MatchResult, PlanarGaussian
 REACH, TURN = 0.4, 0.4  # metres, radians: further off, a scan's own match is no slip of wheels between two scans
 UNKNOWN = 0.01  # a residual so near to 0.5 is that of an unknown cell, which tells nothing
 MOST = 0.5  # of the beams have to end on known cells
-CLEARLY = 0.9  # of the cost of eq. (7) of these beams, and less by
-SIGMAS = 3.0  # standard deviations of the sum of their gains
+SIGMAS = 3.0  # standard deviations by which these beams fit better
 
 
-def by_wheels(config: SlamConfig) -> SlamConfig:
+def weighed(config: SlamConfig) -> SlamConfig:
     """Settings of a match whose prediction is by wheels."""
     weight = config.matcher.wheels_weight
     return replace(config, matcher=replace(config.matcher, prior_weight=weight)) if weight > 0.0 else config
@@ -42,12 +41,9 @@ def slipped(
     turn = abs(geometry.wrap(alone.pose[2] - prior.mean[2]))
     if prior.distance_to(alone.pose) > REACH or turn > TURN:
         return False
-    before, after = (residuals(pyramid.levels[0], points, each.pose).astype(np.float64) for each in (match, alone))
+    before, after = (residuals(pyramid.levels[0], points, each.pose) for each in (match, alone))
     known = (np.abs(before - 0.5) > UNKNOWN) & (np.abs(after - 0.5) > UNKNOWN)
     if np.count_nonzero(known) < MOST * len(points):
         return False
     used = known & ~foreground(points)
-    costs, others = np.square(before[used]), np.square(after[used])
-    gains = costs - others
-    is_better = float(others.sum()) <= CLEARLY * float(costs.sum())
-    return is_better and float(gains.sum()) > SIGMAS * float(np.linalg.norm(gains))
+    return bool(used.any()) and fit_clearly_better(before[used], after[used], SIGMAS)

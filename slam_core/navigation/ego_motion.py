@@ -230,9 +230,9 @@ class EgoMotion:
         self._planar.keep_speed(direction, speed)
         return self.prior(time_ns)
 
-    def doubt_wheels(self, time_ns: int) -> None:
-        """A scan of this time has shown that the wheels slip."""
-        self._planar.doubt_wheels(time_ns)
+    def judge_wheels(self, time_ns: int, *, slips: bool) -> None:
+        """Whether a scan of this time shows that the wheels slip."""
+        self._planar.judge_wheels(time_ns, slips=slips)
 
     def hold(self, time_ns: int, pose: PlanarGaussian) -> None:
         """Stay at a pose at a time, where only matches observe the motion."""

@@ -153,16 +153,16 @@ class PlanarMotion:
         """The pose at the time of the last estimate."""
         return PlanarGaussian(self._mean[:3].copy(), self._covariance[:3, :3].copy())
 
-    def doubt_wheels(self, time_ns: int) -> None:
-        """A scan of this time has shown that the wheels slip."""
-        self._slip.doubt(time_ns)
+    def judge_wheels(self, time_ns: int, *, slips: bool) -> None:
+        """Whether a scan of this time shows that the wheels slip."""
+        self._slip.judge(time_ns, slips=slips)
 
     @property
     def driven(self) -> bool:
         """Whether wheels have measured the velocity for the last estimate, or shortly before."""
         if self._rolled_ns is None or self.stamp_ns is None:
             return False
-        return self.stamp_ns - self._rolled_ns <= WHEELS_SILENT_NS
+        return abs(self.stamp_ns - self._rolled_ns) <= WHEELS_SILENT_NS
 
     @property
     def aided(self) -> bool:

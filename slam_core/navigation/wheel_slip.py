@@ -7,6 +7,7 @@ from slam_core.measurements import Float64s, Odometry
 HARDEST = 10.0  # m/s^2: no base on wheels brakes or gathers speed so fast
 LEAST = 0.3  # m/s: what is less may be noise of two readings
 NEAR = 0.2  # m/s: readings that agree with the motion again
+IN_A_ROW = 3  # scans that contradict the wheels: one or two may be led astray
 SHORTEST_NS = 300_000_000  # in which scans correct the speed that such readings have left
 LONGEST_NS = 3_000_000_000  # a base that was stopped by an obstacle is believed after that
 
@@ -16,6 +17,7 @@ class WheelSlip:
 
     def __init__(self) -> None:
         self._last: Odometry | None = None
+        self._contradicted = 0  # by so many scans in a row
         self._since_ns: int | None = None
         self._until_ns = 0  # at the earliest
 
@@ -35,14 +37,17 @@ class WheelSlip:
                 self._since_ns = None
         return self._since_ns is None
 
-    def doubt(self, time_ns: int) -> None:
-        """A scan of this time has shown that they slip."""
-        self._since_ns, self._until_ns = time_ns, time_ns + SHORTEST_NS
+    def judge(self, time_ns: int, *, slips: bool) -> None:
+        """Whether a scan of this time shows that they slip."""
+        self._contradicted = self._contradicted + 1 if slips else 0
+        if self._contradicted >= IN_A_ROW:
+            self._since_ns, self._until_ns = time_ns, time_ns + SHORTEST_NS
 
     def copy(self) -> "WheelSlip":
         """An independent copy."""
         other = WheelSlip()
-        other._last, other._since_ns, other._until_ns = self._last, self._since_ns, self._until_ns
+        other._last, other._contradicted = self._last, self._contradicted
+        other._since_ns, other._until_ns = self._since_ns, self._until_ns
         return other
 
 

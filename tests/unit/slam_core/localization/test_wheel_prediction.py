@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.config import SlamConfig, with_value
-from slam_core.localization.wheel_prediction import REACH, by_wheels, slipped
+from slam_core.localization.wheel_prediction import REACH, slipped, weighed
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.results import Fit, MatchResult, PlanarGaussian
 from tests.unit.slam_core.localization.test_dynamic_beams import mapped, points
@@ -29,9 +29,9 @@ def prior(x: float) -> PlanarGaussian:
 
 def test_wheels_weigh_as_configured():
     """And as other predictions where that is 0."""
-    assert by_wheels(CONFIG).matcher.prior_weight == CONFIG.matcher.wheels_weight
+    assert weighed(CONFIG).matcher.prior_weight == CONFIG.matcher.wheels_weight
     off = with_value(CONFIG, "matcher.wheels_weight", 0.0)
-    assert by_wheels(off) is off
+    assert weighed(off) is off
 
 
 @pytest.mark.parametrize("predicted", [0.22, 0.38])

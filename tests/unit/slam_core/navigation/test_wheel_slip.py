@@ -5,7 +5,7 @@ import numpy as np
 from slam_core.config import MotionConfig
 from slam_core.measurements import Odometry
 from slam_core.navigation.planar_motion import WHEELS_SILENT_NS, PlanarMotion
-from slam_core.navigation.wheel_slip import LONGEST_NS, SHORTEST_NS, WheelSlip
+from slam_core.navigation.wheel_slip import IN_A_ROW, LONGEST_NS, SHORTEST_NS, WheelSlip
 
 STEP_NS = 50_000_000
 FAST, AT_REST = np.array([0.8, 0.0]), np.zeros(2)
@@ -60,11 +60,20 @@ def test_wheels_that_scans_contradict_do_not_count_for_a_moment():
     """Readings that have stopped the estimate agree with it; scans need that moment to correct it."""
     slip = WheelSlip()
     assert slip.rolls(Odometry(0, AT_REST, 0.0), AT_REST)
-    slip.doubt(STEP_NS)
+    for _ in range(IN_A_ROW):
+        slip.judge(STEP_NS, slips=True)
     assert not slip.rolls(Odometry(2 * STEP_NS, AT_REST, 0.0), AT_REST)
     assert not slip.rolls(Odometry(STEP_NS + SHORTEST_NS - 1, AT_REST, 0.0), AT_REST)
     assert not slip.rolls(Odometry(STEP_NS + SHORTEST_NS, AT_REST, 0.0), FAST)
     assert slip.rolls(Odometry(2 * STEP_NS + SHORTEST_NS, AT_REST, 0.0), AT_REST)
+
+
+def test_less_than_several_scans_in_a_row_contradict_nothing():
+    """They may be led astray themselves."""
+    slip = WheelSlip()
+    for slips in (*[True] * (IN_A_ROW - 1), False, True):
+        slip.judge(STEP_NS, slips=slips)
+    assert slip.rolls(Odometry(2 * STEP_NS, AT_REST, 0.0), FAST)
 
 
 def test_a_clock_that_was_set_back_ends_the_doubt():
@@ -97,7 +106,8 @@ def test_a_scan_that_contradicts_the_wheels_leaves_them_out():
     """Their readings change no velocity then."""
     motion, config = PlanarMotion(), MotionConfig()
     assert motion.add_odometry(Odometry(0, FAST, 0.0), config)
-    motion.doubt_wheels(STEP_NS)
+    for _ in range(IN_A_ROW):
+        motion.judge_wheels(STEP_NS, slips=True)
     before = motion.twist
     assert not motion.add_odometry(Odometry(2 * STEP_NS, FAST + 0.1, 0.0), config)
     np.testing.assert_array_equal(motion.twist, before)
