@@ -39,6 +39,7 @@ class HectorSlam(SlamState):
         raw, scan = scan, self._smooth(scan, config.scan)
         if motion.awaits_filter(scan, begun=self._scans > 0):
             return self._skip(NO_ATTITUDE)
+        motion.catch_up(time_ns)
         stabilised = self._stabilise(scan, motion.poses, config.scan)  # section IV
         if not len(stabilised.points):
             return self._skip(NO_BEAM)

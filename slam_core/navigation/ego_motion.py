@@ -1,7 +1,7 @@
 """The motion of the base between matches: by the navigation filter, without inertial data by a planar model."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -12,11 +12,13 @@ from slam_core.kernels.imu_propagation import MAX_GAP_NS
 from slam_core.measurements import (
     Attitude,
     Float64s,
-    GroundDistance,
+    GpsPosition,
+    GpsVelocity,
     Height,
     Imu,
     Int64s,
     LaserScan,
+    MagneticField,
     Measurement,
     Odometry,
     Transform,
@@ -31,6 +33,7 @@ from slam_core.navigation.planar_motion import PlanarMotion, odometry_sigmas
 from slam_core.navigation.pose_reset import Origin
 from slam_core.navigation.rejections import GAP, SLIPPED, UNUSABLE
 from slam_core.navigation.rest import shows_motion
+from slam_core.navigation.waiting import Waiting
 from slam_core.results import AidingStatus, MatchResult, NavigationState, PlanarGaussian
 
 # The first scan defines the origin of the map: its pose has this covariance.
@@ -59,6 +62,7 @@ class EgoMotion:
         self._aids = Aids()
         self._monitor = Monitor()
         self._spikes = SpikeFilter(self._filter.counts)
+        self._waiting = Waiting()
         self._has_imu = False
         self._first_scan: LaserScan | None = None
         self._lacks_attitude = False
@@ -130,10 +134,29 @@ class EgoMotion:
             estimator.drop(SOURCES[type(measurement)], UNUSABLE)
         elif isinstance(measurement, Height):
             self._filter.update_height(measurement.stamp_ns, measurement.height)
-        elif isinstance(measurement, Odometry):
-            self._add_odometry(measurement)
-        else:
+        elif self._filter.ready:
             self._aid(measurement)
+        elif isinstance(measurement, Attitude):
+            self._planar.add_attitude(measurement)
+        else:
+            self._take_planar(self._waiting.push(measurement))
+
+    def catch_up(self, time_ns: int) -> None:
+        """Let the planar model take what was measured up to the time of a scan."""
+        self._take_planar(self._waiting.until(time_ns))
+
+    def _take_planar(self, measurements: Iterable[Measurement]) -> None:
+        """Yaw rates, wheels and aids to the planar model, which has no distance to the ground."""
+        motion = self._config.motion
+        for each in measurements:
+            if isinstance(each, Imu):
+                self._planar.add_yaw_rate(each.stamp_ns, float(each.angular_velocity[2]), motion)
+            elif isinstance(each, Odometry):
+                if not self._planar.add_odometry(each, motion):
+                    self._filter.counts[SLIPPED] += 1
+            elif isinstance(each, MagneticField | GpsPosition | GpsVelocity):
+                self._plane.configure(motion, self._config.navigation.gate_reset_time)
+                self._aids.take(each, self._plane, self._config.aiding)
 
     def _add_imu(self, imu: Imu) -> None:
         """Inertial data to the filter; while that cannot begin, only the yaw rate is used."""
@@ -142,26 +165,15 @@ class EgoMotion:
             self._filter.predict(sample)
             self._aids.add_imu(sample, self._filter, self._config.aiding)
             if self._filter.weightless:
-                yaw_rate = float(sample.angular_velocity[2])
-                self._planar.add_yaw_rate(sample.stamp_ns, yaw_rate, self._config.motion)
+                self._take_planar(self._waiting.push(sample))
 
-    def _add_odometry(self, odometry: Odometry) -> None:
-        motion = self._config.motion
-        if self._filter.ready:
-            sigma = float(odometry_sigmas(odometry, motion)[0])
-            self._filter.update_velocity_body(odometry.stamp_ns, odometry.velocity, sigma)
-        elif not self._planar.add_odometry(odometry, motion):
-            self._filter.counts[SLIPPED] += 1
-
-    def _aid(self, aid: AidingMeasurement) -> None:
-        """The other sensors; the planar model has no distance to the ground."""
-        if self._filter.ready:
+    def _aid(self, aid: AidingMeasurement | Odometry) -> None:
+        """Wheels and the other sensors to the filter."""
+        if isinstance(aid, Odometry):
+            sigma = float(odometry_sigmas(aid, self._config.motion)[0])
+            self._filter.update_velocity_body(aid.stamp_ns, aid.velocity, sigma)
+        else:
             self._aids.take(aid, self._filter, self._config.aiding)
-        elif isinstance(aid, Attitude):
-            self._planar.add_attitude(aid)
-        elif not isinstance(aid, GroundDistance):
-            self._plane.configure(self._config.motion, self._config.navigation.gate_reset_time)
-            self._aids.take(aid, self._plane, self._config.aiding)
 
     def awaits_filter(self, scan: LaserScan, begun: bool) -> bool:
         """Switch to the filter once it is ready. Whether a scan has to be skipped until then, as the first one.
@@ -169,6 +181,7 @@ class EgoMotion:
         begun: whether there were scans already.
         """
         if self._filter.ready and not self.inertial:
+            self._take_planar(self._waiting.flush())
             if begun:
                 self._filter.begin_at(self._planar.prior(self._filter.sample_ns, self._config.motion))
             self.inertial, self._first_scan = True, None
@@ -253,6 +266,8 @@ class EgoMotion:
         """Covariance intersection with a match, eqs. (18)-(20)."""
         config = self._config.fusion
         if not self.inertial:
+            if match is FIRST_MATCH:
+                self._planar.begin_at_origin()
             fused, navigation = self._planar.fuse(match.gaussian, config, match.unobservable), None
             self._plane.matched(time_ns)
         else:

@@ -30,6 +30,9 @@ OBSERVE_TWIST = np.eye(3, 6, 3)
 # Longest prediction, and the step back of a stamp that counts as a clock that was set.
 LONGEST_NS = 2_000_000_000
 SET_BACK_NS = 1_000_000_000
+# Seconds without a match after which wheels alone tell the motion, and the process noise of the yaw rate then, at
+# most, rad/s²/√Hz: more leaves room for matches to correct it.
+RECKONED_S, RECKONED_YAW = 0.5, 1.0
 WHEELS_SILENT_NS = 500_000_000  # without a wheel velocity: from then on the motion is not measured
 # A match this many standard deviations from the prediction, that a motion reaches only by more than this
 # acceleration (m/s^2), tells of an error of the pose and not of a velocity.
@@ -140,6 +143,10 @@ class PlanarMotion:
         self.shift(step, covariance)
         return self.planar
 
+    def begin_at_origin(self) -> None:
+        """The map begins where the base is now, with its velocity."""
+        self._mean[:3] = 0.0
+
     def reset_pose(self, time_ns: int, pose: PlanarGaussian, config: MotionConfig) -> None:
         """Continue at a pose at a time, wherever the base was estimated before; the velocity of the body stays."""
         self._advance(time_ns, config)
@@ -200,14 +207,24 @@ class PlanarMotion:
             self.stamp_ns = time_ns
         if time_ns < self.stamp_ns - SET_BACK_NS:
             self.stamp_ns = time_ns
-            self._set_covariance(self._covariance + _noise(SET_BACK_NS * 1e-9, self._mean[2], config))
+            self._set_covariance(
+                self._covariance + _noise(SET_BACK_NS * 1e-9, self._mean[2], self._densities(config))
+            )
         dt = self._lapse(time_ns)
         if dt <= 0.0:
             return
         transition = self._transition(dt)
         self._mean[:3] = self._extrapolated(time_ns)
-        self._set_covariance(transition @ self._covariance @ transition.T + _noise(dt, self._mean[2], config))
+        self._set_covariance(
+            transition @ self._covariance @ transition.T + _noise(dt, self._mean[2], self._densities(config))
+        )
         self.stamp_ns = time_ns
+
+    def _densities(self, config: MotionConfig) -> Float64s:
+        """(3,) of the white acceleration forward, left and about z, squared."""
+        reckoned = self.driven and self._since_fused > RECKONED_S
+        yaw = min(config.yaw_acceleration, RECKONED_YAW) if reckoned else config.yaw_acceleration
+        return np.array([config.acceleration, config.acceleration, yaw]) ** 2.0
 
     def _lapse(self, time_ns: int) -> float:
         """Seconds since the estimate, limited."""
@@ -287,9 +304,8 @@ def odometry_sigmas(odometry: Odometry, config: MotionConfig) -> Float64s:
     return sigmas
 
 
-def _noise(dt: float, psi: float, config: MotionConfig) -> Float64s:
-    """White acceleration over dt: covariance of pose and velocity, the same forward and left."""
-    density = np.array([config.acceleration, config.acceleration, config.yaw_acceleration]) ** 2.0
+def _noise(dt: float, psi: float, density: Float64s) -> Float64s:
+    """White acceleration of a density (3,) over dt: covariance of pose and velocity, the same forward and left."""
     noise = np.zeros((6, 6))
     c, s = math.cos(psi), math.sin(psi)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

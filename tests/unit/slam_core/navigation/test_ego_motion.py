@@ -3,7 +3,7 @@
 import numpy as np
 
 from slam_core.config import SlamConfig
-from slam_core.measurements import Imu
+from slam_core.measurements import Imu, Odometry
 from slam_core.navigation.ego_motion import SETTLED, EgoMotion
 from slam_core.results import FEW, MatchResult
 
@@ -26,6 +26,33 @@ def matched(motion: EgoMotion, begin_ns: int, share: float) -> int:
         sampled(motion, end_ns - MATCH_NS, end_ns)
         motion.correct(end_ns - SAMPLE_NS, match, accepted=True)
     return end_ns
+
+
+def test_the_map_begins_where_the_base_is_with_the_velocity_of_its_wheels():
+    """What they have driven before the first scan is no error that a match puts right."""
+    motion = EgoMotion(SlamConfig())
+    for k in range(100):
+        motion.take(Odometry(k * MATCH_NS, np.array([1.0, 0.0]), 0.3))
+    now_ns = 99 * MATCH_NS
+    motion.catch_up(now_ns)
+    assert np.hypot(*motion.prior(now_ns).mean[:2]) > 4.0
+    fused, _ = motion.correct(now_ns, None, accepted=True)
+    np.testing.assert_allclose(fused.mean, np.zeros(3), atol=1e-9)
+    np.testing.assert_allclose(motion.prior(now_ns + MATCH_NS).mean, [0.05, 0.0, 0.015], atol=2e-3)
+
+
+def test_a_scan_is_predicted_by_what_was_measured_until_then():
+    """Wheels that turned faster later, before it came, are those of the next scan."""
+    motion = EgoMotion(SlamConfig())
+    motion.take(Odometry(0, np.array([0.5, 0.0]), 0.0))
+    motion.catch_up(0)
+    motion.correct(0, None, accepted=True)
+    for k in range(1, 5):
+        motion.take(Odometry(k * MATCH_NS, np.array([0.5 if k <= 2 else 1.0, 0.0]), 0.0))
+    motion.catch_up(2 * MATCH_NS)
+    np.testing.assert_allclose(motion.prior(2 * MATCH_NS).mean, [0.05, 0.0, 0.0], atol=2e-3)
+    motion.catch_up(4 * MATCH_NS)
+    assert 0.12 < motion.prior(4 * MATCH_NS).mean[0] < 0.16
 
 
 def test_after_a_gap_in_the_inertial_data_matches_have_to_show_the_speed():
