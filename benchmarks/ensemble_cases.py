@@ -106,6 +106,16 @@ FAR: tuple[tuple[str, Fault, tuple[ScenarioName, ...]], ...] = (
     ("wheels that spin for 2 s in 10", spinning(2.0, 10.0), ("rooms", "people", "offices")),
 )
 
+# A small robot with wheels: a laser of 5 Hz and a beam a degree, its reach (metres); the scene, the part of its
+# speed, and whether there is an IMU.
+SMALL_REACH = 3.5
+SMALL: tuple[tuple[ScenarioName, float, bool], ...] = (
+    ("people", 0.3, False),
+    ("people", 0.3, True),
+    ("rooms", 0.16, False),
+    ("offices", 0.4, False),
+)
+
 Load = Callable[[int], list[Item]]
 
 
@@ -137,6 +147,15 @@ def driven(what: str, fault: Fault | None, scene: ScenarioName) -> Case:
     options = corridors if scene == "offices" else SceneOptions(scan_rate=10.0)
     load = wheeled(simulated(scene, scene, options, imu=False).load)
     return Case(f"{scene}, {what}", faulty(load, fault) if fault else load, seeded=True)
+
+
+def of_small_robot(scene: ScenarioName, speed: float, *, imu: bool) -> Case:
+    """A scene that a small robot with wheels drives through slowly."""
+    beams = 181 if scene == "offices" else 271
+    options = SceneOptions(scan_rate=5.0, beams=beams, speed=speed, duration=90.0)
+    case = within(SMALL_REACH, simulated(scene, scene, options, imu=imu))
+    load = wheeled(case.load)
+    return replace(case, name=f"{scene}, small robot with wheels{' and IMU' if imu else ''}", load=load)
 
 
 def within(reach: float, case: Case) -> Case:
@@ -204,6 +223,7 @@ def cases() -> list[Case]:
         ),
         *(within(reach, driven(what, fault, scene)) for reach, what, fault, scenes in NEAR for scene in scenes),
         *(driven(what, fault, scene) for what, fault, scenes in FAR for scene in scenes),
+        *(of_small_robot(scene, speed, imu=imu) for scene, speed, imu in SMALL),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),

@@ -113,10 +113,11 @@ class Rejection(NamedTuple):
 
     overlap: share of the scan on known cells. inlier_ratio: share of the known endpoints on occupied cells,
     against its running mean. mahalanobis_distance: sigmas from the prediction. hidden: share of the beams that end
-    before the walls of the map. unobservable: sigma of the position, metres, along a direction that no beam fixes.
+    before the walls of the map. objects: share of them that end on compact objects. unobservable: sigma of the
+    position, metres, along a direction that no beam fixes.
     """
 
-    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance", "hidden", "unobservable"]
+    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance", "hidden", "objects", "unobservable"]
     value: float
     limit: float
 
@@ -139,8 +140,8 @@ class Verdict(NamedTuple):
 
     @property
     def hidden(self) -> bool:
-        """Whether something near the laser hides the map: the scan tells nothing of the pose."""
-        return self.rejection is not None and self.rejection.code == "hidden"
+        """Whether something near the laser hides the map, or moves there: the scan tells nothing of the pose."""
+        return self.rejection is not None and self.rejection.code in ("hidden", "objects")
 
     @property
     def undoubted(self) -> bool:

@@ -33,6 +33,7 @@ NOISE = 0.02
 ORIGIN = (0.0, 0.0)
 # Radians between beams from which on a scanner counts as coarse: one with a beam a degree does.
 COARSE = math.radians(0.9)
+COS_OPEN = math.cos(0.2)  # of the angle, radians, between two endpoints between which nothing is seen
 
 
 @njit(cache=True, error_model="numpy")
@@ -101,25 +102,45 @@ def _from(point, laser):
 
 
 @njit(cache=True, error_model="numpy")
-def foreground(points, gap, extent, fewest, beside):
+def foreground(points, gap, extent, fewest, beside, sees_past):
     """(n,) which endpoints (n, 2), in the order of the sweep, are on an object that stands before what is around.
 
     An object is `fewest` endpoints or more, none further than `gap` from the next, in a box with a diagonal below
     `extent`; it is nearer than what is seen on both sides of it, by more than `gap`. At an end of the scan, where
-    half of it may be out of view, it is nearer than what is seen on one side, and than `beside`. Metres.
+    half of it may be out of view, it is nearer than what is seen on one side, and than `beside`. sees_past: where
+    nothing returns beside it, the laser sees as far as to the farthest endpoint. Metres.
     """
     n, begin = len(points), 0
-    found = np.zeros(n, np.bool_)
+    found, farthest = np.zeros(n, np.bool_), _farthest(points) if sees_past else 0.0
     for end in range(1, n + 1):
         if end < n and _distance(points[end], points[end - 1]) <= gap:
             continue
-        if fewest <= end - begin < n and _diagonal(points[begin:end]) < extent:
-            before = _distance(points[begin - 1], ORIGIN) if begin > 0 else beside + gap
-            after = _distance(points[end], ORIGIN) if end < n else beside + gap
+        if fewest <= end - begin < n + sees_past and _diagonal(points[begin:end]) < extent:
+            before = _seen(points[begin - 1], points[begin], farthest) if begin > 0 else beside + gap
+            after = _seen(points[end], points[end - 1], farthest) if end < n else beside + gap
             first, last = _distance(points[begin], ORIGIN), _distance(points[end - 1], ORIGIN)
             found[begin:end] = min(before - first, after - last) > gap
         begin = end
     return found
+
+
+@njit(inline="always")
+def _seen(neighbour, point, farthest):
+    """How far one sees beside an endpoint: to its neighbour, or to the farthest if nothing is between the two."""
+    away = _distance(neighbour, ORIGIN)
+    along = np.float64(point[0]) * neighbour[0] + np.float64(point[1]) * neighbour[1]
+    is_open = along < COS_OPEN * away * _distance(point, ORIGIN)
+    return max(away, farthest) if is_open else away
+
+
+@njit(inline="always")
+def _farthest(points):
+    """The distance of the farthest of points (n, 2)."""
+    square = 0.0
+    for i in range(len(points)):
+        x, y = np.float64(points[i, 0]), np.float64(points[i, 1])
+        square = max(square, x * x + y * y)
+    return math.sqrt(square)
 
 
 @njit(inline="always")

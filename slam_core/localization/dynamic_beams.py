@@ -21,7 +21,7 @@ from slam_core.localization.tracking import MOSTLY
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.matcher import coarse_to_fine, residuals
 from slam_core.measurements import Float32s, Float64s, Int64s
-from slam_core.results import MatchResult, PlanarGaussian
+from slam_core.results import FEW, MatchResult, PlanarGaussian, Rejection
 from slam_core.scan.stabilise import StabilisedScan
 
 # A residual above FREE there: free space, no wall within a cell. `Pyramid.unexpected` asks for 0.15 m to what is
@@ -36,6 +36,7 @@ FEWEST = 3  # beams of an object in the foreground
 BESIDE = 1.5  # metres: who is half out of the view is no further
 CLEARLY = 0.9  # of the cost of the background at the match of all beams, and less by
 SIGMAS = 2.0  # standard deviations of that difference
+MANY = 0.4  # of the endpoints
 EXACT = np.zeros((3, 3))  # covariance of a pose that is compared as it is
 
 
@@ -92,13 +93,26 @@ def background_cost(scan: StabilisedScan, match: MatchResult) -> float:
     return float(np.mean(squares)) if len(squares) else math.inf
 
 
-def foreground(points: Float32s) -> NDArray[np.bool_]:
+def foreground(points: Float32s, *, sees_past: bool = False) -> NDArray[np.bool_]:
     """(n,) which endpoints (n, 2) are on a compact object that stands before what is seen beside it.
 
     What a wall that is seen along shows between two beams is no object: one of its neighbours is nearer.
+    sees_past: where nothing returns beside an object, what is there is further off. A laser alone needs what is so
+    seen.
     """
-    found: NDArray[np.bool_] = surfaces.foreground(points, GAP, EXTENT, FEWEST, BESIDE)
+    found: NDArray[np.bool_] = surfaces.foreground(points, GAP, EXTENT, FEWEST, BESIDE, sees_past)
     return found
+
+
+def mostly_objects(points: Float32s, beams: int) -> Rejection | None:
+    """Why a match that fits badly tells nothing: many beams end on objects that may move, and few on the rest.
+
+    points: (n, 2) endpoints, metres. beams: of the laser; some return nothing.
+    """
+    before = foreground(points, sees_past=True)
+    if np.mean(before) <= MANY or np.count_nonzero(~before) >= FEW * beams:
+        return None
+    return Rejection("objects", float(np.mean(before)), MANY)
 
 
 def match_without(

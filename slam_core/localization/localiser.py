@@ -7,6 +7,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import SlamConfig
 from slam_core.localization.confirmation import Confirmation, is_vague
+from slam_core.localization.dynamic_beams import mostly_objects
 from slam_core.localization.hidden_walls import covered, misled
 from slam_core.localization.place_search import apart
 from slam_core.localization.rejected_matches import CONTRADICTS
@@ -97,7 +98,10 @@ class Localiser:
         why = None
         if self._motion.inertial and tracker.is_unusual(match, prior, least_unusual(lapse_ns)):
             why = misled(self._pyramid, stabilised, match, prior)
-        if why is None and (tracker.is_missing or not self._fits(match.fit, prior)):
+        fits = self._fits(match.fit, prior)
+        if self._motion.measured and not fits:
+            why = mostly_objects(stabilised.points, len(scan.ranges))
+        if why is None and (tracker.is_missing or not fits):
             why = covered(self._pyramid, stabilised, prior, self.sure, lapse_ns)
         if why:
             return self._hidden(stabilised, match, prior, why)
@@ -162,7 +166,8 @@ class Localiser:
         Without other sensors a vague one is worth less than the last sure pose.
         """
         vague = is_vague(prior)
-        self._matching.tracker.miss()
+        if why.code == "hidden":
+            self._matching.tracker.miss()
         self._pose = prior.mean
         if vague and self._motion.unaided:
             self._pose, self._matching.weak_direction = self.sure, WeakDirection()

@@ -20,7 +20,7 @@ from slam_core.results import MatchResult, PlanarGaussian
 
 REACH, TURN = 0.4, 0.4  # metres, radians: further off, a scan's own match is no slip of wheels between two scans
 UNKNOWN = 0.01  # a residual so near to 0.5 is that of an unknown cell, which tells nothing
-MOST = 0.5  # of the beams have to end on known cells
+MOST = 0.5  # of the beams have to end on known cells, and on no object that may move
 SIGMAS = 3.0  # standard deviations by which these beams fit better
 
 
@@ -43,7 +43,7 @@ def slipped(
         return False
     before, after = (residuals(pyramid.levels[0], points, each.pose) for each in (match, alone))
     known = (np.abs(before - 0.5) > UNKNOWN) & (np.abs(after - 0.5) > UNKNOWN)
-    if np.count_nonzero(known) < MOST * len(points):
+    used = known & ~foreground(points, sees_past=True)
+    if np.count_nonzero(used) < MOST * len(points):
         return False
-    used = known & ~foreground(points)
-    return bool(used.any()) and fit_clearly_better(before[used], after[used], SIGMAS)
+    return fit_clearly_better(before[used], after[used], SIGMAS)

@@ -92,6 +92,8 @@ def rejection_text(rejection: Rejection) -> str:
             return f"the match is {value:.0f} sigmas away from the predicted pose"
         case "hidden":
             return f"something near the laser hides walls of the map: {value:.0%} of the beams end before them"
+        case "objects":
+            return f"most that the laser sees may move: {value:.0%} of the beams end on objects that stand alone"
         case "unobservable":
             return f"no beam fixes the way along one direction, and it is only known to ±{value:.1f} m by now"
 

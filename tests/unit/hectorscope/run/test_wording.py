@@ -48,6 +48,10 @@ def test_a_sentence_names_the_sensor_and_the_value():
             "something near the laser hides walls of the map: 87% of the beams end before them",
         ),
         (
+            Rejection("objects", 0.64, 0.4),
+            "most that the laser sees may move: 64% of the beams end on objects that stand alone",
+        ),
+        (
             Rejection("unobservable", 3.64, 1.0),
             "no beam fixes the way along one direction, and it is only known to ±3.6 m by now",
         ),

@@ -12,6 +12,7 @@ from slam_core.localization.dynamic_beams import (
     is_clearly_better,
     match_background,
     match_without,
+    mostly_objects,
     objects,
 )
 from slam_core.localization.motion_hypotheses import best_match
@@ -213,10 +214,39 @@ def test_at_an_end_of_the_scan_only_somebody_close_by_is_in_the_foreground(
         np.testing.assert_array_equal(foreground(ends), (reach == ranges[0]) & stands)
 
 
-def test_all_that_is_seen_is_no_foreground() -> None:
-    """Nothing is behind a lone object."""
+@pytest.mark.parametrize(("reach", "stands"), [(1.4, True), (1.6, False)])
+def test_a_lone_object_close_by_is_in_the_foreground(reach: float, stands: bool) -> None:
+    """Though nothing else is seen; further off it may be the only wall within reach."""
     angles = ANGLES[:20]
-    assert not foreground(np.column_stack([np.cos(angles), np.sin(angles)]).astype(np.float32)).any()
+    ends = reach * np.column_stack([np.cos(angles), np.sin(angles)]).astype(np.float32)
+    assert (foreground(ends, sees_past=True) == stands).all()
+    assert not foreground(ends).any()
+
+
+@pytest.mark.parametrize(("reach", "stands"), [(2.5, True), (3.8, False)])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_an_object_stands_before_what_is_out_of_reach(reach: float, stands: bool, mirrored: bool) -> None:
+    """Beside it nothing returns, then comes somebody nearer. Where the reach of a laser ends, a wall does, too."""
+    bearings = np.concatenate([ANGLES[:40], ANGLES[40:60], ANGLES[140:180], ANGLES[300:320]])
+    ranges = np.repeat([4.0, reach, 0.9, 4.0], [40, 20, 40, 20])
+    ends = ranges[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
+    seen = (ends[::-1] if mirrored else ends).astype(np.float32)
+    for sees_past in (False, True):
+        found = foreground(seen, sees_past=sees_past)
+        expected = np.repeat([False, stands and sees_past, True, False], [40, 20, 40, 20])
+        np.testing.assert_array_equal(found[::-1] if mirrored else found, expected)
+
+
+def test_a_scan_of_objects_alone_tells_nothing() -> None:
+    """Their share is named. As few walls are many for another laser, and somebody alone does not hide them."""
+    crowd = points(np.zeros(3), (0.4, 0.0), (0.3, 0.45), (0.3, -0.45))
+    walls = np.count_nonzero(~foreground(crowd, sees_past=True))
+    around = mostly_objects(crowd, 11 * walls)
+    assert around
+    assert around.code == "objects"
+    assert around.value > around.limit
+    assert mostly_objects(crowd, 9 * walls) is None
+    assert mostly_objects(points(np.zeros(3), (1.2, 0.3)), 100_000) is None
 
 
 def test_who_fills_half_of_the_view_leaves_no_background_to_match() -> None:

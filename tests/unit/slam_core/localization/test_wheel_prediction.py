@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from slam_core.config import SlamConfig, with_value
+from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.wheel_prediction import REACH, slipped, weighed
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.results import Fit, MatchResult, PlanarGaussian
@@ -25,6 +26,12 @@ def at(x: float, y: float = 0.0, psi: float = 0.0) -> MatchResult:
 def prior(x: float) -> PlanarGaussian:
     """A prediction."""
     return PlanarGaussian(np.array([x, 0.0, 0.0]), np.diag([0.03, 0.03, 0.02]) ** 2)
+
+
+def bearing_of(ends: np.ndarray) -> np.ndarray:
+    """(n,) radians."""
+    bearings: np.ndarray = np.arctan2(ends[:, 1], ends[:, 0])
+    return bearings
 
 
 def test_wheels_weigh_as_configured():
@@ -55,6 +62,17 @@ def test_somebody_who_walks_along_is_no_slip():
     assert not slipped(pyramid, scan, at(0.15), at(0.0), prior(0.15))
 
 
+def test_somebody_beside_whom_nothing_returns_is_no_slip():
+    """Though the next endpoint, far to the side, is nearer: another one walks there."""
+    true, person = np.array([0.15, 0.0, 0.0]), BESIDE
+    scan = points(true, (person[0] + 0.15, person[1]), (true[0], 0.6))
+    bearing, (before, after) = bearing_of(scan), np.arctan2([person[1], 0.6], [person[0], 0.27])
+    seen = scan[((bearing < before + 0.22) | (bearing > after)) & (np.hypot(*scan.T) < 4.0)]
+    pyramid = mapped(person)
+    assert not slipped(pyramid, seen, at(0.15), at(0.0), prior(0.15))
+    assert not foreground(seen)[np.abs(bearing_of(seen) - before) < 0.1].any()
+
+
 def test_a_match_far_off_is_no_slip():
     """Between two scans wheels slip by centimetres, however well the scan fits there."""
     scan, pyramid = points(TRUE, BEHIND), mapped(BEHIND)
@@ -63,6 +81,14 @@ def test_a_match_far_off_is_no_slip():
     assert not slipped(
         pyramid, scan, at(0.3, psi=0.5), at(0.3), PlanarGaussian(np.array([0.3, 0.0, 0.5]), np.eye(3))
     )
+
+
+def test_a_scan_of_people_shows_no_slip():
+    """Too few of its beams end on walls."""
+    crowd = [(0.9, 0.3), (0.9, -0.3), (0.5, 0.6), (0.5, -0.6)]
+    scan, pyramid = points(TRUE, *((x + 0.3, y) for x, y in crowd)), mapped(BEHIND)
+    assert foreground(scan).mean() > 0.5
+    assert not slipped(pyramid, scan, at(0.22), at(0.3), prior(0.22))
 
 
 def test_unknown_cells_tell_nothing():
