@@ -29,7 +29,7 @@ from slam_core.navigation.aiding.plausibility import SOURCES, is_plausible
 from slam_core.navigation.filter import NavigationFilter, projected
 from slam_core.navigation.imu_spikes import SpikeFilter
 from slam_core.navigation.monitor import SILENT_NS, Monitor
-from slam_core.navigation.planar_motion import PlanarMotion, odometry_sigmas
+from slam_core.navigation.planar_motion import WHEELS_SILENT_NS, PlanarMotion, odometry_sigmas
 from slam_core.navigation.pose_reset import Origin
 from slam_core.navigation.rejections import GAP, SLIPPED, UNUSABLE
 from slam_core.navigation.rest import shows_motion
@@ -87,6 +87,14 @@ class EgoMotion:
     def by_wheels(self) -> bool:
         """Whether wheels measure the motion, and no inertial data."""
         return not self.inertial and self._planar.driven
+
+    @property
+    def driven(self) -> bool:
+        """Whether wheels measure the motion, by themselves or beside inertial data."""
+        if not self.inertial:
+            return self._planar.driven
+        used = (each.used_ns for each in self._filter.aiding if each.source == SOURCES[Odometry])
+        return self._filter.sample_ns - max(used, default=0) <= WHEELS_SILENT_NS
 
     @property
     def measured(self) -> bool:
