@@ -15,6 +15,7 @@ from slam_core.measurements import Float32s, Float64s, LaserScan, Odometry
 BEAMS, VIEW = 1081, math.radians(270.0)
 RANGE, NOISE = 30.0, 0.01  # metres
 SPEED, TURN, RATE = 8.0, math.radians(120.0), 20.0  # m/s, rad/s, scans a second
+ACCELERATION = 4.0  # m/s^2
 NICHES = (3.0, 12.0)  # metres along the way between changes of its width
 CORRIDOR, STREET = (1.3, 2.2), (6.0, 10.0)  # metres from the middle to either side
 TINY = 1e-6  # metres that a beam goes into the next rectangle
@@ -73,7 +74,7 @@ def scan(world: Streets, pose: Float64s, stamp_ns: int, rng: np.random.Generator
 
 
 def _poses(world: Streets, rate: float) -> Iterator[tuple[Float64s, float, float]]:
-    """Poses (3,) with velocity and turn: a second at rest, then along each leg, and on the spot at corners."""
+    """Poses (3,) with velocity and turn: a second at rest, each leg from rest to rest, turns on the spot."""
     heading = 0.0
     for _ in range(round(rate)):
         yield np.zeros(3), 0.0, 0.0
@@ -83,9 +84,27 @@ def _poses(world: Streets, rate: float) -> Iterator[tuple[Float64s, float, float
         for k in range(turns):
             angle = heading + (wanted - heading) * (k + 1) / turns
             yield np.array([*begin, angle]), 0.0, (wanted - heading) / turns * rate
-        heading, steps = wanted, math.ceil(float(np.abs(end - begin).sum()) / SPEED * rate)
-        for k in range(steps):
-            yield np.array([*(begin + (end - begin) * (k + 1) / steps), heading]), SPEED, 0.0
+        heading, length = wanted, float(np.abs(end - begin).sum())
+        for covered, speed in _leg(length, rate):
+            yield np.array([*(begin + (end - begin) * covered / length), heading]), speed, 0.0
+
+
+def _leg(length: float, rate: float) -> Iterator[tuple[float, float]]:
+    """Metres covered, and the speed there: gathered and lost at ACCELERATION, as wheels can."""
+    top = min(SPEED, math.sqrt(length * ACCELERATION))
+    gathering = top / ACCELERATION
+    lasts = length / top + gathering
+    steps = math.ceil(lasts * rate)
+    for k in range(1, steps + 1):
+        t = lasts * k / steps
+        left = lasts - t
+        speed = min(top, ACCELERATION * t, ACCELERATION * left)
+        if t < gathering:
+            yield 0.5 * speed * t, speed
+        elif left < gathering:
+            yield length - 0.5 * speed * left, speed
+        else:
+            yield top * (t - 0.5 * gathering), speed
 
 
 @njit(cache=True)
