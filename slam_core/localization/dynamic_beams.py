@@ -36,7 +36,7 @@ FEWEST = 3  # beams of an object in the foreground
 BESIDE = 1.5  # metres: who is half out of the view is no further
 CLEARLY = 0.9  # of the cost of the background at the match of all beams, and less by
 SIGMAS = 2.0  # standard deviations of that difference
-MANY = 0.4  # of the endpoints
+MANY = 0.4  # of the endpoints, where few others are left
 EXACT = np.zeros((3, 3))  # covariance of a pose that is compared as it is
 
 
@@ -97,8 +97,8 @@ def foreground(points: Float32s, *, sees_past: bool = False) -> NDArray[np.bool_
     """(n,) which endpoints (n, 2) are on a compact object that stands before what is seen beside it.
 
     What a wall that is seen along shows between two beams is no object: one of its neighbours is nearer.
-    sees_past: where nothing returns beside an object, what is there is further off. A laser alone needs what is so
-    seen.
+    sees_past: where nothing returns beside an object, what is there is further off. For a laser alone that leaves
+    too few landmarks.
     """
     found: NDArray[np.bool_] = surfaces.foreground(points, GAP, EXTENT, FEWEST, BESIDE, sees_past)
     return found

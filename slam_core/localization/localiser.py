@@ -99,7 +99,7 @@ class Localiser:
         if self._motion.inertial and tracker.is_unusual(match, prior, least_unusual(lapse_ns)):
             why = misled(self._pyramid, stabilised, match, prior)
         fits = self._fits(match.fit, prior)
-        if not fits and self._motion.driven:
+        if why is None and not fits and self._motion.driven:
             why = mostly_objects(stabilised.points, len(scan.ranges))
         if why is None and (tracker.is_missing or not fits):
             why = covered(self._pyramid, stabilised, prior, self.sure, lapse_ns)
