@@ -113,7 +113,7 @@ class Rejection(NamedTuple):
 
     overlap: share of the scan on known cells. inlier_ratio: share of the known endpoints on occupied cells,
     against its running mean. mahalanobis_distance: sigmas from the prediction. hidden: share of the beams that end
-    before the walls of the map. objects: share of them that end on compact objects. unobservable: sigma of the
+    before the walls of the map. objects: share of the endpoints on compact objects. unobservable: sigma of the
     position, metres, along a direction that no beam fixes.
     """
 

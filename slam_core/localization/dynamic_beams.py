@@ -36,7 +36,7 @@ FEWEST = 3  # beams of an object in the foreground
 BESIDE = 1.5  # metres: who is half out of the view is no further
 CLEARLY = 0.9  # of the cost of the background at the match of all beams, and less by
 SIGMAS = 2.0  # standard deviations of that difference
-MANY = 0.4  # of the endpoints, where few others are left
+MANY = 0.4  # of the endpoints: so many on objects, and few beams on the rest, fix no pose
 EXACT = np.zeros((3, 3))  # covariance of a pose that is compared as it is
 
 

@@ -163,7 +163,8 @@ class Localiser:
     ) -> LocalisedScan:
         """A scan that tells neither for nor against the prediction, where it stays.
 
-        Without other sensors a vague one is worth less than the last sure pose.
+        What hides the map may still be there in the next one; objects show themselves in each. Without other
+        sensors a vague prediction is worth less than the last sure pose.
         """
         vague = is_vague(prior)
         if why.code == "hidden":

@@ -86,7 +86,7 @@ class EgoMotion:
     @property
     def by_wheels(self) -> bool:
         """Whether wheels measure the motion, and no inertial data."""
-        return not self.inertial and self._planar.driven
+        return not self.inertial and self.driven
 
     @property
     def driven(self) -> bool:
@@ -99,7 +99,7 @@ class EgoMotion:
     @property
     def measured(self) -> bool:
         """Whether inertial data or wheels measure the motion."""
-        return self.inertial or self._planar.driven
+        return self.inertial or self.driven
 
     @property
     def unused(self) -> Counter[str]:

@@ -4,13 +4,14 @@ The planar model cannot go back. Without this it was ahead of a scan by half a s
 start, where scans wait for inertial data that may come.
 """
 
-from bisect import insort
+from bisect import bisect_right, insort
 from operator import attrgetter
 
 from slam_core.measurements import Measurement
+from slam_core.navigation.planar_motion import SET_BACK_NS
 
 LONGEST_NS = 2_000_000_000  # that one waits for a scan
-SET_BACK_NS = 1_000_000_000  # an older stamp is by a clock that was set
+STAMP = attrgetter("stamp_ns")
 
 
 class Waiting:
@@ -21,16 +22,14 @@ class Waiting:
 
     def push(self, measurement: Measurement) -> list[Measurement]:
         """Another one; those that wait no longer."""
-        newest_ns = self._waiting[-1].stamp_ns if self._waiting else measurement.stamp_ns
-        released = self.flush() if measurement.stamp_ns < newest_ns - SET_BACK_NS else []
-        insort(self._waiting, measurement, key=_STAMP)
-        return released or self.until(self._waiting[-1].stamp_ns - LONGEST_NS)
+        set_back = bool(self._waiting) and measurement.stamp_ns < self._waiting[-1].stamp_ns - SET_BACK_NS
+        released = self.flush() if set_back else []
+        insort(self._waiting, measurement, key=STAMP)
+        return released + self.until(self._waiting[-1].stamp_ns - LONGEST_NS)
 
     def until(self, time_ns: int) -> list[Measurement]:
         """Those up to a time."""
-        count = 0
-        while count < len(self._waiting) and self._waiting[count].stamp_ns <= time_ns:
-            count += 1
+        count = bisect_right(self._waiting, time_ns, key=STAMP)
         released, self._waiting = self._waiting[:count], self._waiting[count:]
         return released
 
@@ -38,6 +37,3 @@ class Waiting:
         """All of them."""
         released, self._waiting = self._waiting, []
         return released
-
-
-_STAMP = attrgetter("stamp_ns")

@@ -93,7 +93,7 @@ def rejection_text(rejection: Rejection) -> str:
         case "hidden":
             return f"something near the laser hides walls of the map: {value:.0%} of the beams end before them"
         case "objects":
-            return f"most that the laser sees may move: {value:.0%} of the beams end on objects that stand alone"
+            return f"much of what the laser sees may move: {value:.0%} of the scan lie on objects that stand alone"
         case "unobservable":
             return f"no beam fixes the way along one direction, and it is only known to ±{value:.1f} m by now"
 

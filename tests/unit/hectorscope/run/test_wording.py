@@ -49,7 +49,7 @@ def test_a_sentence_names_the_sensor_and_the_value():
         ),
         (
             Rejection("objects", 0.64, 0.4),
-            "most that the laser sees may move: 64% of the beams end on objects that stand alone",
+            "much of what the laser sees may move: 64% of the scan lie on objects that stand alone",
         ),
         (
             Rejection("unobservable", 3.64, 1.0),

@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from slam_core.measurements import Odometry
-from slam_core.navigation.waiting import LONGEST_NS, SET_BACK_NS, Waiting
+from slam_core.navigation.planar_motion import SET_BACK_NS
+from slam_core.navigation.waiting import LONGEST_NS, Waiting
 
 
 def wheels(stamp_ns: int) -> Odometry:
