@@ -36,7 +36,6 @@ RESTARTED = "document.querySelector('.hs-clock b').textContent < '00:05'"
 PLAYING = "!!document.querySelector('.hs-state.hs-playing')"
 CAMERA_S = 0.5
 PATIENCE_MS = 120_000
-LINKED = "hectorscope.linked()"
 SILENT = "document.documentElement.classList.contains('hs-silent')"
 AGREES = "hectorscope.own.get('gap')"
 
@@ -128,7 +127,7 @@ def watch(pid: int, crowd: Sockets, pages: list[Page], seconds: float) -> list[s
         times += follow_times(teacher, students, next(gaps) / 10)
     wall = time.monotonic() - begin
     share, got = (cpu_seconds(pid) - cpu) / wall, (crowd.received - received) / wall / max(1, crowd.count) / 1024
-    alive, silent = (sum(page.evaluate(what) for page in pages) for what in (LINKED, SILENT))
+    silent = sum(page.evaluate(SILENT) for page in pages)
     if not teacher.evaluate(PLAYING):
         raise SystemExit(f"the recording ended within {wall:.0f} s: take fewer --seconds")
     if crowd.count and not crowd.running:
@@ -136,7 +135,7 @@ def watch(pid: int, crowd: Sockets, pages: list[Page], seconds: float) -> list[s
     times.sort()
     return [
         f"{crowd.count} sockets, {len(pages)} browsers, {wall:.0f} s at 1x: server {share:.2f} of a core",
-        f"each socket got {got:.0f} KiB/s; {crowd.lost} were lost; {alive} pages alive, {silent} silent",
+        f"each socket got {got:.0f} KiB/s; {crowd.lost} were lost; {silent} of {len(pages)} pages silent",
         f"the teacher's view arrives after {times[len(times) // 2]:.0f} ms (median), {times[-1]:.0f} ms at most",
         f"load of the machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores",
     ]

@@ -30,7 +30,7 @@ from slam_core.config import SlamConfig, with_values
 from tests.conftest import FLAGS, ROOT, chromium_path
 from tests.engines import until
 
-LOADED = "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-facts]') && hectorscope.linked()"
+LOADED = "!!window.hectorscope?.lessons && !!document.querySelector('[data-hs-facts]')"
 DRAWN = "!!hectorscope.levels().places.length && !!__viserMutable.nodeRefFromName['/robot']"
 PATIENCE_MS, PATIENCE_S = 180_000, 180.0
 COLOURS = 64  # of a picture in the documents

@@ -198,3 +198,12 @@ def test_every_file_of_a_folder_is_registered(folder: str, attribute: str):
     files = [path.stem for path in paths if not path.stem.startswith("_")]
     assert files
     assert len(members(package, attribute)) == len(files)
+
+
+def test_scripts_call_what_the_page_has() -> None:
+    """Each member of `hectorscope` that a benchmark or a test asks the page for is named in static/."""
+    page = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "static").glob("**/*.js"))
+    for path in (*(ROOT / "benchmarks").rglob("*.py"), *(ROOT / "tests" / "browser").rglob("*.py")):
+        called = re.findall(r"\bhectorscope\??\.(\w+)(?=\??\.?\()", path.read_text(encoding="utf-8"))
+        for name in called:
+            assert re.search(rf"\b{name}\b", page), (path.name, name)
