@@ -24,6 +24,7 @@ from benchmarks.additions.faults import (
     unechoed,
 )
 from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
+from benchmarks.circuits import Shape, circuit
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.simulation.options import ScenarioName
@@ -116,6 +117,9 @@ SMALL: tuple[tuple[ScenarioName, float, bool], ...] = (
     ("offices", 0.4, False),
 )
 
+# Circuits of corridors that a car with a laser alone races through, at so many m/s.
+RACED: tuple[tuple[Shape, float], ...] = (("square", 2.0), ("square", 4.0), ("winding", 2.0), ("winding", 4.0))
+
 Load = Callable[[int], list[Item]]
 
 
@@ -156,6 +160,11 @@ def of_small_robot(scene: ScenarioName, speed: float, *, imu: bool) -> Case:
     case = within(SMALL_REACH, simulated(scene, scene, options, imu=imu))
     load = wheeled(case.load)
     return replace(case, name=f"{scene}, small robot with wheels{' and IMU' if imu else ''}", load=load)
+
+
+def raced(shape: Shape, speed: float) -> Case:
+    """A circuit as a case."""
+    return Case(f"{shape} circuit, {speed:g} m/s, laser alone", partial(circuit, shape, speed), seeded=True)
 
 
 def within(reach: float, case: Case) -> Case:
@@ -224,6 +233,7 @@ def cases() -> list[Case]:
         *(within(reach, driven(what, fault, scene)) for reach, what, fault, scenes in NEAR for scene in scenes),
         *(driven(what, fault, scene) for what, fault, scenes in FAR for scene in scenes),
         *(of_small_robot(scene, speed, imu=imu) for scene, speed, imu in SMALL),
+        *(raced(shape, speed) for shape, speed in RACED),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),
