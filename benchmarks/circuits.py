@@ -27,6 +27,7 @@ LASER = (0.1, 0.0, 0.25)  # m over the base
 SCANNER = Scanner(range_max=10.0, sigma_near=0.01, sigma_near_to=9.0, sigma_far=0.012)  # of small cars
 RADIUS, ACCELERATION, TURN = 1.0, 4.0, np.radians(150.0)  # m, m/s^2, rad/s
 DURATION = 60.0  # seconds
+LEVEL = Sway(amplitude=0.0, frequency=1.0)  # the car does not sway
 CORNERS = {
     "square": np.array([(0, 0), (12, 0), (22, 0), (22, 9), (-8, 9), (-8, 0)], float),
     "winding": np.array(
@@ -48,7 +49,7 @@ def circuit(shape: Shape, speed: float, seed: int, duration: float = DURATION) -
     options = SceneOptions(seed=seed, duration=duration)
     pace = Pace(speed=speed, turn_rate=TURN, acceleration=ACCELERATION, radius=RADIUS)
     course = follow(CORNERS[shape], pace, duration)
-    motion = Motion.through(overlay(course, rocking(Sway.chosen(options, 0.0, 0.5))), duration)
+    motion = Motion.through(overlay(course, rocking(LEVEL)), duration)
     walls = _square() if shape == "square" else _winding()
     world = World([Surface(np.concatenate(walls))], ground=LOW, ceiling=HIGH)
     scene = Scene(world, motion, Transform(np.array(LASER)), scanner=SCANNER)
@@ -74,6 +75,7 @@ def _winding() -> list[Float64s]:
     outline = CORNERS["winding"]
     length = float(np.hypot(*np.diff(outline, axis=0, append=outline[:1]).T).sum())
     way = follow(outline, Pace(1.0, 9.0, 9.0, RADIUS), 2.0 * length)(np.arange(0.0, 2.0 * length, SPACING))
+    # Back at the start, at 1 m/s long after the rest there.
     home = np.flatnonzero((np.hypot(*(way[:, :2] - way[0, :2]).T) < SPACING) & (np.arange(len(way)) > 50))[0]
     lap = np.concatenate((way[:home], way[:1]))
     beside = HALF["winding"] * np.column_stack((-np.sin(lap[:, 2]), np.cos(lap[:, 2])))

@@ -43,4 +43,5 @@ def test_a_seed_gives_the_same_drive() -> None:
             np.testing.assert_array_equal(a.ranges, b.ranges)
             assert not np.array_equal(a.ranges, c.ranges)
         else:
-            assert isinstance(a, TruthPose) and a.stamp_ns == c.stamp_ns
+            assert isinstance(a, TruthPose) and isinstance(c, TruthPose) and a.stamp_ns == c.stamp_ns
+            np.testing.assert_array_equal(a.T_map_base.translation, c.T_map_base.translation)
