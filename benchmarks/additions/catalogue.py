@@ -26,7 +26,7 @@ PARTS = (
         {"tracking.ignore_dynamic": False},
     ),
     Addition(
-        "Part of `tracking.check`: with fast scans alone, keeps the speed where few beams fix a direction badly.",
+        "Part of `tracking.check`: a laser alone counts beams where few fix a direction, or keeps the speed.",
         {"tracking.keep_speed": False},
     ),
     Addition("Uses a rejected source again when its measurements agree.", {"navigation.gate_reset_time": 60.0}),

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from slam_core.config import MatcherConfig, SlamConfig
+from slam_core.localization.along_walls import best_along, measured
 from slam_core.localization.deskew_refinement import refine
 from slam_core.localization.dynamic_beams import match_background, without_dynamic
 from slam_core.localization.few_beams import few_as_none, few_mislead
@@ -96,20 +97,47 @@ class ScanMatching:
         lapse_ns: int,
         config: SlamConfig,
     ) -> tuple[SlamConfig, PlanarGaussian, StabilisedScan, MatchResult]:
-        """A scan matched by the prediction; matches that scatter leave their direction to the mean speed before.
+        """A scan matched by the prediction, and along a direction that few beams fix where most of them fit.
 
-        Returns the settings and the prediction to go on with as well.
+        Where these do not tell either, matches that scatter leave the direction to the mean speed before. Returns
+        the settings and the prediction to go on with as well.
         """
-        weak, motion, predicted = self.weak_direction, self._motion, stabilised
+        weak, motion, predicted, plain = self.weak_direction, self._motion, stabilised, config
         config = weak.configured(config)
         if weak.held:
             prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
         stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
-        if weak.begins(match, scan.mid_ns, lapse_ns):
+        begins = weak.begins(match, scan.mid_ns, lapse_ns)
+        if weak.held and self._is_seen_along(stabilised, match, prior):
+            weak.release()
+            config = plain
+            stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
+        elif begins:
             prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
             config = weak.configured(config)
             stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
+        if match.is_badly_fixed:
+            stabilised, match = self._moved_along(scan, predicted, (stabilised, match), prior, config)
         return config, prior, stabilised, match
+
+    def _is_seen_along(self, scan: StabilisedScan, match: MatchResult, prior: PlanarGaussian) -> bool:
+        """Whether a scan fits in one place alone along a direction that is held."""
+        along = best_along(self._pyramid, scan.points, match, prior)
+        return along is not None and along.is_observed
+
+    def _moved_along(
+        self, scan: LaserScan, predicted: StabilisedScan, aligned: tuple[StabilisedScan, MatchResult],
+        prior: PlanarGaussian, config: SlamConfig,
+    ) -> tuple[StabilisedScan, MatchResult]:  # fmt: skip
+        """A scan matched where most of its beams fit along a direction that few fix, if that tells more."""
+        stabilised, match = aligned
+        along = best_along(self._pyramid, stabilised.points, match, prior)
+        if along is None or not (match.unobservable.any() or along.is_better):
+            return aligned
+        start = match.pose.copy()
+        start[:2] += along.offset
+        placed, other = self.align(scan, predicted, start, prior, few_as_none(config))
+        return placed, measured(other, along)
 
     def _driven(
         self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, config: SlamConfig

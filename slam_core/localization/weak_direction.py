@@ -75,6 +75,11 @@ class WeakDirection:
             return self.held
         return False
 
+    def release(self) -> None:
+        """Something tells the way again: matches have to scatter anew."""
+        self.held = False
+        self._changes.clear()
+
     def moved(self, time_ns: int, pose: Float64s) -> None:
         """Take in the pose (3,) that a scan was given."""
         self._positions.append((time_ns, pose[:2].copy()))

@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from slam_core.config import MapConfig, MatcherConfig
+from slam_core.kernels.correlative import count_near_hits
 from slam_core.kernels.range_noise import BANDS, learn_noise
 from slam_core.kernels.straight_walls import smooth
 from slam_core.kernels.structures import Level
@@ -133,6 +134,22 @@ def test_what_the_map_confirms_is_a_share_of_the_beams(kind, points, pose):
         share = confirmed(pyramid, ends, pose)
         assert 0.0 <= share <= 1.05  # the normals of surfels are rounded
         assert share == 0.0 or (kind != "empty" and len(ends) > 0)
+
+
+@settings(max_examples=20, derandomize=True)
+@given(MAPS, ENDS, POSES)
+@example("room", room(), ORIGIN)
+@example("room", np.array([[math.nan, 1.0]], np.float32), np.array([math.nan] * 3))
+def test_counted_ends_are_those_of_the_scan(kind, points, pose):
+    """At any pose there are no more known than ends, no more hits than known, and none without a map."""
+    pyramid, _ = made(kind)
+    for level in pyramid.levels:
+        for ends in (points, room(), NO_POINTS):
+            counts = np.full((1, 2), -1, np.int32)
+            count_near_hits(level.cells, level.corner, 1.0 / level.resolution, ends, pose[None], counts)
+            (known, hits), = counts  # fmt: skip
+            assert 0 <= hits <= known <= len(ends)
+            assert known == 0 or kind != "empty"
 
 
 @given(

@@ -21,6 +21,7 @@ from hectorscope.run.settings import Settings
 from slam_core.config import SlamConfig, with_value
 from slam_core.kernels.range_noise import BANDS, learn_noise
 from slam_core.kernels.straight_walls import smooth
+from slam_core.localization.along_walls import best_along
 from slam_core.localization.dynamic_beams import foreground
 from slam_core.localization.few_beams import confirmed
 from slam_core.localization.placements import KeptScan, Placements, Usual
@@ -28,13 +29,14 @@ from slam_core.localization.prior_map import PriorMap, saved_levels
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.landscape import costs
+from slam_core.matching.matcher import coarse_to_fine
 from slam_core.measurements import GroundDistance, Height, Imu, LaserScan, Measurement, Odometry
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import ACCEPTED, PlanarGaussian
 from slam_core.scan.stabilise import directions, stabilise
 
 FIRST = 55  # functions of ours that the first scan has compiled, with those that they call
-ALL = 134  # that every kernel has
+ALL = 135  # that every kernel has
 # Objects made before the collector looks for cycles among them: a step makes many, and no cycle.
 GARBAGE = 20_000
 PERIOD_S = 0.25
@@ -265,6 +267,8 @@ def _everything(inertial: bool) -> None:
         costs(inside, np.zeros((1, 2), np.float32), np.zeros((1, 3)))
         foreground(np.zeros((1, 2), np.float32))
         confirmed(pipeline.slam.map, placed.points, np.zeros(3))
+        match = coarse_to_fine(pipeline.slam.map, placed.points, np.zeros(3), config.matcher)
+        best_along(pipeline.slam.map, placed.points, match, PlanarGaussian(np.zeros(3), np.eye(3)))
         prior_map = PriorMap("the room", saved_levels(pipeline.slam.map))  # the second run seeks its place there
 
 

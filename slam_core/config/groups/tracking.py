@@ -44,8 +44,9 @@ class TrackingConfig:
     keep_speed: Annotated[
         bool,
         Param(
-            "Without an IMU and wheels: where few beams fix a direction, and matches scatter along it by more than"
-            " a robot accelerates, leave it to the mean speed before."
+            "Without an IMU and wheels: where few beams fix a direction, match a scan where most of its beams fit"
+            " along it. If these do not tell, and matches scatter by more than a robot accelerates, leave it to"
+            " the mean speed before."
         ),
     ] = True
     search_distance: Annotated[float, Param("Largest translation that the search covers.", "m", 0.1, 5.0)] = 2.0

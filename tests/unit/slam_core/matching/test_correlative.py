@@ -5,6 +5,7 @@ import pytest
 
 from slam_core import geometry
 from slam_core.config import MapConfig, SlamConfig
+from slam_core.kernels.correlative import count_near_hits
 from slam_core.mapping.grid import GridLevel
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.matching.correlative import find_pose, pool
@@ -69,3 +70,18 @@ def test_pooling_takes_the_largest_neighbour():
     padded = np.pad(cells, 1)
     shifted = [padded[dy : dy + 9, dx : dx + 12] for dy in range(3) for dx in range(3)]
     np.testing.assert_array_equal(pool(cells), np.max(shifted, axis=0))
+
+
+def test_a_wall_beside_the_border_of_its_cells_is_hit(room):
+    """An end hits if one of the four nearest cells is occupied; it misses if none is, and all are known."""
+    level, rng = room.levels[0], np.random.default_rng(2)
+    points, poses = level_scan(np.zeros(3)).points, rng.uniform(-0.3, 0.3, (5, 3))
+    counts = np.empty((len(poses), 2), np.int32)
+    count_near_hits(level.cells, level.corner, 1.0 / level.resolution, points, poses, counts)
+    for pose, (known, hits) in zip(poses, counts, strict=True):
+        ends = geometry.transform_points(pose, points).T
+        u, v = np.floor(ends / level.resolution - 0.5).astype(int) - level.corner[:, None]
+        four = np.stack([level.log_odds[v + j, u + i] for j in (0, 1) for i in (0, 1)])
+        hit = (four > 0).any(axis=0)
+        assert hits == hit.sum()
+        assert known == (hit | (four != 0).all(axis=0)).sum()
