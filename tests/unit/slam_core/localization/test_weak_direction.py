@@ -54,6 +54,19 @@ def test_matches_that_scatter_where_few_beams_fix_the_way():
     assert not weak.held
 
 
+def test_a_released_direction_is_held_when_matches_scatter_anew():
+    """Not by the scatter before: five scans later at least."""
+    weak, scan = WeakDirection(), 20
+    followed(weak, [0.0] * 20, FIRM)
+    while not weak.held:
+        followed(weak, [TO_AND_FRO[scan % 2]], begin=scan)
+        scan += 1
+    weak.release()
+    assert not weak.held
+    (again,) = followed(weak, offsets(20, TO_AND_FRO[:: 1 if scan % 2 == 0 else -1]), begin=scan)
+    assert again - scan >= 5
+
+
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
 def test_the_sign_of_an_axis_turns_no_speed_round(direction):
     """The velocity that is kept stays the same along an axis whose sign may change from one match to the next."""
