@@ -102,23 +102,23 @@ class ScanMatching:
         Where these do not tell either, matches that scatter leave the direction to the mean speed before. Returns
         the settings and the prediction to go on with as well.
         """
-        weak, motion, predicted, plain = self.weak_direction, self._motion, stabilised, config
-        config = weak.configured(config)
+        weak, motion, predicted = self.weak_direction, self._motion, stabilised
+        applied = weak.configured(config)
         if weak.held:
             prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
-        stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
+        stabilised, match = self.align(scan, predicted, start(prior, applied), prior, applied)
         begins = weak.begins(match, scan.mid_ns, lapse_ns)
-        if weak.held and self._is_seen_along(stabilised, match, prior):
+        told = weak.held and self._is_seen_along(stabilised, match, prior)
+        if told:
             weak.release()
-            config = plain
-            stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
         elif begins:
             prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
-            config = weak.configured(config)
-            stabilised, match = self.align(scan, predicted, start(prior, config), prior, config)
+        if told or begins:
+            applied = weak.configured(config)
+            stabilised, match = self.align(scan, predicted, start(prior, applied), prior, applied)
         if match.is_badly_fixed:
-            stabilised, match = self._moved_along(scan, predicted, (stabilised, match), prior, config)
-        return config, prior, stabilised, match
+            stabilised, match = self._moved_along(scan, predicted, (stabilised, match), prior, applied)
+        return applied, prior, stabilised, match
 
     def _is_seen_along(self, scan: StabilisedScan, match: MatchResult, prior: PlanarGaussian) -> bool:
         """Whether a scan fits in one place alone along a direction that is held."""
