@@ -50,11 +50,13 @@ class Along(NamedTuple):
 
 
 def best_along(pyramid: Pyramid, points: Float32s, match: MatchResult, prior: PlanarGaussian) -> Along | None:
-    """The best places along the direction that the shape of a scan fixes worst; None if these tell nothing.
+    """The best places along a direction that few beams fix; None if there is none, or if these tell nothing.
 
     points: (n, 2) endpoints in the stabilised frame, metres. What counts is the beams that miss, and half the
     square of the way in sigmas of the prediction.
     """
+    if not match.is_badly_fixed:
+        return None
     direction = match.unobservable if match.unobservable.any() else _worst(points, match.pose)
     sigma = math.sqrt(max(float(direction @ prior.covariance[:2, :2] @ direction), 1e-12))
     count = round((min(max(SIGMAS * sigma, NEAREST), FARTHEST) + BESIDE) / STEP)

@@ -108,7 +108,8 @@ class ScanMatching:
             prior = motion.keep_speed(scan.mid_ns, weak.direction, weak.speed)
         stabilised, match = self.align(scan, predicted, start(prior, applied), prior, applied)
         begins = weak.begins(match, scan.mid_ns, lapse_ns)
-        told = weak.held and self._is_seen_along(stabilised, match, prior)
+        along = best_along(self._pyramid, stabilised.points, match, prior)
+        told = weak.held and along is not None and along.is_observed
         if told:
             weak.release()
         elif begins:
@@ -116,28 +117,13 @@ class ScanMatching:
         if told or begins:
             applied = weak.configured(config)
             stabilised, match = self.align(scan, predicted, start(prior, applied), prior, applied)
-        if match.is_badly_fixed:
-            stabilised, match = self._moved_along(scan, predicted, (stabilised, match), prior, applied)
+            along = best_along(self._pyramid, stabilised.points, match, prior)
+        if along is not None and (match.unobservable.any() or along.is_better):
+            place = match.pose.copy()
+            place[:2] += along.offset
+            stabilised, match = self.align(scan, predicted, place, prior, few_as_none(applied))
+            match = measured(match, along)
         return applied, prior, stabilised, match
-
-    def _is_seen_along(self, scan: StabilisedScan, match: MatchResult, prior: PlanarGaussian) -> bool:
-        """Whether a scan fits in one place alone along a direction that is held."""
-        along = best_along(self._pyramid, scan.points, match, prior)
-        return along is not None and along.is_observed
-
-    def _moved_along(
-        self, scan: LaserScan, predicted: StabilisedScan, aligned: tuple[StabilisedScan, MatchResult],
-        prior: PlanarGaussian, config: SlamConfig,
-    ) -> tuple[StabilisedScan, MatchResult]:  # fmt: skip
-        """A scan matched where most of its beams fit along a direction that few fix, if that tells more."""
-        stabilised, match = aligned
-        along = best_along(self._pyramid, stabilised.points, match, prior)
-        if along is None or not (match.unobservable.any() or along.is_better):
-            return aligned
-        start = match.pose.copy()
-        start[:2] += along.offset
-        placed, other = self.align(scan, predicted, start, prior, few_as_none(config))
-        return placed, measured(other, along)
 
     def _driven(
         self, scan: LaserScan, predicted: StabilisedScan, start: Start, prior: PlanarGaussian, config: SlamConfig

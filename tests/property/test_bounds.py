@@ -123,10 +123,14 @@ def test_matching_stays_within_the_map(kind, points, start, prior):
     surfel_equations(level, xs, ys, start)
 
 
-@settings(max_examples=20, derandomize=True)
-@given(MAPS, ENDS, POSES)
-@example("room", room(), ORIGIN)
-@example("room", np.array([[math.nan, 1.0]], np.float32), np.array([math.nan] * 3))
+def wherever(test):
+    """A test of a kind of map, some endpoints and a pose."""
+    test = example("room", np.array([[math.nan, 1.0]], np.float32), np.array([math.nan] * 3))(test)
+    test = example("room", room(), ORIGIN)(test)
+    return settings(max_examples=20, derandomize=True)(given(MAPS, ENDS, POSES)(test))
+
+
+@wherever
 def test_what_the_map_confirms_is_a_share_of_the_beams(kind, points, pose):
     """At any pose, of any endpoints; nothing without a map."""
     pyramid, _ = made(kind)
@@ -136,10 +140,7 @@ def test_what_the_map_confirms_is_a_share_of_the_beams(kind, points, pose):
         assert share == 0.0 or (kind != "empty" and len(ends) > 0)
 
 
-@settings(max_examples=20, derandomize=True)
-@given(MAPS, ENDS, POSES)
-@example("room", room(), ORIGIN)
-@example("room", np.array([[math.nan, 1.0]], np.float32), np.array([math.nan] * 3))
+@wherever
 def test_counted_ends_are_those_of_the_scan(kind, points, pose):
     """At any pose there are no more known than ends, no more hits than known, and none without a map."""
     pyramid, _ = made(kind)
