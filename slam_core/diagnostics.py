@@ -21,7 +21,7 @@ Code = Literal[
     "imu_clock_set_ahead",
     "imu_implausible",  # values that are not finite or out of any sensor's range
     "imu_repeats",  # the same sample again and again, of a sensor with noise
-    "imu_spikes",  # single samples far from those on both sides
+    "imu_spikes",  # samples far from those on both sides
     "imu_shaken",  # it leaps, and the next samples follow
     "no_beam_in_range",
     "scans_repeated",

@@ -7,7 +7,18 @@ import numpy as np
 
 from benchmarks.strays import astray
 from hectorscope.inputs import Item
-from slam_core.measurements import Float32s, Float64s, GpsPosition, Height, Imu, LaserScan, Odometry
+from slam_core import geometry
+from slam_core.measurements import (
+    Float32s,
+    Float64s,
+    GpsPosition,
+    Height,
+    Imu,
+    LaserScan,
+    Odometry,
+    Transform,
+    TruthPose,
+)
 
 Fault = Callable[[Sequence[Item], int], list[Item]]
 """The items of a drive, damaged; the seed draws the noise."""
@@ -20,6 +31,7 @@ HAND = 0.4  # metres before the laser
 WILD = 5.0, 30.0  # rad/s, m/s²: one sigma of a spike of an IMU
 # The specific force (m/s²) of a base that is hit, from sample to sample, and the most that its IMU measures.
 HIT, TWO_G = (40.0, 40.0, -16.0, -16.0, -16.0, -16.0, -16.0), 19.6
+IMU_S = 0.01  # from one inertial sample of a simulation to the next
 SHAKEN = 2.0  # rad/s, one sigma of its turns at first; it turns back as well
 AROUND, AWAY, BODY = 4.2, 0.7, 0.25  # radians of the field that people stand in, metres to them, their radius
 
@@ -287,6 +299,47 @@ def hit(every: float) -> Fault:
         return changed(items, shake)
 
     return fault
+
+
+def knocked(every: float, degrees: float, seconds: float = 0.02) -> Fault:
+    """About so often (s) the base is turned about its laser, to and fro, within so many seconds."""
+
+    def fault(items: Sequence[Item], seed: int) -> list[Item]:
+        rng, lasts = np.random.default_rng([seed, 28]), 1e-9 * (items[-1].stamp_ns - items[0].stamp_ns)
+        at = LATER + np.cumsum(every * rng.uniform(0.5, 1.5, 2 * round(lasts / every)))
+        times = np.column_stack([at, at + seconds]).ravel()
+        turns = np.radians(degrees) * np.resize([0.0, 1.0, 1.0, 0.0], len(times))
+        mount = next(item.T_base_laser.translation for item in items if isinstance(item, LaserScan))
+
+        def knock(t: float, item: Item) -> Item:
+            before, turn, after = np.interp([t - 0.5 * IMU_S, t, t + 0.5 * IMU_S], times, turns)
+            if isinstance(item, Imu):
+                return _moved(_turned(item, turn), np.array([0.0, 0.0, (after - before) / IMU_S, 0.0, 0.0, 0.0]))
+            if isinstance(item, LaserScan):
+                return replace(item, ranges=_shifted(item.ranges, round(turn / item.angle_increment)))
+            if isinstance(item, TruthPose):
+                turned = geometry.yaw_quaternion(turn)
+                about = Transform(mount - geometry.rotate(turned, mount), turned)
+                return replace(item, T_map_base=geometry.chain(item.T_map_base, about))
+            return item
+
+        return changed(items, knock)
+
+    return fault
+
+
+def _turned(imu: Imu, turn: float) -> Imu:
+    """A sample in axes that are turned to the left by so many radians."""
+    values, back = (imu.angular_velocity, imu.linear_acceleration), geometry.yaw_quaternion(-turn)
+    rates, forces = (geometry.rotate(back, each) for each in values)
+    return replace(imu, angular_velocity=rates, linear_acceleration=forces)
+
+
+def _shifted(ranges: Float32s, beams: int) -> Float32s:
+    """Ranges of a laser that is turned to the left by so many beams; what it did not see there has no return."""
+    unseen = np.full(abs(beams), np.inf, np.float32)
+    padded = np.concatenate([ranges, unseen]) if beams > 0 else np.concatenate([unseen, ranges])
+    return padded[-len(ranges) :] if beams > 0 else padded[: len(ranges)]
 
 
 def _moved(imu: Imu, off: Float64s) -> Imu:

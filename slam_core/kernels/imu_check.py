@@ -35,18 +35,19 @@ OFF, SHAKEN_TIME, FORGOTTEN = (0.5, 1.0), 0.02, 0.1
 
 @njit(cache=True, error_model="numpy")
 def check(
-    rate: Float64s, force: Float64s, dt: float, gyro_range: float, memory: Float64s, sample: Float64s
+    rate: Float64s, force: Float64s, dt: float, gyro_range: float, hit: float, memory: Float64s, sample: Float64s
 ) -> int:
     """What a sample is. rate, force: (3,), which `sample` (8,) takes as those in `ImuBuffer`.
 
-    dt: seconds since the last one. gyro_range: rad/s, 0 if not known. memory: (6, 4), of each axis the last
-    rate, how often it came, its largest size, and the last force; then how often this sample came, how many were
-    told apart, and whether the sensor has no noise; the leaps are those that are not yet forgotten.
+    dt: seconds since the last one. gyro_range: rad/s, 0 if not known. hit: rad/s by which the base may have
+    turned besides since the last one. memory: (6, 4), of each axis the last rate, how often it came, its largest
+    size, and the last force; then how often this sample came, how many were told apart, and whether the sensor has
+    no noise; the leaps are those that are not yet forgotten.
     """
     sample[:3], sample[3:6] = rate, force
     if not is_possible(sample):
         return BROKEN
-    shaken = _is_shaken(sample, memory, dt)
+    shaken = _is_shaken(sample, memory, dt, hit)
     clipped, same, turns = False, True, False
     for i in range(3):
         same &= rate[i] == memory[i, 0] and force[i] == memory[i, 3]
@@ -79,7 +80,7 @@ def _sent_again(same, seen):
 
 
 @njit(**INNER)
-def _is_shaken(sample: Float64s, memory: Float64s, dt: float) -> bool:
+def _is_shaken(sample: Float64s, memory: Float64s, dt: float, hit: float) -> bool:
     """Whether a sample leaps from the last one, or one did shortly before; it takes the noise of that.
 
     A base that is hit moves between two samples as neither shows, and its sensors ring or are clipped.
@@ -93,6 +94,8 @@ def _is_shaken(sample: Float64s, memory: Float64s, dt: float) -> bool:
             leap *= math.exp(-dt / SHAKEN_TIME)
         if is_leap(step, usual, group, dt):
             leap = max(leap, step)
+        if group == 0:
+            leap = max(leap, hit)
         learn(step, usual)
         usual[2] = leap if leap > least else 0.0
         shaken |= leap > least

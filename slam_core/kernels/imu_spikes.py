@@ -1,47 +1,37 @@
-"""Whether an inertial sample is a spike, which only the next one tells; samples and memory as in `.imu_check`."""
+"""Whether inertial samples are a spike, which only the next ones tell; samples and memory as in `.imu_check`."""
 
 import numpy as np
 from numba import njit
 
-from slam_core.kernels.imu_check import is_leap, is_possible, learn, step_of
+from slam_core.kernels.imu_check import TIMES, is_leap, is_possible, learn, step_of
 from slam_core.measurements import Float64s
 
-PASSED, WAITS, FOLLOWED, WAS_SPIKE = 0, 1, 2, 4
+PASSED, WAITS, FOLLOWED, WERE_SPIKE = range(4)
+LONGEST, MOST_WAITING = 0.045, 100  # seconds and samples of a spike
 
 
 @njit(cache=True, error_model="numpy")
-def spike(rate: Float64s, force: Float64s, dt: float, memory: Float64s) -> int:
-    """Whether a sample, (3,) and (3,), may be a spike and WAITS for the next one, or has PASSED.
+def spike(rate: Float64s, force: Float64s, dt: float, waiting: int, memory: Float64s) -> int:
+    """Whether a sample, (3,) and (3,), may be of a spike and WAITS for the next ones, or has PASSED.
 
-    Added is what this one tells of the one that waited: FOLLOWED, or WAS_SPIKE. dt: seconds since the last
-    that passed, 0 if that tells nothing of this one. memory: (5, 6), the last that passed, the one that waits,
-    and the last of all; the leaps are whether the rates and the forces of the one that waits leap.
+    Or what it tells of those that wait: they are FOLLOWED, or WERE_SPIKE. dt: seconds since the last that
+    passed, 0 if that tells nothing of this one. waiting: how many wait. memory: (4, 6), the last that passed,
+    the last of all, and two rows `usual`.
     """
-    passed, waiting, last = memory[0], memory[1], memory[2]
-    verdict, sample = PASSED, np.empty(6)
+    passed, last, sample = memory[0], memory[1], np.empty(6)
     sample[:3], sample[3:] = rate, force
-    possible = is_possible(sample)  # else `check` drops it
-    if memory[3, 2] > 0.0 or memory[4, 2] > 0.0:
-        back = possible and dt > 0.0
+    possible, leaps, as_before = is_possible(sample), False, True
+    if possible:  # else `check` drops it
         for group in range(2):
-            nearer = step_of(sample, passed, group) < step_of(sample, waiting, group)
-            back &= nearer or memory[3 + group, 2] == 0.0
-        verdict = WAS_SPIKE if back else FOLLOWED
-        if not back:
-            passed[:] = waiting
-    if not possible:
-        memory[3:, 2] = 0.0
-        return verdict
-    waits = False
-    for group in range(2):
-        usual = memory[3 + group]
-        leaps = dt > 0.0 and is_leap(step_of(sample, passed, group), usual, group, dt)
-        learn(step_of(sample, last, group), usual)
-        usual[2] = leaps
-        waits |= leaps
-    last[:] = sample
-    if waits:
-        waiting[:] = sample
-        return verdict | WAITS
-    passed[:] = sample
-    return verdict
+            step, usual = step_of(sample, passed, group), memory[2 + group]
+            leaps |= is_leap(step, usual, group, dt)
+            as_before &= step <= TIMES * usual[0]
+            learn(step_of(sample, last, group), usual)
+        last[:] = sample
+    compared = possible and dt > 0.0
+    if compared and leaps and (not waiting or (dt < LONGEST and waiting < MOST_WAITING)):
+        return WAITS
+    passed[:] = last
+    if not waiting:
+        return PASSED
+    return WERE_SPIKE if compared and as_before else FOLLOWED  # a base that is hit does not move as before at once

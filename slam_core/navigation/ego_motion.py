@@ -170,7 +170,7 @@ class EgoMotion:
         """Inertial data to the filter; while that cannot begin, only the yaw rate is used."""
         self._has_imu = True
         for sample in self._spikes.admit(imu):
-            self._filter.predict(sample)
+            self._filter.predict(sample, self._spikes.hit)
             self._aids.add_imu(sample, self._filter, self._config.aiding)
             if self._filter.weightless:
                 self._take_planar(self._waiting.push(sample))

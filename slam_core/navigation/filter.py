@@ -111,9 +111,12 @@ class NavigationFilter:
         """The estimate at an instant projected on the plane."""
         return projected(self.at(time_ns))
 
-    def predict(self, imu: Imu) -> None:
-        """Eqs. (1)-(3) up to a sample; one that is broken, sent again or late is counted and dropped."""
-        sample, fault = self._imu_check.check(imu, self._config)
+    def predict(self, imu: Imu, hit: float = 0.0) -> None:
+        """Eqs. (1)-(3) up to a sample; one that is broken, sent again or late is counted and dropped.
+
+        hit: rad/s by which the base may have turned besides, just before.
+        """
+        sample, fault = self._imu_check.check(imu, self._config, hit)
         if fault:
             self.counts[fault] += 1
         if sample is None:

@@ -29,14 +29,14 @@ class ImuCheck:
         self._last_ns = 0
         self._behind: tuple[int, int] | None = None
 
-    def check(self, imu: Imu, config: NavigationConfig) -> tuple[Float64s | None, str]:
+    def check(self, imu: Imu, config: NavigationConfig, hit: float = 0.0) -> tuple[Float64s | None, str]:
         """The sample as in `ImuBuffer` (None if it tells nothing), and what is wrong with it (empty if nothing).
 
-        It holds until the next one is checked.
+        It holds until the next one is checked. hit: rad/s by which the base may have turned besides, just before.
         """
         dt = min(max(imu.stamp_ns - self._last_ns, 0), MAX_GAP_NS) * 1e-9
         rate, force = imu.angular_velocity, imu.linear_acceleration
-        found = check(rate, force, dt, config.gyro_range, self._memory, self._sample)
+        found = check(rate, force, dt, config.gyro_range, hit, self._memory, self._sample)
         if found != BROKEN:
             self._last_ns = imu.stamp_ns
         return self._sample if found not in UNUSABLE else None, FAULTS.get(found, "")

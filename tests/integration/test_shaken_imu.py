@@ -13,7 +13,9 @@ VARIANTS = 1, 2
     ("case", "metres"),
     [
         ("rooms, 1 of 200 IMU samples a spike", 0.005),
-        ("people, IMU with spikes of 2 samples", 0.2),
+        ("people, IMU with spikes of 2 samples", 0.01),
+        ("littoral, IMU with spikes of 3 samples", 0.03),
+        ("handheld, knocked round every 2 s", 0.01),
         ("people, hit every 2 s, IMU of 2 g", 0.02),
         ("handheld, hit every 2 s, IMU of 2 g", 0.02),
     ],
@@ -26,14 +28,16 @@ def test_a_robot_is_not_led_astray_by_samples_that_leap(case: str, metres: float
 
 
 def test_a_match_is_compared_with_a_search_where_the_heading_is_unsure() -> None:
-    """Among reeds, where few beams fit: without the comparison this drive is metres off."""
-    assert outcomes("littoral, IMU with spikes of 2 samples", [1], {})[0].error < 0.5
+    """Among reeds, where few beams fit: without the comparison these drives are up to 0.3 m off."""
+    found = outcomes("littoral, hit every 2 s, IMU of 2 g", [24, 38], {})
+    assert max(each.error for each in found) < 0.15
 
 
 @pytest.mark.parametrize(
     ("case", "code", "reason"),
     [
         ("rooms, 1 of 200 IMU samples a spike", "imu_spikes", SPIKE),
+        ("rooms, IMU with spikes of 3 samples", "imu_spikes", SPIKE),
         ("rooms, hit every 2 s, IMU of 2 g", "imu_shaken", AFTER_LEAP),
     ],
 )

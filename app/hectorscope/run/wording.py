@@ -23,7 +23,7 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "imu_implausible": "the IMU sends values that are not finite or not plausible: they are left out; check its"
     " driver",
     "imu_repeats": "the IMU sends the same values again: they are left out; check its driver and its link",
-    "imu_spikes": "single values of the IMU leap away and back: they are left out; check its cable and its link",
+    "imu_spikes": "values of the IMU leap away and back: they are left out; check its cable and its link",
     "imu_shaken": "values of the IMU leap: for a moment they count less; check how it is mounted, and its link",
     "no_beam_in_range": "scans come without a beam in range: the pose is predicted without them; check the laser",
     "scans_repeated": "the laser sends the same scan again while the robot moves: such scans are left out; check"
