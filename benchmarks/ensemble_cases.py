@@ -12,18 +12,14 @@ from benchmarks.additions.faults import (
     covered,
     crowded,
     ending,
-    hit,
     interrupted,
-    knocked,
     noisy,
     repeated,
     seen_within,
-    slipping,
-    spiked,
-    spinning,
-    stuck,
     unechoed,
 )
+from benchmarks.additions.imu_faults import hit, knocked, spiked
+from benchmarks.additions.wheel_faults import slipping, spinning, stuck
 from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
 from benchmarks.circuits import Shape, circuit
 from hectorscope.inputs import Item, SourceOptions

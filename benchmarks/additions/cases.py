@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.additions import faults
+from benchmarks.additions import faults, wheel_faults
 from benchmarks.additions.faults import Fault
 from benchmarks.cases import DEMOS, DRIVES, LOST_M, REAL, Recording, present
 from benchmarks.turned import angle_of, turned
@@ -180,7 +180,10 @@ def _faults() -> Iterator[Case]:
             replace(case, name=name, base="faults")
             for case in _pair(name, faulty(rooms, fault), IMU, family="faults", figure="end")
         )
-    for name, fault in (("wild wheels", faults.wild_wheels), ("spinning wheels", faults.spinning_wheels)):
+    for name, fault in (
+        ("wild wheels", wheel_faults.wild_wheels),
+        ("spinning wheels", wheel_faults.spinning_wheels),
+    ):
         wheels, alone = faulty(wheeled(rooms), fault), faulty(wheeled(bare(rooms)), fault)
         yield Case("faults", name, wheels, tags=WHEELED | {"gates"}, base="faults")
         yield Case("faults without IMU", name, alone, tags=BARE_WHEELED, base="faults")

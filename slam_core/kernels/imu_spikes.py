@@ -6,7 +6,7 @@ from numba import njit
 from slam_core.kernels.imu_check import TIMES, is_leap, is_possible, learn, step_of
 from slam_core.measurements import Float64s
 
-PASSED, WAITS, FOLLOWED, WERE_SPIKE = range(4)
+PASSED, WAITS, WERE_SPIKE = range(3)
 LONGEST, MOST_WAITING = 0.045, 100  # seconds and samples of a spike
 
 
@@ -14,9 +14,9 @@ LONGEST, MOST_WAITING = 0.045, 100  # seconds and samples of a spike
 def spike(rate: Float64s, force: Float64s, dt: float, waiting: int, memory: Float64s) -> int:
     """Whether a sample, (3,) and (3,), may be of a spike and WAITS for the next ones, or has PASSED.
 
-    Or what it tells of those that wait: they are FOLLOWED, or WERE_SPIKE. dt: seconds since the last that
-    passed, 0 if that tells nothing of this one. waiting: how many wait. memory: (4, 6), the last that passed,
-    the last of all, and two rows `usual`.
+    Those that wait pass with it, unless it tells that they WERE_SPIKE. dt: seconds since the last that passed, 0
+    if that tells nothing of this one. waiting: how many wait. memory: (4, 6), the last that passed, the last of
+    all, and two rows `usual`.
     """
     passed, last, sample = memory[0], memory[1], np.empty(6)
     sample[:3], sample[3:] = rate, force
@@ -32,6 +32,5 @@ def spike(rate: Float64s, force: Float64s, dt: float, waiting: int, memory: Floa
     if compared and leaps and (not waiting or (dt < LONGEST and waiting < MOST_WAITING)):
         return WAITS
     passed[:] = last
-    if not waiting:
-        return PASSED
-    return WERE_SPIKE if compared and as_before else FOLLOWED  # a base that is hit does not move as before at once
+    # A base that is hit does not move as before at once.
+    return WERE_SPIKE if waiting and compared and as_before else PASSED

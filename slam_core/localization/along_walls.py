@@ -22,9 +22,8 @@ STEP = 0.05  # metres between the places that are compared
 # As far off as so many sigmas of the prediction, but between these limits in metres.
 SIGMAS, NEAREST, FARTHEST = 3.0, 0.3, 1.0
 UNKNOWN = 0.2  # of a miss counts an end on an unknown cell: where it is right it will be a hit, mostly
-KNOWN = (
-    0.9  # of the ends at least lie on known cells of the best places; else the weight of an unknown one decides
-)
+# So many of the ends lie on known cells of the best places; else the weight of an unknown one decides.
+KNOWN = 0.9
 SAME = 1.0  # miss more or less is no difference between two places
 # A place is better than another if this has so many times its misses, and so many more.
 TIMES, ENOUGH = 1.5, 8.0

@@ -29,7 +29,7 @@ class ImuCheck:
         self._last_ns = 0
         self._behind: tuple[int, int] | None = None
 
-    def check(self, imu: Imu, config: NavigationConfig, hit: float = 0.0) -> tuple[Float64s | None, str]:
+    def check(self, imu: Imu, config: NavigationConfig, hit: float) -> tuple[Float64s | None, str]:
         """The sample as in `ImuBuffer` (None if it tells nothing), and what is wrong with it (empty if nothing).
 
         It holds until the next one is checked. hit: rad/s by which the base may have turned besides, just before.

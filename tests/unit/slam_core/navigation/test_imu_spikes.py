@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from slam_core.kernels.imu_spikes import MOST_WAITING
+from slam_core.kernels.imu_spikes import LONGEST, MOST_WAITING
 from slam_core.measurements import Float64s, Imu
 from slam_core.navigation.filter import NavigationFilter, projected
 from slam_core.navigation.imu_check import AFTER_LEAP
@@ -107,6 +107,8 @@ def test_nothing_is_held_for_long_used_twice_or_lost_uncounted(drawn: list[tuple
     order = [next(k for k, each in enumerate(samples) if each is imu) for imu in used]
     waiting = len(samples) - len(used) - counts[SPIKE]
     assert len(set(order)) == len(order) and waiting >= 0
+    held = samples[len(samples) - waiting :]
+    assert all(each.stamp_ns - used[-1].stamp_ns < 1e9 * LONGEST for each in held[1:])
     possible = [k for k in order if abs(samples[k].angular_velocity[0]) < 200.0]
     assert possible == sorted(possible)
     later = spikes.admit(Imu(stamp_ns + 2 * NEAR_NS, np.zeros(3), np.zeros(3)))
