@@ -9,6 +9,7 @@ SHOWN_NS = 5_000_000_000  # a diagnostic that no longer holds is reported for th
 NO_BEAM = "scan without a beam in range"
 NO_ATTITUDE = "scan before the attitude was known"
 REPEATED = "scan that repeats the one before while the robot moves"
+TOO_LATE = "scan older than the state buffer (navigation.history)"
 NOT_LOCALISED = "scan before the robot was found in the map"
 
 Code = Literal[
@@ -25,6 +26,8 @@ Code = Literal[
     "imu_shaken",  # it leaps, and the next samples follow
     "no_beam_in_range",
     "scans_repeated",
+    "scans_too_late",  # older than the state buffer reaches back
+    "scans_together",  # several at once after a pause, stamped on arrival
     "wheels_slip",  # they stop or spin as no base does, or scans contradict them
     "height_unknown",  # nothing measures the height of a platform that stays level
     "aid_implausible",  # source: which one, as in AidingStatus

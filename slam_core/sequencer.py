@@ -1,5 +1,7 @@
 """Puts measurements in the order in which they can be used: a scan waits until inertial data covers its sweep."""
 
+from slam_core.batches import Batches
+from slam_core.diagnostics import Diagnostic
 from slam_core.measurements import Attitude, Imu, LaserScan, Measurement
 
 # A scan waits no longer than this, in time of the recording, for inertial data that does not come.
@@ -11,10 +13,12 @@ TURNS = (Imu, Attitude)  # what measures how the robot turned during a sweep
 class Sequencer:
     """Inertial data passes at once; scans wait for it, in their order, while it is flowing.
 
-    At the start every scan waits, since inertial data may be about to begin.
+    At the start every scan waits, since inertial data may be about to begin. Scans that came together wait, too,
+    until their times are known.
     """
 
     def __init__(self) -> None:
+        self._batches = Batches()
         self._waiting: list[LaserScan] = []
         self._covered_ns: int | None = None
         self._newest_ns = 0
@@ -23,10 +27,9 @@ class Sequencer:
     def push(self, measurement: Measurement) -> list[Measurement]:
         """The measurements that may be processed now that `measurement` has arrived, in order."""
         if isinstance(measurement, LaserScan):
-            self._waiting.append(measurement)
-            set_back = measurement.stamp_ns < self._newest_ns - PATIENCE_NS
-            self._newest_ns = measurement.stamp_ns if set_back else max(self._newest_ns, measurement.stamp_ns)
+            self._wait(self._batches.push(measurement))
             return self._ready()
+        self._wait(self._batches.pass_time(measurement.stamp_ns))
         if isinstance(measurement, TURNS):
             self._covered_ns = measurement.stamp_ns
             self._hopeful = True
@@ -34,8 +37,20 @@ class Sequencer:
 
     def flush(self) -> list[Measurement]:
         """What still waits, at the end of a recording."""
+        self._wait(self._batches.flush())
         ready, self._waiting = self._waiting, []
         return list(ready)
+
+    def diagnostics(self, time_ns: int) -> tuple[Diagnostic, ...]:
+        """What is wrong with the times of the scans at a time."""
+        return self._batches.diagnostics(time_ns)
+
+    def _wait(self, scans: list[LaserScan]) -> None:
+        """Scans whose times are known wait for inertial data."""
+        for scan in scans:
+            self._waiting.append(scan)
+            set_back = scan.stamp_ns < self._newest_ns - PATIENCE_NS
+            self._newest_ns = scan.stamp_ns if set_back else max(self._newest_ns, scan.stamp_ns)
 
     def _ready(self) -> list[Measurement]:
         ready: list[Measurement] = []

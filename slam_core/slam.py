@@ -37,8 +37,8 @@ class HectorSlam(SlamState):
         config, motion, time_ns = self.config, self._motion, scan.mid_ns
         self._scan_ns = scan.end_ns
         raw, scan = scan, self._smooth(scan, config.scan)
-        if motion.awaits_filter(scan, begun=self._scans > 0):
-            return self._skip(NO_ATTITUDE)
+        if reason := motion.refusal(scan, begun=self._scans > 0):
+            return self._skip(reason)
         motion.catch_up(time_ns)
         stabilised = self._stabilise(scan, motion.poses, config.scan)  # section IV
         if not len(stabilised.points):

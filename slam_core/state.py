@@ -101,7 +101,7 @@ class SlamState:
         """What is wrong at the time of the last scan."""
         limit = self.map.stopped_at
         full = (Diagnostic("map_limit", value=limit),) if limit else ()
-        return full + self._motion.diagnostics(self._scan_ns)
+        return full + self._sequencer.diagnostics(self._scan_ns) + self._motion.diagnostics(self._scan_ns)
 
     @property
     def status(self) -> Status:

@@ -7,7 +7,7 @@ import numpy as np
 
 from slam_core import geometry
 from slam_core.config import SlamConfig
-from slam_core.diagnostics import Diagnostic
+from slam_core.diagnostics import NO_ATTITUDE, TOO_LATE, Diagnostic
 from slam_core.kernels.imu_propagation import MAX_GAP_NS
 from slam_core.measurements import (
     Attitude,
@@ -183,6 +183,13 @@ class EgoMotion:
         else:
             self._aids.take(aid, self._filter, self._config.aiding)
 
+    def refusal(self, scan: LaserScan, *, begun: bool) -> str:
+        """Why a scan has to be skipped; empty if the motion is known at its time. begun: there were scans."""
+        if self.awaits_filter(scan, begun):
+            return NO_ATTITUDE
+        late = self.inertial and self._filter.begin_ns <= scan.mid_ns and not self.reaches(scan.mid_ns)
+        return TOO_LATE if late else ""
+
     def awaits_filter(self, scan: LaserScan, begun: bool) -> bool:
         """Switch to the filter once it is ready. Whether a scan has to be skipped until then, as the first one.
 
@@ -237,7 +244,7 @@ class EgoMotion:
 
     def reaches(self, time_ns: int) -> bool:
         """Whether the state buffer reaches back to a time."""
-        return not self.inertial or self._filter.at(time_ns).stamp_ns <= time_ns
+        return not self.inertial or self._filter.oldest_ns <= time_ns
 
     def reset_pose(self, time_ns: int, start: PlanarGaussian) -> None:
         """Continue at a pose in the map at a time, wherever the base was estimated before."""

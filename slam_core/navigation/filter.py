@@ -40,7 +40,7 @@ class NavigationFilter:
 
     ready: whether the filter has found its attitude; before that, corrections are counted and dropped. moves:
     somebody saw the base move before that. begins_in_motion: at its first estimate. begin_ns: of that one, by the
-    clock of now.
+    clock of now, or of the one with which it went on from the planar model.
     """
 
     def __init__(self, config: NavigationConfig, platform: PlatformConfig | None = None) -> None:
@@ -82,6 +82,11 @@ class NavigationFilter:
     def sample_ns(self) -> int:
         """Time of the newest inertial sample; it must be `ready`."""
         return self._started.sample_ns
+
+    @property
+    def oldest_ns(self) -> int:
+        """Time that the state buffer reaches back to; it must be `ready`."""
+        return self._started.oldest_ns
 
     @property
     def state(self) -> NavigationState:
@@ -147,6 +152,7 @@ class NavigationFilter:
     def begin_at(self, pose: PlanarGaussian) -> None:
         """Put the newest estimate at a planar pose of the planar model; it must be `ready`."""
         self._history = self._started.begun_at(pose)
+        self.begin_ns = self.oldest_ns
 
     def fuse_planar(
         self,

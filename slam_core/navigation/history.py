@@ -77,6 +77,11 @@ class History:
         return self._samples.last_ns
 
     @property
+    def oldest_ns(self) -> int:
+        """Time that it reaches back to."""
+        return self._estimates[0].stamp_ns
+
+    @property
     def newest_ns(self) -> int:
         """Time of the latest measurement of any kind."""
         return max(self.sample_ns, self._corrections[-1][0]) if self._corrections else self.sample_ns

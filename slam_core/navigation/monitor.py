@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from slam_core.diagnostics import NO_BEAM, REPEATED, Code, Diagnostic, Recent
+from slam_core.diagnostics import NO_BEAM, REPEATED, TOO_LATE, Code, Diagnostic, Recent
 from slam_core.navigation.filter import NavigationFilter
 from slam_core.navigation.gates import LEAST_STREAK
 from slam_core.navigation.imu_check import AFTER_LEAP, AT_RANGE, NO_NUMBER, SENT_AGAIN
@@ -26,6 +26,7 @@ COUNTED: Mapping[str, Code] = {
     AFTER_LEAP: "imu_shaken",
     NO_BEAM: "no_beam_in_range",
     REPEATED: "scans_repeated",
+    TOO_LATE: "scans_too_late",
     SLIPPED: "wheels_slip",
 }
 OF_SOURCE: Mapping[str, Code] = {UNUSABLE: "aid_implausible", TOO_OLD: "aid_too_late"}

@@ -13,7 +13,7 @@ from hectorscope.run.rows import GrowingRows, Rows
 from hectorscope.run.series import DURATIONS, SERIES_FIELDS, series_row
 from hectorscope.run.settings import Mode, Settings
 from hectorscope.run.wording import arrival_text, diagnostic_text, moved_text, search_text, start_text
-from slam_core.diagnostics import NO_ATTITUDE
+from slam_core.diagnostics import NO_ATTITUDE, Diagnostic
 from slam_core.evaluation.trajectory import Trajectory, first_on_first, interpolate
 from slam_core.localization.prior_map import PriorMap
 from slam_core.measurements import Imu, LaserScan, Measurement, Transform, TruthPose
@@ -105,12 +105,16 @@ class Pipeline:
     def warnings(self) -> tuple[str, ...]:
         """What is wrong at this moment, a sentence each; `warned` keeps it with when it was first so."""
         wrong = (
-            *(diagnostic_text(fault, live=self._live) for fault in self.slam.diagnostics),
+            *(diagnostic_text(fault, live=self._live) for fault in self._diagnostics),
             *(arrival_text(fault, live=self._live) for fault in self._arrivals.faults),
         )
         for text in wrong:
             self.warned.setdefault(text, (self.time_ns, self.scans))
         return wrong
+
+    @property
+    def _diagnostics(self) -> tuple[Diagnostic, ...]:
+        return self.slam.diagnostics + self._sequencer.diagnostics(self.time_ns)
 
     @property
     def searching(self) -> str:

@@ -28,6 +28,10 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "no_beam_in_range": "scans come without a beam in range: the pose is predicted without them; check the laser",
     "scans_repeated": "the laser sends the same scan again while the robot moves: such scans are left out; check"
     " its driver and its link",
+    "scans_too_late": "scans come later than the state buffer reaches back: they are left out; {late}, or raise"
+    " navigation.history",
+    "scans_together": "scans came together after a pause, stamped on arrival: they are taken at a steady rate, the"
+    " last at its stamp; {late}",
     "wheels_slip": "the wheels slip, spin or are stuck: their velocity is left out until the scans agree with it;"
     " check the ground and the encoders",
     "height_unknown": "nothing measures the height, and the robot stayed level: set platform.planar if it drives"
@@ -39,8 +43,8 @@ DIAGNOSTICS: Mapping[Code, str] = {
     "aid_contradicts": "{source} contradicts the other sensors and is not used: check its frame, units and noise",
 }
 ARRIVALS: Mapping[str, str] = {
-    "late": "{source} come over 0.15 s after data of the same time: used at their own time, but shown late;"
-    " {late}",
+    "late": "{source} come over 0.15 s after data of the same time: used at their own time, if it is within"
+    " navigation.history, but shown late; {late}",
     "scans_stopped": "no scan came for over a second: the pose is predicted without the laser; {stopped}",
     "laser_clock_set": "the clock of the laser was set: the motion meanwhile is unknown; restart if the pose is"
     " wrong",

@@ -88,3 +88,30 @@ def test_scans_whose_stamps_do_not_count_time_wait_no_longer() -> None:
     sequencer = Sequencer()
     passed = [each for _ in range(2 * MOST_WAITING) for each in sequencer.push(scan(1.0))]
     assert len(passed) == MOST_WAITING
+
+
+def test_a_scan_after_a_pause_waits_for_what_may_come_with_it() -> None:
+    """Inertial data of a moment later shows that nothing does; at the end of a recording it waits no longer."""
+    s = Sequencer()
+    for t in range(0, 1000, 10):
+        s.push(imu(t))
+        if t % 50 == 0:
+            s.push(scan(t, sweep=0))
+    late = scan(1200, sweep=0)
+    assert s.push(late) == []
+    sample, after = imu(1205), imu(1215)
+    assert s.push(sample) == [sample]
+    assert s.push(after) == [after, late]
+    s.push(imu(1500)), s.push(scan(1500, sweep=0))
+    assert [each.stamp_ns for each in s.flush()] == [1500 * MS]
+
+
+def test_scans_that_came_together_get_their_own_times() -> None:
+    """In the order in which they came, the last one at its stamp; that is told."""
+    s = Sequencer()
+    for t in range(0, 1000, 50):
+        s.push(scan(t, sweep=0))
+    s.push(scan(1199, sweep=0))
+    s.push(scan(1200, sweep=0))
+    assert [each.stamp_ns for each in s.push(imu(1300))[1:]] == [1150 * MS, 1200 * MS]
+    assert [each.code for each in s.diagnostics(1300 * MS)] == ["scans_together"]

@@ -3,7 +3,8 @@
 import numpy as np
 
 from slam_core.config import SlamConfig
-from slam_core.measurements import Imu, Odometry
+from slam_core.diagnostics import TOO_LATE
+from slam_core.measurements import Imu, LaserScan, Odometry
 from slam_core.navigation.ego_motion import SETTLED, EgoMotion
 from slam_core.results import FEW, MatchResult
 
@@ -68,3 +69,27 @@ def test_after_a_gap_in_the_inertial_data_matches_have_to_show_the_speed():
     assert motion.knows_speed(now_ns)
     sampled(motion, now_ns + GAP_NS, now_ns + 2 * GAP_NS)
     assert not motion.knows_speed(now_ns + 2 * GAP_NS)
+
+
+def test_a_scan_is_refused_once_the_state_buffer_has_forgotten_its_time():
+    """None is that the buffer holds, or of before inertial data came, or without inertial data."""
+    motion = EgoMotion(SlamConfig())
+    scans = [LaserScan(k * GAP_NS, np.ones(9, np.float32), 0.0, 0.1) for k in range(-1, 9)]
+    assert not any(motion.refusal(scan, begun=True) for scan in scans)
+    sampled(motion, 0, 8 * GAP_NS)
+    motion.inertial = True
+    refused = [motion.refusal(scan, begun=True) for scan in scans]
+    assert set(refused[2:6]) == {TOO_LATE}
+    assert not any(refused[:2]) and not any(refused[8:])
+
+
+def test_the_scan_at_which_inertial_data_takes_over_is_not_refused():
+    """It was measured a moment before the newest sample, at which the filter goes on."""
+    motion = EgoMotion(SlamConfig())
+    for k in range(3):
+        assert not motion.refusal(LaserScan(k * MATCH_NS, np.ones(9, np.float32), 0.0, 0.1), begun=k > 0)
+        motion.correct(k * MATCH_NS, None, accepted=True)
+    sampled(motion, 0, GAP_NS)
+    scan = LaserScan(GAP_NS - MATCH_NS, np.ones(9, np.float32), 0.0, 0.1)
+    assert not motion.refusal(scan, begun=True)
+    assert motion.inertial
