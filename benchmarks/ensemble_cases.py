@@ -62,15 +62,18 @@ EARLY: tuple[tuple[float, ScenarioName, bool, float], ...] = (
     (7.0, "arena", True, 16.0),
     (5.0, "rooms", True, 10.0),
 )
-HELD_UP = held_up(1.0, 5.0, stamped=True)
+STAMPED = held_up((LaserScan,), 1.0, 5.0, stamped=True)
+ALL_STAMPED = held_up(EVERYTHING, 1.0, 5.0, stamped=True)
+TARDY = held_up((LaserScan,), 3.0, 10.0, stamped=False)
 # What happens again and again, whether there is an IMU, and the scenes.
 AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
     ("no data for 1 s in 6", interrupted(1.0, 6.0), True, ("arena", "rooms", "handheld", "littoral")),
     ("no data for 1 s in 6", interrupted(1.0, 6.0), False, ("arena", "rooms")),
     ("no data for 2 s in 10", interrupted(2.0, 10.0), True, ("arena", "rooms", "littoral")),
-    ("scans of 1 s in 5 stamped together", HELD_UP, True, ("arena", "rooms", "handheld", "littoral")),
-    ("scans of 1 s in 5 stamped together", HELD_UP, False, ("arena", "rooms")),
-    ("scans up to 3 s late in 10", held_up(3.0, 10.0, stamped=False), True, ("rooms", "handheld", "littoral")),
+    ("scans of 1 s in 5 stamped together", STAMPED, True, ("arena", "rooms", "handheld", "littoral")),
+    ("scans of 1 s in 5 stamped together", STAMPED, False, ("arena", "rooms")),
+    ("data of 1 s in 5 stamped together", ALL_STAMPED, True, ("arena", "rooms", "handheld", "littoral")),
+    ("scans up to 3 s late in 10", TARDY, True, ("rooms", "handheld", "littoral")),
     ("covered for 2 s in 10", covered(2.0, 10.0), True, ("arena", "rooms", "handheld", "littoral")),
     ("covered for 2 s in 10", covered(2.0, 10.0), False, ("arena", "rooms")),
     ("covered for 5 s in 15", covered(5.0, 15.0), True, ("arena", "rooms")),

@@ -1,92 +1,118 @@
-"""Scans that something held up and that came together, stamped on arrival: put back to when they were measured."""
+"""Measurements that came together, as something held them up, stamped on arrival: put back to their times."""
 
 from collections import deque
 from dataclasses import replace
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from slam_core.diagnostics import Diagnostic, Recent
-from slam_core.measurements import LaserScan
+from slam_core.measurements import Float32s, Float64s, Imu, LaserScan
 
-INTERVALS = 40  # between scans, whose mean is the period of the laser
+INTERVALS = 40  # between measurements, whose mean is the period of the sensor
 FEWEST = 10  # of them, before anything is judged
 LONGEST_NS = 1_000_000_000  # a pause counts as this much
-# In periods: a scan comes late after a longer interval than LATE, together with the one before within SOON.
+# In periods: a measurement is late after a longer interval than LATE, and came with the one before within SOON.
 LATE, SOON = 1.5, 0.25
 SWEEP = 0.8  # of its sweep: a laser does not begin the next one within it
-MOST = 1000  # scans of a batch
+MOST = 1000  # measurements of a batch
+TOLD_NS = 20_000_000  # what was put back by less is not worth a word
+
+Sensed = TypeVar("Sensed", bound=LaserScan | Imu)
+Array = Float32s | Float64s
 
 
-class Batches:
-    """Holds scans that come late until it is known which of them came together.
+class Batches(Generic[Sensed]):
+    """Holds measurements of one sensor that come late until it is known which of them came together.
 
-    A laser measures at a steady rate. Of a batch the last scan was measured at its stamp, and each of those before
-    it one period before the next, but after what was measured before the batch.
+    A sensor measures at a steady rate. The last measurement of a batch was made at its stamp, and each of those
+    before it one period before the next, but after what was made before the batch. source: for the diagnostic.
     """
 
-    def __init__(self) -> None:
-        self._held: list[LaserScan] = []
+    def __init__(self, source: str) -> None:
+        self._source = source
+        self._held: list[Sensed] = []
         self._before_ns: int | None = None
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
+        self._spanned_ns = 0  # their sum
         self._recent: Recent[Diagnostic] = Recent()
 
-    def push(self, scan: LaserScan) -> list[LaserScan]:
-        """The scans whose times are known now that one more has arrived, in order."""
-        if self._held and len(self._held) < MOST and self._came_with(self._held[-1], scan):
-            self._held.append(scan)
+    def push(self, one: Sensed) -> list[Sensed]:
+        """The measurements whose times are known now that one more has arrived, in order."""
+        if self._held and len(self._held) < MOST and self._came_with(self._held[-1], one):
+            self._held.append(one)
             return []
-        settled = self.flush()
-        self._held.append(scan)
-        return settled if self._is_late(scan) else settled + self.flush()
+        before = self.flush()
+        if self._is_late(one):
+            self._held.append(one)
+            return before
+        self._settle(one.stamp_ns)
+        return [*before, one]
 
-    def pass_time(self, time_ns: int) -> list[LaserScan]:
-        """The scans whose times are known now that something else of this time has arrived."""
-        return self.flush() if self._held and time_ns - self._held[-1].stamp_ns > self._soon_ns else []
+    def pass_time(self, time_ns: int) -> list[Sensed]:
+        """The measurements whose times are known now that something else of this time has arrived."""
+        held = self._held
+        return self.flush() if held and time_ns - held[-1].stamp_ns > SOON * self._period_ns else []
 
-    def flush(self) -> list[LaserScan]:
+    def flush(self) -> list[Sensed]:
         """What is held, at its times."""
         held, self._held = self._held, []
         if len(held) > 1:
             held = self._put_back(held)
-            self._recent.add([Diagnostic("scans_together")], held[-1].stamp_ns)
-        for scan in held:
-            if self._before_ns is not None:
-                self._intervals.append(min(max(0, scan.stamp_ns - self._before_ns), LONGEST_NS))
-            self._before_ns = scan.stamp_ns
+        for one in held:
+            self._settle(one.stamp_ns)
         return held
 
     def diagnostics(self, time_ns: int) -> tuple[Diagnostic, ...]:
-        """Whether scans came together at a time, or a moment before."""
+        """Whether measurements came together at a time, or a moment before."""
         return self._recent.at(time_ns)
 
-    def _put_back(self, batch: list[LaserScan]) -> list[LaserScan]:
-        last_ns, n = max(scan.stamp_ns for scan in batch), len(batch)
+    def _settle(self, stamp_ns: int) -> None:
+        """A measurement was made at this time: what the period is known by."""
+        if self._before_ns is not None:
+            if len(self._intervals) == INTERVALS:
+                self._spanned_ns -= self._intervals[0]
+            self._intervals.append(min(max(0, stamp_ns - self._before_ns), LONGEST_NS))
+            self._spanned_ns += self._intervals[-1]
+        self._before_ns = stamp_ns
+
+    def _put_back(self, batch: list[Sensed]) -> list[Sensed]:
+        last_ns, n = max(one.stamp_ns for one in batch), len(batch)
         period_ns = self._period_ns
         if self._before_ns is not None:
             period_ns = min(period_ns, (last_ns - self._before_ns) // n)
-        return [replace(scan, stamp_ns=last_ns - (n - 1 - i) * period_ns) for i, scan in enumerate(batch)]
+        if batch[0].stamp_ns - last_ns + (n - 1) * period_ns > TOLD_NS:
+            self._recent.add([Diagnostic("came_together", self._source)], last_ns)
+        return [replace(one, stamp_ns=last_ns - (n - 1 - i) * period_ns) for i, one in enumerate(batch)]
 
     @property
     def _period_ns(self) -> int:
-        return sum(self._intervals) // len(self._intervals)
+        return self._spanned_ns // max(1, len(self._intervals))
 
-    @property
-    def _soon_ns(self) -> float:
-        return SOON * self._period_ns
-
-    def _is_late(self, scan: LaserScan) -> bool:
+    def _is_late(self, one: Sensed) -> bool:
         if self._before_ns is None or len(self._intervals) < FEWEST:
             return False
-        return scan.stamp_ns - self._before_ns > LATE * self._period_ns
+        return one.stamp_ns - self._before_ns > LATE * self._period_ns
 
-    def _came_with(self, one: LaserScan, other: LaserScan) -> bool:
-        """Whether one laser cannot have measured both when their stamps say."""
-        sweep_ns = one.end_ns - one.stamp_ns
-        soon_ns = min(self._soon_ns, SWEEP * sweep_ns) if sweep_ns else self._soon_ns
-        if not 0 < abs(other.stamp_ns - one.stamp_ns) < soon_ns:
+    def _came_with(self, one: Sensed, other: Sensed) -> bool:
+        """Whether one sensor cannot have made both when their stamps say."""
+        soon_ns = SOON * self._period_ns
+        if isinstance(one, LaserScan) and one.end_ns > one.stamp_ns:
+            soon_ns = min(soon_ns, SWEEP * (one.end_ns - one.stamp_ns))
+        apart_ns = abs(other.stamp_ns - one.stamp_ns)
+        if apart_ns >= soon_ns or not _alike(_mount(one), _mount(other)):
             return False
-        mounts = one.T_base_laser, other.T_base_laser  # a second laser measures when it likes
-        return mounts[0] is mounts[1] or all(
-            np.array_equal(getattr(mounts[0], part), getattr(mounts[1], part))
-            for part in ("translation", "rotation")
-        )
+        return apart_ns > 0 or not _alike(_values(one), _values(other))  # a copy tells nothing
+
+
+def _mount(one: Sensed) -> tuple[Array, ...]:
+    """A second laser measures when it likes."""
+    return (one.T_base_laser.translation, one.T_base_laser.rotation) if isinstance(one, LaserScan) else ()
+
+
+def _values(one: Sensed) -> tuple[Array, ...]:
+    return (one.ranges,) if isinstance(one, LaserScan) else (one.angular_velocity, one.linear_acceleration)
+
+
+def _alike(some: tuple[Array, ...], others: tuple[Array, ...]) -> bool:
+    return all(a is b or np.array_equal(a, b, equal_nan=True) for a, b in zip(some, others, strict=True))

@@ -27,7 +27,7 @@ Code = Literal[
     "no_beam_in_range",
     "scans_repeated",
     "scans_too_late",  # older than the state buffer reaches back
-    "scans_together",  # several at once after a pause, stamped on arrival
+    "came_together",  # source: of which several came at once after a pause, stamped on arrival
     "wheels_slip",  # they stop or spin as no base does, or scans contradict them
     "height_unknown",  # nothing measures the height of a platform that stays level
     "aid_implausible",  # source: which one, as in AidingStatus

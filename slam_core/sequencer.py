@@ -13,12 +13,12 @@ TURNS = (Imu, Attitude)  # what measures how the robot turned during a sweep
 class Sequencer:
     """Inertial data passes at once; scans wait for it, in their order, while it is flowing.
 
-    At the start every scan waits, since inertial data may be about to begin. Scans that came together wait, too,
-    until their times are known.
+    At the start every scan waits, since inertial data may be about to begin. What came together waits, too, until
+    its times are known.
     """
 
     def __init__(self) -> None:
-        self._batches = Batches()
+        self._scans, self._samples = Batches[LaserScan]("scans"), Batches[Imu]("inertial data")
         self._waiting: list[LaserScan] = []
         self._covered_ns: int | None = None
         self._newest_ns = 0
@@ -26,24 +26,30 @@ class Sequencer:
 
     def push(self, measurement: Measurement) -> list[Measurement]:
         """The measurements that may be processed now that `measurement` has arrived, in order."""
-        if isinstance(measurement, LaserScan):
-            self._wait(self._batches.push(measurement))
-            return self._ready()
-        self._wait(self._batches.pass_time(measurement.stamp_ns))
-        if isinstance(measurement, TURNS):
-            self._covered_ns = measurement.stamp_ns
-            self._hopeful = True
-        return [measurement, *self._ready()] if self._waiting else [measurement]
+        passed: list[Measurement]
+        if isinstance(measurement, Imu):
+            passed, scans = [*self._samples.push(measurement)], self._scans.pass_time(measurement.stamp_ns)
+        elif isinstance(measurement, LaserScan):
+            passed, scans = [*self._samples.pass_time(measurement.stamp_ns)], self._scans.push(measurement)
+        else:
+            passed = [*self._samples.pass_time(measurement.stamp_ns), measurement]
+            scans = self._scans.pass_time(measurement.stamp_ns)
+        self._wait(scans)
+        for each in passed:
+            if isinstance(each, TURNS):
+                self._covered_ns = each.stamp_ns
+                self._hopeful = True
+        return passed + self._ready() if self._waiting else passed
 
     def flush(self) -> list[Measurement]:
         """What still waits, at the end of a recording."""
-        self._wait(self._batches.flush())
+        self._wait(self._scans.flush())
         ready, self._waiting = self._waiting, []
-        return list(ready)
+        return [*self._samples.flush(), *ready]
 
     def diagnostics(self, time_ns: int) -> tuple[Diagnostic, ...]:
-        """What is wrong with the times of the scans at a time."""
-        return self._batches.diagnostics(time_ns)
+        """What came together at a time, or a moment before."""
+        return self._scans.diagnostics(time_ns) + self._samples.diagnostics(time_ns)
 
     def _wait(self, scans: list[LaserScan]) -> None:
         """Scans whose times are known wait for inertial data."""

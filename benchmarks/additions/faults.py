@@ -18,7 +18,9 @@ Change = Callable[[float, Item], Item | None]
 AT_S = 12.0  # seconds from the first item to the fault
 BROKEN_SCANS = 10
 LATER = 5.0  # seconds from the first item to what happens again and again
-BEFORE_NEXT_NS, IN_TURN_NS = 10_000_000, 20_000  # from scans that come together to the next; between them
+# From what comes together to what comes next, and so long before that in each second of it.
+BEFORE_NEXT_NS = {LaserScan: 10_000_000, Imu: 2_000_000, Height: 2_000_000}
+IN_TURN_NS = 400_000
 HAND = 0.4  # metres before the laser
 AROUND, AWAY, BODY = 4.2, 0.7, 0.25  # radians of the field that people stand in, metres to them, their radius
 
@@ -135,20 +137,19 @@ def interrupted(seconds: float, every: float) -> Fault:
     return fault
 
 
-def held_up(seconds: float, every: float, *, stamped: bool) -> Fault:
-    """Scans of so many seconds come together at their end, again and again.
+def held_up(kinds: tuple[type[Item], ...], seconds: float, every: float, *, stamped: bool) -> Fault:
+    """Measurements of so many seconds come together just before the next one, again and again.
 
     stamped: on arrival; else they have the times at which they were measured.
     """
 
     def fault(items: Sequence[Item], _seed: int) -> list[Item]:
-        begin_ns, arrivals, together = items[0].stamp_ns, list[tuple[int, Item]](), 0
+        begin_ns, arrivals = items[0].stamp_ns, list[tuple[int, Item]]()
         for item in items:
             t, came_ns = (item.stamp_ns - begin_ns) * 1e-9, item.stamp_ns
-            if isinstance(item, LaserScan):
-                together = together + 1 if t > LATER and t % every < seconds else 0
-                if together:
-                    came_ns += round((seconds - t % every) * 1e9) - BEFORE_NEXT_NS + together * IN_TURN_NS
+            if isinstance(item, kinds) and t > LATER and t % every < seconds:
+                came_ns += round((seconds - t % every) * 1e9) - BEFORE_NEXT_NS[type(item)]
+                came_ns += round(t % every * IN_TURN_NS)
             arrivals.append((came_ns, replace(item, stamp_ns=came_ns) if stamped else item))
         return [item for _, item in sorted(arrivals, key=lambda arrival: arrival[0])]
 

@@ -30,8 +30,8 @@ DIAGNOSTICS: Mapping[Code, str] = {
     " its driver and its link",
     "scans_too_late": "scans come later than the state buffer reaches back: they are left out; {late}, or raise"
     " navigation.history",
-    "scans_together": "scans came together after a pause, stamped on arrival: they are taken at a steady rate, the"
-    " last at its stamp; {late}",
+    "came_together": "{source} came together after a pause, stamped on arrival: taken at a steady rate, the last"
+    " at its stamp; {late}",
     "wheels_slip": "the wheels slip, spin or are stuck: their velocity is left out until the scans agree with it;"
     " check the ground and the encoders",
     "height_unknown": "nothing measures the height, and the robot stayed level: set platform.planar if it drives"

@@ -1,6 +1,7 @@
 """Scans wait for the inertial data of their sweep, and for nothing else."""
 
 import numpy as np
+import pytest
 
 from slam_core.measurements import Height, Imu, LaserScan
 from slam_core.sequencer import MOST_WAITING, Sequencer
@@ -10,7 +11,7 @@ MS = 1_000_000
 
 def imu(t):
     """An inertial sample at t milliseconds."""
-    return Imu(t * MS, np.zeros(3), np.zeros(3))
+    return Imu(round(t * MS), np.zeros(3), np.zeros(3))
 
 
 def scan(t, sweep=20):
@@ -93,17 +94,30 @@ def test_scans_whose_stamps_do_not_count_time_wait_no_longer() -> None:
 def test_a_scan_after_a_pause_waits_for_what_may_come_with_it() -> None:
     """Inertial data of a moment later shows that nothing does; at the end of a recording it waits no longer."""
     s = Sequencer()
-    for t in range(0, 1000, 10):
+    for t in range(0, 1200, 10):
         s.push(imu(t))
-        if t % 50 == 0:
+        if t % 50 == 0 and t < 1000:
             s.push(scan(t, sweep=0))
-    late = scan(1200, sweep=0)
+    late = scan(1199, sweep=0)
     assert s.push(late) == []
     sample, after = imu(1205), imu(1215)
     assert s.push(sample) == [sample]
     assert s.push(after) == [after, late]
-    s.push(imu(1500)), s.push(scan(1500, sweep=0))
-    assert [each.stamp_ns for each in s.flush()] == [1500 * MS]
+    sample, late = imu(1500), scan(1502, sweep=0)
+    assert s.push(sample) + s.push(late) == []
+    assert s.flush() == [sample, late]
+
+
+def test_inertial_data_that_came_together_gets_its_own_times() -> None:
+    """It covers no scan before that, and is passed on before that scan."""
+    s = Sequencer()
+    for t in range(0, 500, 10):
+        s.push(imu(t))
+    first = scan(495)
+    assert s.push(first) == []
+    assert [s.push(imu(528 + 0.1 * k)) for k in range(4)] == [[]] * 4
+    out = s.push(imu(540))
+    assert [each.stamp_ns / MS for each in out] == pytest.approx([499.575, 509.15, 518.725, 528.3, 540, 495])
 
 
 def test_scans_that_came_together_get_their_own_times() -> None:
@@ -114,4 +128,4 @@ def test_scans_that_came_together_get_their_own_times() -> None:
     s.push(scan(1199, sweep=0))
     s.push(scan(1200, sweep=0))
     assert [each.stamp_ns for each in s.push(imu(1300))[1:]] == [1150 * MS, 1200 * MS]
-    assert [each.code for each in s.diagnostics(1300 * MS)] == ["scans_together"]
+    assert [each.code for each in s.diagnostics(1300 * MS)] == ["came_together"]

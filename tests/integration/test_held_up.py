@@ -1,4 +1,4 @@
-"""Scans that something held up: they come together, or long after they were measured."""
+"""Measurements that something held up: they come together, or long after they were made."""
 
 import pytest
 
@@ -9,6 +9,7 @@ from hectorscope.run.settings import Settings
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.config import SlamConfig, with_value
 from slam_core.diagnostics import TOO_LATE
+from slam_core.measurements import LaserScan
 
 ROOMS = SceneOptions(scan_rate=10.0, beams=361, duration=30.0)
 LEAST_LATE = 3.0  # seconds, twice what the state buffer reaches back at least
@@ -19,15 +20,18 @@ def held(seconds: float, *, stamped: bool, history: float = 1.5) -> Pipeline:
     items = list(Simulation("rooms", ROOMS).items())
     config = with_value(SlamConfig(), "navigation.history", history)
     pipeline = Pipeline(Settings(config), items[0].stamp_ns)
-    for item in held_up(seconds, 10.0, stamped=stamped)(items, 1):
+    for item in held_up((LaserScan,), seconds, 10.0, stamped=stamped)(items, 1):
         for measurement in pipeline.admit(item):
             pipeline.step(measurement)
     return pipeline
 
 
-@pytest.mark.parametrize("what", ["scans of 1 s in 5 stamped together", "scans up to 3 s late in 10"])
+@pytest.mark.parametrize(
+    "what",
+    ["scans of 1 s in 5 stamped together", "data of 1 s in 5 stamped together", "scans up to 3 s late in 10"],
+)
 @pytest.mark.parametrize("name", ["rooms", "handheld"])
-def test_scans_that_were_held_up_lead_nobody_astray(name: str, what: str) -> None:
+def test_what_was_held_up_leads_nobody_astray(name: str, what: str) -> None:
     """The robot turns and drives on meanwhile: nothing is written at a wrong place."""
     found = ensembles.outcomes([ensembles.run(f"{name}, {what}", 2, {})])
     assert found[0].error < 0.03 and not (found[0].misplaced or found[0].silent)
