@@ -37,6 +37,11 @@ class Batches(Generic[Sensed]):
         self._spanned_ns = 0  # their sum
         self._recent: Recent[Diagnostic] = Recent()
 
+    @property
+    def holds(self) -> bool:
+        """Whether there are measurements whose times are not known yet."""
+        return bool(self._held)
+
     def push(self, one: Sensed) -> list[Sensed]:
         """The measurements whose times are known now that one more has arrived, in order."""
         if self._held and len(self._held) < MOST and self._came_with(self._held[-1], one):

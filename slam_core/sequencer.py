@@ -6,7 +6,7 @@ from slam_core.measurements import Attitude, Imu, LaserScan, Measurement
 
 # A scan waits no longer than this, in time of the recording, for inertial data that does not come.
 PATIENCE_NS = 500_000_000
-MOST_WAITING = 100  # scans: more than come in that time, unless their stamps do not count time
+MOST_WAITING = 100  # of a kind: more than come in that time, unless their stamps do not count time
 TURNS = (Imu, Attitude)  # what measures how the robot turned during a sweep
 
 
@@ -20,21 +20,18 @@ class Sequencer:
     def __init__(self) -> None:
         self._scans, self._samples = Batches[LaserScan]("scans"), Batches[Imu]("inertial data")
         self._waiting: list[LaserScan] = []
+        self._behind: list[Measurement] = []
         self._covered_ns: int | None = None
         self._newest_ns = 0
         self._hopeful = True
 
     def push(self, measurement: Measurement) -> list[Measurement]:
         """The measurements that may be processed now that `measurement` has arrived, in order."""
-        passed: list[Measurement]
-        if isinstance(measurement, Imu):
-            passed, scans = [*self._samples.push(measurement)], self._scans.pass_time(measurement.stamp_ns)
-        elif isinstance(measurement, LaserScan):
-            passed, scans = [*self._samples.pass_time(measurement.stamp_ns)], self._scans.push(measurement)
+        if isinstance(measurement, LaserScan):
+            self._wait(self._scans.push(measurement))
         else:
-            passed = [*self._samples.pass_time(measurement.stamp_ns), measurement]
-            scans = self._scans.pass_time(measurement.stamp_ns)
-        self._wait(scans)
+            self._wait(self._scans.pass_time(measurement.stamp_ns))
+        passed = self._passed(measurement)
         for each in passed:
             if isinstance(each, TURNS):
                 self._covered_ns = each.stamp_ns
@@ -45,11 +42,28 @@ class Sequencer:
         """What still waits, at the end of a recording."""
         self._wait(self._scans.flush())
         ready, self._waiting = self._waiting, []
-        return [*self._samples.flush(), *ready]
+        behind, self._behind = self._behind, []
+        return [*self._samples.flush(), *behind, *ready]
 
     def diagnostics(self, time_ns: int) -> tuple[Diagnostic, ...]:
         """What came together at a time, or a moment before."""
         return self._scans.diagnostics(time_ns) + self._samples.diagnostics(time_ns)
+
+    def _passed(self, measurement: Measurement) -> list[Measurement]:
+        """What passes but for scans: while inertial data is held, all else stays behind it."""
+        now: list[Measurement] = [] if isinstance(measurement, LaserScan) else [measurement]
+        if isinstance(measurement, Imu):
+            settled = self._samples.push(measurement)
+            now = [settled.pop()] if settled and settled[-1] is measurement else []
+        else:
+            settled = self._samples.pass_time(measurement.stamp_ns)
+        if not settled and self._samples.holds:
+            if len(self._behind) < MOST_WAITING:
+                self._behind += now
+                return []
+            settled = self._samples.flush()
+        passed, self._behind = [*settled, *self._behind, *now], []
+        return passed
 
     def _wait(self, scans: list[LaserScan]) -> None:
         """Scans whose times are known wait for inertial data."""

@@ -129,3 +129,25 @@ def test_scans_that_came_together_get_their_own_times() -> None:
     s.push(scan(1200, sweep=0))
     assert [each.stamp_ns for each in s.push(imu(1300))[1:]] == [1150 * MS, 1200 * MS]
     assert [each.code for each in s.diagnostics(1300 * MS)] == ["came_together"]
+
+
+def test_what_comes_while_inertial_data_is_held_stays_behind_it() -> None:
+    """A gap in the data changes nothing in the order: the filter judges leaps of the time by it."""
+    s = Sequencer()
+    for t in range(0, 500, 10):
+        s.push(imu(t))
+    first, second, height, later = imu(3000), imu(3010), Height(3001 * MS, 1.0), Height(3020 * MS, 1.0)
+    assert s.push(first) + s.push(height) == []
+    assert s.push(second) == [first, height, second]
+    s.push(imu(9000)), s.push(later)
+    assert [type(each) for each in s.flush()] == [Imu, Height]
+
+
+def test_inertial_data_that_stops_at_a_wrong_time_holds_nothing_up() -> None:
+    """Nothing that comes is later than its last sample, and none of it is held for ever."""
+    s = Sequencer()
+    for t in range(0, 500, 10):
+        s.push(imu(t))
+    s.push(imu(10**7))
+    passed = [each for k in range(3 * MOST_WAITING) for each in s.push(Height((500 + k) * MS, 1.0))]
+    assert len(passed) == 1 + 3 * MOST_WAITING
