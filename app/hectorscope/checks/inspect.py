@@ -132,6 +132,8 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
     begin_ns, end_ns = source.span_ns
     measures = statistics.measures()
     check = RecordingCheck().take(source.stamped())
+    if not check.turns_compare(source.parts, options):
+        measures = replace(measures, turn=None)
     return BagReport(
         source.name,
         source.container,

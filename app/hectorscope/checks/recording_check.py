@@ -11,9 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
+from hectorscope.checks.contradictions import LONGEST_LAG
 from hectorscope.checks.laser_returns import LaserReturns
 from hectorscope.checks.topic_times import FEWEST, Times, TopicTimes
-from hectorscope.inputs import Examinable, Finding, Stamped
+from hectorscope.inputs import Examinable, Finding, SourceOptions, Stamped
 
 GAP_S, GAP_PERIODS = 0.2, 4.0  # 0.2 m at 1 m/s, and three messages in a row are missing
 JITTER_S = 0.005  # 0.3 degrees at 1 rad/s
@@ -47,6 +48,14 @@ class RecordingCheck:
             if each.ranges is not None:
                 self.returns[each.topic].add(each.log_ns, each.ranges, each.limits)
         return self
+
+    def turns_compare(self, used: Mapping[str, str], options: SourceOptions) -> bool:
+        """Whether scans and inertial data, with the delays that are stated, may be compared by their turns."""
+        scan, imu = (self.times.get(used.get(role, "")) for role in ("scan", "imu"))
+        if scan is None or imu is None:
+            return True
+        stated_s = (options.imu_delay or 0.0) - (options.scan_delay or 0.0)
+        return abs(_apart_s(scan.result, imu.result) - stated_s) <= LONGEST_LAG
 
     def findings(self, used: Mapping[str, str], unplaced: Sequence[str], shift_ns: int = 0) -> list[Finding]:
         """Of the topics in use (role -> topic). unplaced: frames that tf does not place.
@@ -143,18 +152,30 @@ def _drift(topic: str, drift: float, span_s: float) -> Finding:
 
 def _apart(clocks: Mapping[str, TopicTimes], topics: Mapping[str, str]) -> Iterator[Finding]:
     """Inertial data and scans that come by different clocks, or late by a fixed time."""
-    scan, imu = clocks.get(topics.get("scan", "")), clocks.get(topics.get("imu", ""))
-    if scan is None or imu is None or _is_set(scan) or _is_set(imu) or abs(scan.drift - imu.drift) > DRIFT:
+    apart = _apart_s(clocks.get(topics.get("scan", "")), clocks.get(topics.get("imu", "")))
+    if abs(apart) <= APART_S:
         return
-    apart = scan.delay_s - imu.delay_s
-    if abs(apart) > APART_S:
-        later, sooner, option = ("scan", "imu", "imu-delay") if apart > 0.0 else ("imu", "scan", "scan-delay")
+    later, sooner, option = ("scan", "imu", "imu-delay") if apart > 0.0 else ("imu", "scan", "scan-delay")
+    flag = f"--{option} {abs(apart):.2f}"
+    if abs(apart) > LONGEST_LAG:
         yield Finding(
-            f"{topics[later]} takes {abs(apart):.2f} s longer from its stamp to the recorder than"
-            f" {topics[sooner]}",
-            remedy=f"if it is not the way of the data that takes so long, --{option} {abs(apart):.2f} repairs it:"
-            " compare with the delay that the turns show",
+            f"the clock of {topics[later]} is {abs(apart):.2f} s behind that of {topics[sooner]}",
+            remedy=f"give {flag}, and look at their turns then; keep both clocks by NTP or PTP",
         )
+        return
+    yield Finding(
+        f"{topics[later]} takes {abs(apart):.2f} s longer from its stamp to the recorder than {topics[sooner]}",
+        remedy=f"if it is not the way of the data that takes so long, {flag} repairs it: compare with the delay"
+        " that the turns show",
+    )
+
+
+def _apart_s(scan: TopicTimes | None, imu: TopicTimes | None) -> float:
+    """Seconds that scans take longer to the recorder than inertial data; 0 where that is not known."""
+    if scan is None or imu is None or _is_set(scan) or _is_set(imu) or abs(scan.drift - imu.drift) > DRIFT:
+        return 0.0
+    apart = scan.delay_s - imu.delay_s
+    return apart if math.isfinite(apart) else 0.0
 
 
 def _is_set(times: TopicTimes) -> bool:

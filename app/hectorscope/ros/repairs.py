@@ -12,8 +12,10 @@ from slam_core.measurements import FARTHEST_LASER, Attitude, Float64s, Imu, Lase
 STANDARD_GRAVITY = 9.80665
 ACCEL_UNITS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY}
 GYRO_UNITS = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
-# Nothing is later than this: a number beyond it is in another unit.
-LONGEST_DELAY_S = 10.0
+# From a clock that counts from its start to one that counts from 1970, and beyond.
+LONGEST_DELAY_S = 4e9
+# No sweep lasts longer: a number beyond it is in another unit.
+LONGEST_SWEEP_S = 10.0
 
 
 class Repairs:
@@ -24,7 +26,7 @@ class Repairs:
         self.scan_delay_ns = _delay_ns("scan-delay", options.scan_delay)
         self.laser_pose = _placed(options.laser_pose) if options.laser_pose else None
         self._mirrored = options.scan_mirrored is True
-        self._sweep_s = _seconds("scan-sweep", options.scan_sweep)
+        self._sweep_s = _seconds("scan-sweep", options.scan_sweep, LONGEST_SWEEP_S)
         sign = {vector: -1.0 if options.imu_inverted == vector else 1.0 for vector in ("accel", "gyro")}
         self._accel = sign["accel"] * ACCEL_UNITS[options.imu_accel_unit or "m/s2"]
         self._gyro = sign["gyro"] * GYRO_UNITS[options.imu_gyro_unit or "rad/s"]
@@ -90,11 +92,11 @@ def _words(values: tuple[float, ...]) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 
-def _seconds(flag: str, seconds: float | None) -> float | None:
-    if seconds is not None and not abs(seconds) <= LONGEST_DELAY_S:
-        raise SourceError(f"--{flag} is {seconds:g} s: give -{LONGEST_DELAY_S:g} to {LONGEST_DELAY_S:g}")
+def _seconds(flag: str, seconds: float | None, longest: float) -> float | None:
+    if seconds is not None and not abs(seconds) <= longest:
+        raise SourceError(f"--{flag} is {seconds:g} s: give -{longest:g} to {longest:g}")
     return seconds
 
 
 def _delay_ns(flag: str, seconds: float | None) -> int:
-    return round((_seconds(flag, seconds) or 0.0) * 1e9)
+    return round((_seconds(flag, seconds, LONGEST_DELAY_S) or 0.0) * 1e9)

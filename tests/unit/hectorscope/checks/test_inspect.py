@@ -2,12 +2,16 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from hectorscope.checks.inspect import inspect_bag
 from hectorscope.cli.opening import demo_bag
 from hectorscope.inputs import SourceError, SourceOptions
+from hectorscope.simulation import SceneOptions, Simulation
+from hectorscope.simulation.sensors import START_NS
+from slam_core.measurements import Imu, LaserScan
 from tests.ros_messages import SECOND, Messages, write_bag
 
 TENTH = SECOND // 10
@@ -83,3 +87,23 @@ def test_the_noise_of_the_laser_is_reported() -> None:
     assert "noise of the ranges: " in str(near) and "smoothed" not in str(near)
     far = inspect_bag(demo_bag("littoral"), SourceOptions()).range_noise[-1]
     assert far[0] > 20.0 and 0.03 < far[1] < 0.07
+
+
+def test_turns_by_clocks_that_are_far_apart_are_not_compared(tmp_path: Path) -> None:
+    """They would show a laser that is mounted wrongly; with the delay that is stated they agree."""
+    ros, entries = Messages("ros1"), list[tuple[str, Any, int]]()
+    for item in Simulation("rooms", SceneOptions(scan_rate=10.0, beams=181, duration=30.0)).items():
+        t = item.stamp_ns - START_NS
+        if isinstance(item, LaserScan):
+            fields = "angle_min", "angle_increment", "time_increment", "ranges"
+            message = ros.scan(t - 5 * SECOND, **{name: getattr(item, name) for name in fields})
+            entries.append(("/scan", message, item.end_ns - START_NS))
+        elif isinstance(item, Imu):
+            message = ros.imu(t, rates=item.angular_velocity, forces=item.linear_acceleration)
+            entries.append(("/imu", message, t))
+    path = write_bag(tmp_path / "apart.bag", entries)
+    apart = inspect_bag(path, SourceOptions())
+    assert apart.measures.turn is None and not apart.findings
+    assert "--imu-delay 5.00" in " ".join(fault.remedy for fault in apart.faults)
+    together = inspect_bag(path, SourceOptions(imu_delay=5.0))
+    assert together.measures.turn is not None and together.measures.turn.correlation > 0.9

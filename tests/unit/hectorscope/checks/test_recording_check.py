@@ -104,6 +104,9 @@ def test_stamps_ahead_and_apart() -> None:
     (found,) = examined(*stream("/scan", late_ms=302.0), *stream("/imu", 10.0, 1000))
     assert found.fact == "/scan takes 0.30 s longer from its stamp to the recorder than /imu"
     assert "--imu-delay 0.30" in found.remedy
+    (found,) = examined(*stream("/scan", late_ms=30_002.0), *stream("/imu", 10.0, 1000))
+    assert found.fact == "the clock of /scan is 30.00 s behind that of /imu"
+    assert "give --imu-delay 30.00" in found.remedy
 
 
 def test_frames_that_tf_does_not_place_or_that_share_a_topic() -> None:

@@ -107,11 +107,23 @@ def test_delays_are_taken_off_the_stamps() -> None:
     assert scan.stamp_ns == START + SECOND - SECOND // 5
 
 
-@pytest.mark.parametrize("seconds", [200.0, math.nan, -math.inf])
+@pytest.mark.parametrize("seconds", [5e9, math.nan, -math.inf])
 def test_an_impossible_delay_is_refused(seconds: float) -> None:
     """The flag, its value and the range."""
-    with pytest.raises(SourceError, match=r"--scan-delay is .* s: give -10 to 10"):
+    with pytest.raises(SourceError, match=r"--scan-delay is .* s: give -4e\+09 to 4e\+09"):
         Converter(ROLES, SourceOptions(scan_delay=seconds))
+
+
+def test_a_sweep_in_another_unit_is_refused() -> None:
+    """The flag, its value and the range."""
+    with pytest.raises(SourceError, match=r"--scan-sweep is 75 s: give -10 to 10"):
+        Converter(ROLES, SourceOptions(scan_sweep=75.0))
+
+
+def test_a_clock_that_counts_from_its_start_is_put_beside_the_others() -> None:
+    """By the difference that `inspect` states."""
+    _, _, scan = convert(SourceOptions(scan_delay=START * 1e-9), (0, 0, 0), (0, 0, 1))
+    assert abs(scan.stamp_ns - SECOND) < 1000
 
 
 def test_a_part_can_be_left_out() -> None:
