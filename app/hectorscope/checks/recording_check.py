@@ -13,7 +13,7 @@ from statistics import median
 
 from hectorscope.checks.contradictions import LONGEST_LAG
 from hectorscope.checks.laser_returns import LaserReturns
-from hectorscope.checks.topic_times import FEWEST, Times, TopicTimes
+from hectorscope.checks.topic_times import FEWEST, Gap, Times, TopicTimes
 from hectorscope.inputs import Examinable, Finding, SourceOptions, Stamped
 
 GAP_S, GAP_PERIODS = 0.2, 4.0  # 0.2 m at 1 m/s, and three messages in a row are missing
@@ -82,14 +82,9 @@ def _rhythm(role: str, topic: str, times: TopicTimes) -> Iterator[Finding]:
     """Gaps of the sensors that a run cannot do without, jitter, and order."""
     if role in ("scan", "imu", "odometry", "attitude") and len(times.log_ns) >= FEWEST:
         gaps = times.gaps(max(GAP_S, GAP_PERIODS * times.period_s))
-        for log_ns, seconds in sorted(sorted(gaps, key=lambda gap: -gap[1])[:GAPS_SHOWN]):
-            lost = round(seconds / times.period_s) - 1 if times.period_s > 0.0 else 0
+        for gap in sorted(sorted(gaps, key=lambda gap: -gap.seconds)[:GAPS_SHOWN]):
             more = f", the longest of {len(gaps)}" if len(gaps) > GAPS_SHOWN else ""
-            yield Finding(
-                f"{topic} has a gap of {seconds:.2f} s: about {lost} messages are missing{more}",
-                remedy="the map may jump there; look at disk, network and driver when it is recorded again",
-                time_ns=log_ns,
-            )
+            yield _gap(topic, gap, times.period_s, more)
     if role in ("scan", "imu") and times.jitter_s > JITTER_S:
         yield Finding(
             f"the stamps of {topic} jitter by {1e3 * times.jitter_s:.0f} ms around {1e3 * times.period_s:.1f} ms",
@@ -101,6 +96,22 @@ def _rhythm(role: str, topic: str, times: TopicTimes) -> Iterator[Finding]:
             remedy="they are skipped; look for two publishers of that topic, or a clock that is set while it runs",
             time_ns=int(late[0]),
         )
+
+
+def _gap(topic: str, gap: Gap, period_s: float, more: str) -> Finding:
+    """Messages that are missing, or that came together at its end."""
+    due = round(gap.seconds / period_s) if period_s > 0.0 else 1
+    if 1 < gap.together >= due / 2:
+        return Finding(
+            f"{topic} stops for {gap.seconds:.2f} s, and {gap.together} messages come together then{more}",
+            remedy="they are taken at a steady rate; have the driver stamp by the clock of the device",
+            time_ns=gap.log_ns,
+        )
+    return Finding(
+        f"{topic} has a gap of {gap.seconds:.2f} s: about {due - gap.together} messages are missing{more}",
+        remedy="the map may jump there; look at disk, network and driver when it is recorded again",
+        time_ns=gap.log_ns,
+    )
 
 
 def _clocks(measured: Mapping[str, TopicTimes], topics: Mapping[str, str]) -> Iterator[Finding]:

@@ -3,14 +3,24 @@
 from array import array
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
+from slam_core.batches import SOON
 from slam_core.measurements import Float64s, Int64s
 
 FEWEST = 10  # messages: of fewer nothing is said
 BUCKETS = 100  # parts of a recording, of each of which the fastest delivery counts
 NEIGHBOURS = 5  # parts on each side of a step that show both levels
+
+
+class Gap(NamedTuple):
+    """log_ns: when it begins, as recorded. together: messages that came at once at its end."""
+
+    log_ns: int
+    seconds: float
+    together: int
 
 
 class Times:
@@ -59,14 +69,16 @@ class TopicTimes:
         times = self.stamped[:, 1] if len(self.stamped) else self.log_ns
         return float(np.median(np.diff(times))) * 1e-9 if len(times) > 1 else float("nan")
 
-    def gaps(self, at_least_s: float) -> list[tuple[int, float]]:
-        """(when it begins as recorded, seconds) of the intervals that stamps and recorder both show, in order."""
+    def gaps(self, at_least_s: float) -> list[Gap]:
+        """The intervals that stamps and recorder both show, in order."""
         if len(self.stamped) < FEWEST:
             log_ns, apart = self.log_ns, np.diff(self.log_ns)
         else:
             log_ns, apart = self.stamped[:, 0], np.diff(self.stamped[:, :2], axis=0).min(axis=1)
+        soon = np.append(apart < SOON * 1e9 * self.period_s, False)
         return [
-            (int(log_ns[i]), float(apart[i]) * 1e-9) for i in np.flatnonzero(apart >= 1e9 * at_least_s).tolist()
+            Gap(int(log_ns[i]), float(apart[i]) * 1e-9, 1 + int(np.argmin(soon[i + 1 :])))
+            for i in np.flatnonzero(apart >= 1e9 * at_least_s).tolist()
         ]
 
     @property

@@ -51,6 +51,17 @@ def test_a_network_that_stalls_is_no_gap() -> None:
     assert "gap" not in facts(*scans)
 
 
+def test_messages_that_come_together_are_not_missing() -> None:
+    """Stamped on arrival, they look like a gap; of those that are missing as well, it is one."""
+    scans, end_ns = stream("/scan"), 0
+    for k in range(200, 240):
+        end_ns = scans[240].log_ns + (k - 240) * MS // 10
+        scans[k] = scans[k]._replace(log_ns=end_ns, stamp_ns=end_ns - 2 * MS)
+    assert "/scan stops for 1.02 s, and 41 messages come together then" in facts(*scans)
+    assert "gap" not in facts(*scans)
+    assert facts(*scans[:200], *scans[235:]) == "/scan has a gap of 1.02 s: about 35 messages are missing"
+
+
 def test_jitter_order_and_repeats() -> None:
     """Stamps of arrival jitter; those before an earlier one are counted, with the time of the first."""
     rng = np.random.default_rng(2)
