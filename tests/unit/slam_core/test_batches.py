@@ -15,8 +15,9 @@ STEADY = range(0, 1000, 50)  # milliseconds
 
 
 def scan(t: float, sweep: float = 0.0) -> LaserScan:
-    """A scan of 21 beams that begins at t milliseconds; the sweep lasts so many."""
-    return LaserScan(round(t * MS), np.ones(21, np.float32), 0.0, 0.1, time_increment=sweep / 20 * 1e-3)
+    """A scan of 21 beams at t milliseconds, told from others by its ranges; the sweep lasts so many."""
+    ranges = np.full(21, 1.0 + 1e-4 * t, np.float32)
+    return LaserScan(round(t * MS), ranges, 0.0, 0.1, time_increment=sweep / 20 * 1e-3)
 
 
 def given_out(batches: Batches, scans: Iterable[LaserScan]) -> list[LaserScan]:
@@ -85,12 +86,19 @@ def test_the_last_scan_of_a_batch_waits_until_time_has_passed() -> None:
 
 
 def test_a_clock_of_coarse_steps_gives_a_batch_one_time() -> None:
-    """Its scans are told from copies by their ranges; a copy keeps its stamp."""
+    """Its scans are told from copies by their ranges."""
     one = scan(1200)
     two = replace(one, ranges=one.ranges + np.float32(0.01))
     steady = [scan(t) for t in STEADY]
     assert times(given_out(Batches("scans"), [*steady, one, two]))[-2:] == [1150, 1200]
     assert times(given_out(Batches("scans"), [*steady, one, replace(one)]))[-2:] == [1200, 1200]
+
+
+def test_a_copy_keeps_its_stamp() -> None:
+    """A driver that has no new scan sends the last one again: nothing held that up."""
+    steady, one = [scan(t) for t in STEADY], scan(1200)
+    again = replace(one, stamp_ns=1205 * MS)
+    assert given_out(Batches("scans"), [*steady, one, again])[-2:] == [one, again]
 
 
 def test_what_came_together_is_told() -> None:
@@ -107,7 +115,7 @@ def test_a_delay_that_hardly_matters_is_not_told() -> None:
     for k in range(40):
         batches.push(replace(imu, stamp_ns=5 * k * MS))
     assert batches.push(replace(imu, stamp_ns=204 * MS)) == []
-    assert batches.push(replace(imu, stamp_ns=205 * MS)) == []
+    assert batches.push(Imu(205 * MS, np.zeros(3), np.full(3, 2.0))) == []
     assert [each.stamp_ns for each in batches.flush()] == [200 * MS, 205 * MS]
     assert not batches.diagnostics(205 * MS)
 

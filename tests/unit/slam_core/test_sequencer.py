@@ -11,12 +11,12 @@ MS = 1_000_000
 
 def imu(t):
     """An inertial sample at t milliseconds."""
-    return Imu(round(t * MS), np.zeros(3), np.zeros(3))
+    return Imu(round(t * MS), np.zeros(3), np.full(3, 1e-3 * t))
 
 
 def scan(t, sweep=20):
     """A scan of 21 beams that begins at t milliseconds."""
-    return LaserScan(t * MS, np.ones(21, np.float32), 0.0, 0.1, time_increment=sweep / 20 * 1e-3)
+    return LaserScan(t * MS, np.full(21, 1.0 + 1e-4 * t, np.float32), 0.0, 0.1, time_increment=sweep / 20 * 1e-3)
 
 
 def test_a_scan_waits_until_its_sweep_is_covered():
