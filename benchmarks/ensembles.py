@@ -82,7 +82,7 @@ def varied(items: Iterable[Item], variant: int) -> Iterator[Item]:
     """The items of a variant; those of variant 1 are as they were."""
     rng = np.random.default_rng([variant, 25])
     left_out, k = int(rng.integers(1, MOST_DROPPED + 1)), 0
-    last, noise = None, np.empty(0)
+    last, noise = np.empty(0, np.float32), np.empty(0)
     for item in items:
         if not isinstance(item, LaserScan) or variant == 1:
             yield item
@@ -90,7 +90,7 @@ def varied(items: Iterable[Item], variant: int) -> Iterator[Item]:
         k += 1
         if k <= left_out or (variant % 3 == 0 and k % EVERY == 0):
             continue
-        if item.ranges is not last:  # what a driver sends again has the same noise
+        if not np.array_equal(item.ranges, last, equal_nan=True):  # what a driver sends again has the same noise
             last, noise = item.ranges, RANGE_NOISE * rng.standard_normal(len(item.ranges))
         late_ns = int(rng.normal(scale=JITTER_NS)) if variant % 3 == 1 else 0
         yield replace(

@@ -16,6 +16,7 @@ LONGEST_NS = 1_000_000_000  # a pause counts as this much
 LATE, SOON = 1.5, 0.25
 SWEEP = 0.8  # of its sweep: a laser does not begin the next one within it
 MOST = 1000  # measurements of a batch
+WRONG_NS = 500_000_000  # by which what is held is ahead of the rest
 TOLD_NS = 20_000_000  # what was put back by less is not worth a word
 
 Sensed = TypeVar("Sensed", bound=LaserScan | Imu)
@@ -37,11 +38,6 @@ class Batches(Generic[Sensed]):
         self._spanned_ns = 0  # their sum
         self._recent: Recent[Diagnostic] = Recent()
 
-    @property
-    def holds(self) -> bool:
-        """Whether there are measurements whose times are not known yet."""
-        return bool(self._held)
-
     def push(self, one: Sensed) -> list[Sensed]:
         """The measurements whose times are known now that one more has arrived, in order."""
         if self._held and len(self._held) < MOST and self._came_with(self._held[-1], one):
@@ -55,9 +51,14 @@ class Batches(Generic[Sensed]):
         return [*before, one]
 
     def pass_time(self, time_ns: int) -> list[Sensed]:
-        """The measurements whose times are known now that something else of this time has arrived."""
-        held = self._held
-        return self.flush() if held and time_ns - held[-1].stamp_ns > SOON * self._period_ns else []
+        """The measurements whose times are known now that something else of this time has arrived.
+
+        What is much earlier shows that the clock of those held is wrong: nothing would ever be later.
+        """
+        if not self._held:
+            return []
+        after_ns = time_ns - self._held[-1].stamp_ns
+        return [] if -WRONG_NS < after_ns <= SOON * self._period_ns else self.flush()
 
     def flush(self) -> list[Sensed]:
         """What is held, at its times."""

@@ -64,3 +64,11 @@ def test_times_count_from_the_start_of_the_recording() -> None:
     run = follow(kept, SlamConfig(), items[0].stamp_ns)
     first_s = (kept[0].stamp_ns - items[0].stamp_ns) * 1e-9
     assert first_s <= run.poses[0, 0] <= first_s + 0.2
+
+
+def test_a_scan_that_is_sent_again_has_the_same_noise() -> None:
+    """Also where a recording holds its ranges twice: a copy stays one in all variants."""
+    scans = [LaserScan(k, np.full(9, 1.0 + k // 2, np.float32), 0.0, 0.1) for k in range(60)]
+    ranges = {item.stamp_ns: item.ranges for item in varied(scans, 2) if isinstance(item, LaserScan)}
+    assert all(np.array_equal(ranges[k], ranges[k + 1]) for k in range(30, 60, 2))
+    assert not np.array_equal(ranges[31] + 1.0, ranges[32])
