@@ -55,9 +55,14 @@ BREAKS: dict[str, Break] = {"gap": gap, "unit": unit, "clock": clock}
 
 def make(whole: Path, broken: Path, how: str) -> Path:
     """Write a recording broken as one of BREAKS; its path."""
+    return broken_by(BREAKS[how], whole, broken)
+
+
+def broken_by(how: Break, whole: Path, broken: Path) -> Path:
+    """Write a recording broken in any way; its path."""
     with AnyReader([whole]) as reader, Recorder(broken) as recorder:
         entries = ((c.topic, reader.deserialize(raw, c.msgtype), log_ns) for c, log_ns, raw in reader.messages())
-        for topic, message, log_ns in BREAKS[how](entries, reader.start_time):
+        for topic, message, log_ns in how(entries, reader.start_time):
             recorder.write(topic, message, log_ns)
     return broken
 

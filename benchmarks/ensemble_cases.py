@@ -21,8 +21,10 @@ from benchmarks.additions.faults import (
 )
 from benchmarks.additions.imu_faults import hit, knocked, spiked
 from benchmarks.additions.wheel_faults import slipping, spinning, stuck
+from benchmarks.broken import Break
 from benchmarks.cases import DEMOS, FURTHER, REAL, Recording, present
 from benchmarks.circuits import Shape, circuit
+from benchmarks.clock_faults import BOOTED_S, apart, recorded_by
 from hectorscope.inputs import Item, SourceOptions
 from hectorscope.simulation import SceneOptions, Simulation
 from hectorscope.simulation.options import ScenarioName
@@ -101,6 +103,22 @@ AGAIN: tuple[tuple[str, Fault, bool, tuple[ScenarioName, ...]], ...] = (
     ("30% of the beams unseen", unechoed(0.3), True, ("corridor", "handheld")),
     ("70% of the beams unseen", unechoed(0.7), True, ("corridor", "handheld")),
     ("120 degrees ahead unseen", blind(120.0), True, ("arena", "rooms", "handheld", "littoral", "corridor")),
+)
+
+# How clocks are apart, and the scenes.
+CLOCKS: tuple[tuple[str, Break, tuple[ScenarioName, ...]], ...] = (
+    ("laser's clock 30 s behind", apart("ranges", -30.0), ("arena", "rooms", "handheld", "littoral")),
+    ("IMU's clock 1 s ahead", apart("linear_acceleration", 1.0), ("rooms", "handheld")),
+    (
+        "IMU's clock from its start, and fast",
+        apart("linear_acceleration", BOOTED_S, 1e-4),
+        ("arena", "rooms", "handheld", "littoral"),
+    ),
+    (
+        "IMU's clock set by 40 s",
+        apart("linear_acceleration", 40.0, from_s=BLIND_S),
+        ("arena", "rooms", "handheld"),
+    ),
 )
 
 # What wheels do, and the scenes: with a laser that sees so many metres far, and with one that sees all.
@@ -197,6 +215,11 @@ def damaged(what: str, fault: Fault, case: Case) -> Case:
     return replace(case, name=f"{case.name}, {what}", load=lambda seed: fault(case.load(seed), seed))
 
 
+def clocked(what: str, broken: Break, scene: ScenarioName, options: SceneOptions) -> Case:
+    """A scene whose recording has stamps by clocks that are apart."""
+    return Case(f"{scene}, {what}", partial(recorded_by, broken, scene, options), seeded=True)
+
+
 def cases() -> list[Case]:
     """All of them; the recordings that lie beside the project where they are there."""
     offices = SceneOptions(scan_rate=4.7, beams=361)
@@ -237,6 +260,7 @@ def cases() -> list[Case]:
             for what, fault, imu, scenes in AGAIN
             for scene in scenes
         ),
+        *(clocked(what, broken, scene, moderate) for what, broken, scenes in CLOCKS for scene in scenes),
         *(within(reach, driven(what, fault, scene)) for reach, what, fault, scenes in NEAR for scene in scenes),
         *(driven(what, fault, scene) for what, fault, scenes in FAR for scene in scenes),
         *(of_small_robot(scene, speed, imu=imu) for scene, speed, imu in SMALL),

@@ -209,6 +209,10 @@ class Examinable(Source, Protocol):
     def unplaced(self) -> Sequence[str]:
         """Frames of sensors that tf does not place, once `items` were read."""
 
+    @property
+    def put_right(self) -> Sequence[str]:
+        """Topics whose clocks were put beside that of the scans, once `items` were read."""
+
     def stamped(self) -> Iterator[Stamped]:
         """Every message of a topic that has a use, in the order of recording."""
 

@@ -132,7 +132,7 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
     begin_ns, end_ns = source.span_ns
     measures = statistics.measures()
     check = RecordingCheck().take(source.stamped())
-    if not check.turns_compare(source.parts, options):
+    if not check.turns_compare(source, options):
         measures = replace(measures, turn=None)
     return BagReport(
         source.name,
@@ -146,7 +146,7 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
         statistics.sweep_time(),
         statistics.range_noise(),
         tuple(findings(measures, options)),
-        faults=tuple(check.findings(source.parts, source.unplaced, source.clock_offset_ns)),
+        faults=tuple(check.findings(source.parts, source.unplaced, source.put_right, source.clock_offset_ns)),
     )
 
 

@@ -49,23 +49,31 @@ class RecordingCheck:
                 self.returns[each.topic].add(each.log_ns, each.ranges, each.limits)
         return self
 
-    def turns_compare(self, used: Mapping[str, str], options: SourceOptions) -> bool:
+    def turns_compare(self, source: Examinable, options: SourceOptions) -> bool:
         """Whether scans and inertial data, with the delays that are stated, may be compared by their turns."""
+        used = source.parts
         scan, imu = (self.times.get(used.get(role, "")) for role in ("scan", "imu"))
-        if scan is None or imu is None:
+        if scan is None or imu is None or used["imu"] in source.put_right:
             return True
         stated_s = (options.imu_delay or 0.0) - (options.scan_delay or 0.0)
         return abs(_apart_s(scan.result, imu.result) - stated_s) <= LONGEST_LAG
 
-    def findings(self, used: Mapping[str, str], unplaced: Sequence[str], shift_ns: int = 0) -> list[Finding]:
+    def findings(
+        self,
+        used: Mapping[str, str],
+        unplaced: Sequence[str] = (),
+        put_right: Sequence[str] = (),
+        shift_ns: int = 0,
+    ) -> list[Finding]:
         """Of the topics in use (role -> topic). unplaced: frames that tf does not place.
 
-        shift_ns: from the recorder's clock to that of the run.
+        put_right: topics whose clocks are put beside that of the scans. shift_ns: from the recorder's clock to
+        that of the run.
         """
         topics = {role: topic for role, topic in used.items() if topic in self.times}
         measured = {topic: self.times[topic].result for topic in dict.fromkeys(topics.values())}
         found = [
-            *_clocks(measured, topics),
+            *_clocks(measured, topics, put_right),
             *(one for role, topic in topics.items() for one in _rhythm(role, topic, measured[topic])),
             *(
                 one
@@ -114,7 +122,9 @@ def _gap(topic: str, gap: Gap, period_s: float, more: str) -> Finding:
     )
 
 
-def _clocks(measured: Mapping[str, TopicTimes], topics: Mapping[str, str]) -> Iterator[Finding]:
+def _clocks(
+    measured: Mapping[str, TopicTimes], topics: Mapping[str, str], put_right: Sequence[str]
+) -> Iterator[Finding]:
     """How the stamps of each topic run against the recorder's clock, and against those of the scans."""
     clocks = {topic: times for topic, times in measured.items() if len(times.stamped) >= 2 * FEWEST}
     common = median(times.drift for times in clocks.values()) if len(clocks) > 2 else 0.0
@@ -127,7 +137,7 @@ def _clocks(measured: Mapping[str, TopicTimes], topics: Mapping[str, str]) -> It
             yield _drift(topic, drift, span_s)
         elif times.delay_s < -AHEAD_S:
             yield _ahead(topic, times)
-    yield from _apart(clocks, topics)
+    yield from _apart(clocks, topics, put_right)
 
 
 def _ahead(topic: str, times: TopicTimes) -> Finding:
@@ -161,17 +171,23 @@ def _drift(topic: str, drift: float, span_s: float) -> Finding:
     )
 
 
-def _apart(clocks: Mapping[str, TopicTimes], topics: Mapping[str, str]) -> Iterator[Finding]:
+def _apart(
+    clocks: Mapping[str, TopicTimes], topics: Mapping[str, str], put_right: Sequence[str]
+) -> Iterator[Finding]:
     """Inertial data and scans that come by different clocks, or late by a fixed time."""
     apart = _apart_s(clocks.get(topics.get("scan", "")), clocks.get(topics.get("imu", "")))
     if abs(apart) <= APART_S:
         return
     later, sooner, option = ("scan", "imu", "imu-delay") if apart > 0.0 else ("imu", "scan", "scan-delay")
     flag = f"--{option} {abs(apart):.2f}"
-    if abs(apart) > LONGEST_LAG:
+    is_put_right = topics["imu"] in put_right
+    if is_put_right or abs(apart) > LONGEST_LAG:
+        repair = (
+            "it is put right by when messages came" if is_put_right else f"give {flag}, and look at their turns"
+        )
         yield Finding(
             f"the clock of {topics[later]} is {abs(apart):.2f} s behind that of {topics[sooner]}",
-            remedy=f"give {flag}, and look at their turns then; keep both clocks by NTP or PTP",
+            remedy=f"{repair}; keep both clocks by NTP or PTP",
         )
         return
     yield Finding(
@@ -239,4 +255,4 @@ def examine(source: Examinable) -> list[Finding]:
     for _ in source.items():
         pass  # tf is complete behind them
     check = RecordingCheck().take(source.stamped())
-    return check.findings(source.parts, source.unplaced, source.clock_offset_ns)
+    return check.findings(source.parts, source.unplaced, source.put_right, source.clock_offset_ns)

@@ -8,6 +8,7 @@ from typing import Any
 
 from hectorscope.inputs import Item, SourceOptions, SourceReport
 from hectorscope.ros import aid_messages, messages
+from hectorscope.ros.arrivals import Arrival, Arrivals
 from hectorscope.ros.messages import BadMessage
 from hectorscope.ros.mounts import Mounts
 from hectorscope.ros.repairs import Repairs
@@ -50,12 +51,14 @@ class Converter:
     """Messages of one recording or connection to measurements, in order of arrival.
 
     A message whose mount is not known yet waits for tf, and those behind it wait too; `flush` ends the waiting.
+    Stamps are by the clock of the scans (see `Arrivals`).
     """
 
     def __init__(self, roles: Roles, options: SourceOptions) -> None:
         self.tree = TfTree()
         self.mounts = Mounts(self.tree, options.base_frame)
         self._repairs, self._own_frame = Repairs(options), options.own_frame
+        self._arrivals = Arrivals(roles, self._repairs, options.own_frame)
         self._tf_poses = TfPoses(self.tree, self.mounts)
         self._read: Counter[str] = Counter()
         self._skipped: Counter[str] = Counter()
@@ -70,6 +73,7 @@ class Converter:
     def assign(self, roles: Roles) -> None:
         """Take the topics of `roles` from now on (a live stream learns of its topics bit by bit)."""
         self.roles = roles
+        self._arrivals.assign(roles)
         self._tf_poses.assign(roles)
         parts: dict[str, _Duty] = {
             "scan": self._scan,
@@ -96,32 +100,44 @@ class Converter:
         notes = (*self.roles.notes, *self.mounts.notes.values(), *self._tf_poses.notes(), *self._notes.values())
         plane = self._plane
         origin = (plane.latitude, plane.longitude, plane.altitude) if plane else None
-        return SourceReport(read=dict(self._read), skipped=dict(self._skipped), notes=notes, origin=origin)
+        warnings = self._arrivals.warnings()
+        return SourceReport(dict(self._read), dict(self._skipped), notes=notes, warnings=warnings, origin=origin)
+
+    @property
+    def put_right(self) -> tuple[str, ...]:
+        """Topics, and frames of tf, whose clocks are put beside that of the scans."""
+        return self._arrivals.put_right
 
     def convert(self, topic: str, msgtype: str, message: Any, receive_ns: int) -> list[Item]:
         """What may go on now that `message` (a rosbags object) has come; what has no part gives nothing."""
-        if topic in self.roles.transforms and msgtype in TF_TYPES:
-            self._read[topic] += 1
-            return [*self._transforms(topic, message, receive_ns), *self._release(receive_ns)]
-        if (topic, msgtype) not in self._duties:
+        if not ((topic in self.roles.transforms and msgtype in TF_TYPES) or (topic, msgtype) in self._duties):
             return []
         self._read[topic] += 1
-        stamp_ns = messages.stamp_ns(message, receive_ns)
-        fault = self._stamps[topic].fault(stamp_ns, receive_ns)
-        if fault:
-            self.skip(topic, fault)
-            return []
-        for duty in self._duties[topic, msgtype]:
-            self._waiting.append(_Pending(duty, topic, message, stamp_ns, receive_ns))
-        return self._release(receive_ns)
+        arrived = self._arrivals.push(Arrival(topic, msgtype, message, receive_ns))
+        return [item for each in arrived for item in self._take(each)]
 
     def flush(self) -> list[Item]:
-        """What still waits for tf, at the end."""
-        return self._release(math.inf)
+        """What still waits, at the end."""
+        arrived = [item for each in self._arrivals.flush() for item in self._take(each)]
+        return [*arrived, *self._release(math.inf)]
 
     def skip(self, topic: str, reason: str) -> None:
         """Count a message that was left out, under its topic and reason."""
         self._skipped[f"{topic}: {reason}"] += 1
+
+    def _take(self, arrival: Arrival) -> list[Item]:
+        """What may go on behind a message whose clock is known."""
+        topic, receive_ns = arrival.topic, arrival.receive_ns
+        if arrival.is_transforms:
+            return [*self._transforms(arrival), *self._release(receive_ns)]
+        stamp_ns = self._arrivals.stamp_ns(arrival)
+        fault = self._stamps[topic].fault(stamp_ns, receive_ns)
+        if fault:
+            self.skip(topic, fault)
+            return []
+        for duty in self._duties.get((topic, arrival.msgtype), ()):
+            self._waiting.append(_Pending(duty, topic, arrival.message, stamp_ns, receive_ns))
+        return self._release(receive_ns)
 
     def _release(self, now_ns: float) -> list[Item]:
         """Items of the messages that need not wait any more, in their order."""
@@ -213,20 +229,20 @@ class Converter:
     def _gps_velocity(self, pending: _Pending, _waited_ns: float) -> GpsVelocity:
         return aid_messages.gps_velocity(pending.message, pending.stamp_ns)
 
-    def _transforms(self, topic: str, message: Any, receive_ns: int) -> list[Item]:
+    def _transforms(self, arrival: Arrival) -> list[Item]:
         """Grow the tf tree; items for the chains that stand for attitude or truth."""
-        static = is_static_tf(topic)
+        topic, static = arrival.topic, is_static_tf(arrival.topic)
         updated: dict[str, int] = {}
-        for stamped in message.transforms:
+        for stamped in arrival.message.transforms:
             try:
                 T = messages.transform(stamped.transform)
             except BadMessage as reason:
                 self.skip(topic, str(reason))
                 continue
-            child, stamp_ns = stamped.child_frame_id.strip("/"), messages.stamp_ns(stamped, receive_ns)
-            parent = messages.frame_id(stamped)
+            child, parent = stamped.child_frame_id.strip("/"), messages.frame_id(stamped)
             if parent == self._own_frame:
                 continue
+            stamp_ns, receive_ns = self._arrivals.frame_stamp_ns(arrival, stamped), arrival.receive_ns
             fault = self.tree.add(parent, child, stamp_ns, T, static=static, receive_ns=receive_ns)
             if not fault:
                 updated[child] = stamp_ns

@@ -47,7 +47,7 @@ def metrics(
         "messages": {"read": dict(report.read), "skipped": dict(report.skipped)},
         "filter_unused": dict(pipeline.slam.status.unused),
         "filter_sources": sources(pipeline.result),
-        "notes": [*report.notes, *pipeline.notes, *pipeline.warned],
+        "notes": [*report.notes, *report.warnings, *pipeline.notes, *pipeline.warned],
         **(spent(effort) if effort else {}),
         "median_us": medians(pipeline.series.view(SERIES_DTYPE).reshape(-1)),
         "map_updates": pipeline.slam.map.updates,

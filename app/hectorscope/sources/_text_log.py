@@ -83,7 +83,7 @@ class TextLog:
         return SourceReport({SCANS: self._reading.lines}, skipped, notes=self._notes, unusable=unusable)
 
     clock_offset_ns = 0
-    unplaced = ()
+    unplaced = put_right = ()
     parts: Mapping[str, str] = {"scan": SCANS, "odometry": WHEELS}
 
     def stamped(self) -> Iterator[Stamped]:

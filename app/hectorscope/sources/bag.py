@@ -138,6 +138,11 @@ class BagSource:
         """Frames of sensors that tf did not place in the latest reading."""
         return self._reading.converter.mounts.unplaced
 
+    @property
+    def put_right(self) -> tuple[str, ...]:
+        """Topics whose clocks were put beside that of the scans in the latest reading."""
+        return self._reading.converter.put_right
+
     def reopened(self) -> "BagSource":
         """The same recording."""
         return open_bag(self.recording.path, self._options)

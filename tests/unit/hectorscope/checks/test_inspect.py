@@ -89,21 +89,36 @@ def test_the_noise_of_the_laser_is_reported() -> None:
     assert far[0] > 20.0 and 0.03 < far[1] < 0.07
 
 
-def test_turns_by_clocks_that_are_far_apart_are_not_compared(tmp_path: Path) -> None:
-    """They would show a laser that is mounted wrongly; with the delay that is stated they agree."""
+def by_clocks_apart(path: Path, late_ns: int) -> Path:
+    """Rooms by a laser whose clock is 1.5 s behind; every other scan takes so much longer to the recorder."""
     ros, entries = Messages("ros1"), list[tuple[str, Any, int]]()
     for item in Simulation("rooms", SceneOptions(scan_rate=10.0, beams=181, duration=30.0)).items():
         t = item.stamp_ns - START_NS
         if isinstance(item, LaserScan):
             fields = "angle_min", "angle_increment", "time_increment", "ranges"
-            message = ros.scan(t - 5 * SECOND, **{name: getattr(item, name) for name in fields})
-            entries.append(("/scan", message, item.end_ns - START_NS))
+            message = ros.scan(t - 15 * TENTH, **{name: getattr(item, name) for name in fields})
+            entries.append(("/scan", message, item.end_ns - START_NS + late_ns * (t // TENTH % 2)))
         elif isinstance(item, Imu):
             message = ros.imu(t, rates=item.angular_velocity, forces=item.linear_acceleration)
             entries.append(("/imu", message, t))
-    path = write_bag(tmp_path / "apart.bag", entries)
+    return write_bag(path, sorted(entries, key=lambda entry: entry[2]))
+
+
+def test_turns_by_clocks_that_are_far_apart_are_compared_once_these_are_put_right(tmp_path: Path) -> None:
+    """The difference and what is done about it are told."""
+    report = inspect_bag(by_clocks_apart(tmp_path / "apart.bag", 0), SourceOptions())
+    assert report.measures.turn is not None and report.measures.turn.correlation > 0.9
+    (fault,) = (fault for fault in report.faults if "clock" in fault.fact)
+    assert fault.fact == "the clock of /scan is 1.50 s behind that of /imu"
+    assert fault.remedy == "it is put right by when messages came; keep both clocks by NTP or PTP"
+    assert "the clock of /imu is 1.50 s ahead of that of the scans" in str(report)
+
+
+def test_turns_by_clocks_that_may_be_far_apart_are_not_compared(tmp_path: Path) -> None:
+    """They would show a laser that is mounted wrongly; with the delay that is stated they agree."""
+    path = by_clocks_apart(tmp_path / "apart.bag", 9 * TENTH // 10)
     apart = inspect_bag(path, SourceOptions())
     assert apart.measures.turn is None and not apart.findings
-    assert "--imu-delay 5.00" in " ".join(fault.remedy for fault in apart.faults)
-    together = inspect_bag(path, SourceOptions(imu_delay=5.0))
+    assert "--imu-delay 1.50" in " ".join(fault.remedy for fault in apart.faults)
+    together = inspect_bag(path, SourceOptions(imu_delay=1.5))
     assert together.measures.turn is not None and together.measures.turn.correlation > 0.9

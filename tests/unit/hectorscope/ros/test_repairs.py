@@ -23,7 +23,7 @@ def convert(options: SourceOptions, rates: Sequence[float], forces: Sequence[flo
     converter = Converter(ROLES, options)
     imu = ROS.imu(SECOND, rates=rates, forces=forces)
     items = converter.convert("/imu", imu.__msgtype__, imu, START + SECOND)
-    return [*items, *converter.convert("/scan", SCAN, ROS.scan(SECOND), START + SECOND)]
+    return [*items, *converter.convert("/scan", SCAN, ROS.scan(SECOND), START + SECOND), *converter.flush()]
 
 
 def test_units_become_si() -> None:
