@@ -11,6 +11,7 @@ from hectorscope.ros.repairs import Repairs
 from hectorscope.ros.roles import SCAN, TF_TYPES, Roles, is_static_tf
 
 MOST_WAITING = 20_000  # messages
+MOST_POSTDATED_NS = 5_000_000_000  # transforms are stamped ahead on purpose, so that they hold for a while
 MOST_SECONDS = 1e5  # days are told beyond
 
 
@@ -101,7 +102,8 @@ class Arrivals:
         for stamped in arrival.message.transforms:
             if messages.frame_id(stamped) != self._own_frame:
                 stamp_ns = messages.stamp_ns(stamped, arrival.receive_ns)
-                self._clocks.note(_stream(arrival.topic, stamped), stamp_ns, 0, arrival.receive_ns)
+                name = _stream(arrival.topic, stamped)
+                self._clocks.note(name, stamp_ns, 0, arrival.receive_ns, MOST_POSTDATED_NS)
 
 
 def _words(names: Sequence[str], shift_ns: int) -> str:

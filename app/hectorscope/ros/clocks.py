@@ -16,16 +16,17 @@ MOST_KEPT = 1000  # delays in a window
 CALM_NS = 20_000_000_000  # before messages wait once more
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Clock:
     """Of a stream of messages. level_ns: their usual delay. shift_ns: what is added to their stamps.
 
-    apart_ns: by which the levels of two clocks differ at least. is_new: until the end of a window the level is the
-    first delay. is_known: whether it was found by the last window.
+    least_ns: by which clocks are apart at least. apart_ns: by which their levels are, if they are. is_new: until a
+    window ends the level is the first delay. is_known: whether the last window told it.
     """
 
     level_ns: int
-    apart_ns: int = APART_NS
+    least_ns: int
+    apart_ns: int = 0
     shift_ns: int = 0
     is_new: bool = True
     is_known: bool = False
@@ -49,7 +50,7 @@ class _Clock:
             return False
         level_ns, is_known = delays[len(delays) // FAST], received_ns < PACE * stamped_ns < PACE**2 * received_ns
         spread_ns, period_ns = delays[-1 - len(delays) // FAST] - level_ns, received_ns // max(1, len(delays) - 1)
-        self.apart_ns = max(APART_NS, PERIODS * period_ns, SPREADS * spread_ns)
+        self.apart_ns = max(self.least_ns, PERIODS * period_ns, SPREADS * spread_ns)
         if is_known and self.is_known and not self.is_apart(level_ns):
             level_ns = min(level_ns, self.level_ns + SLIP_NS)
         self.level_ns, self.is_known = level_ns, is_known
@@ -75,20 +76,26 @@ class Clocks:
         self._calm_ns = 0
         self._is_unsure, self._is_silent = False, True
 
-    def note(self, name: str, stamp_ns: int, lasts_ns: int, receive_ns: int) -> None:
-        """A message, in order of receipt. lasts_ns: of the measurement, from its stamp on."""
+    def note(self, name: str, stamp_ns: int, lasts_ns: int, receive_ns: int, least_ns: int = APART_NS) -> None:
+        """A message, in order of receipt. lasts_ns: of the measurement, from its stamp on.
+
+        least_ns: by which its clock is apart at least, if it is.
+        """
         if self._begin_ns is None:
             self._begin_ns = receive_ns
         if not 0 <= receive_ns - self._begin_ns < WINDOW_NS:
             self.settle()
             self._begin_ns = receive_ns
         delay_ns = receive_ns - stamp_ns - lasts_ns
-        if self._seems_apart(name, delay_ns, receive_ns):
-            for clock in self._clocks.values():
-                clock.delays.clear()
-            self._begin_ns, self._is_unsure = receive_ns, True
+        clock = self._clocks.get(name) or _Clock(delay_ns, least_ns)
+        is_apart = _is_set(clock, delay_ns) if name in self._clocks else self._is_beside(clock)
+        if is_apart and receive_ns >= self._calm_ns:
+            for each in self._clocks.values():
+                each.delays.clear()
+            self._begin_ns, self._calm_ns, self._is_unsure = receive_ns, receive_ns + CALM_NS, True
         self._is_silent &= name != self.lead
-        self._clocks.setdefault(name, _Clock(delay_ns)).add(stamp_ns, delay_ns, receive_ns)
+        self._clocks[name] = clock
+        clock.add(stamp_ns, delay_ns, receive_ns)
 
     def settle(self) -> None:
         """End the window: nothing waits any more."""
@@ -118,14 +125,12 @@ class Clocks:
         """Of the streams whose clocks are apart from that of the scans."""
         return {name: clock.shift_ns for name, clock in self._clocks.items() if clock.shift_ns}
 
-    def _seems_apart(self, name: str, delay_ns: int, receive_ns: int) -> bool:
-        """Whether a clock appears that is apart from others, or one that is known is set."""
-        clock, known = self._clocks.get(name), self._clocks.values()
-        if clock is None:
-            is_apart = any(abs(delay_ns - other.level_ns) > APART_NS for other in known)
-        else:
-            is_apart = (clock.is_new or clock.is_known) and abs(delay_ns - clock.level_ns) > SET_NS
-        if not is_apart or receive_ns < self._calm_ns:
-            return False
-        self._calm_ns = receive_ns + CALM_NS
-        return True
+    def _is_beside(self, new: _Clock) -> bool:
+        """Whether a clock that appears is another one than those that are there."""
+        others = self._clocks.values()
+        return any(abs(new.level_ns - each.level_ns) > max(new.least_ns, each.least_ns) for each in others)
+
+
+def _is_set(clock: _Clock, delay_ns: int) -> bool:
+    """Whether a clock that is there was set; of one that counts another time nothing is known."""
+    return (clock.is_new or clock.is_known) and abs(delay_ns - clock.level_ns) > SET_NS
