@@ -73,7 +73,7 @@ def test_imu_and_scan_of_an_old_bridge_are_taken(scripted: Callable[..., Any]) -
     server = scripted(
         [HELLO, advertise(offer(3, "/scan"), offer(4, "/imu", "sensor_msgs/msg/Imu"))],
         protocol="foxglove.websocket.v1",
-        answers={asks_for(3): [data(4, imu_bytes(5)), data(3, scan_bytes(7_000_000_001))]},
+        answers={asks_for(3): [data(4, imu_bytes(5)), data(3, scan_bytes(100_000_007))]},
     )
     source = open_source(server.uri, SourceOptions())
     imu, scan = islice(source.items(), 2)
@@ -82,7 +82,7 @@ def test_imu_and_scan_of_an_old_bridge_are_taken(scripted: Callable[..., Any]) -
     assert imu.stamp_ns == 5
     np.testing.assert_array_equal(imu.angular_velocity, [0.0, 0.0, 0.1])
     assert isinstance(scan, LaserScan)
-    assert scan.stamp_ns == 7_000_000_001
+    assert scan.stamp_ns == 100_000_007
     np.testing.assert_array_equal(scan.ranges, np.full(5, 2.0, np.float32))
     assert source.report.read == {"/imu": 1, "/scan": 1}
     assert not source.report.skipped

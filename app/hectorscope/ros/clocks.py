@@ -20,15 +20,14 @@ CALM_NS = 20_000_000_000  # before messages wait once more
 class _Clock:
     """Of a stream of messages. level_ns: their usual delay. shift_ns: what is added to their stamps.
 
-    least_ns: by which clocks are apart at least. apart_ns: by which their levels are, if they are. is_new: until a
-    window ends the level is the first delay. is_known: whether the last window told it.
+    least_ns: by which clocks are apart at least. apart_ns: by which their levels are, if they are. is_known: whether
+    the last window told the level; until one ends, it is the first delay.
     """
 
     level_ns: int
     least_ns: int
     apart_ns: int = 0
     shift_ns: int = 0
-    is_new: bool = True
     is_known: bool = False
     delays: list[int] = field(default_factory=list)
     first: tuple[int, int] = (0, 0)
@@ -44,7 +43,7 @@ class _Clock:
 
     def judge(self) -> bool:
         """End the window. Whether the level was found by it: not where stamps do not count time."""
-        delays, self.delays, self.is_new = sorted(self.delays), [], False
+        delays, self.delays = sorted(self.delays), []
         stamped_ns, received_ns = (last - first for first, last in zip(self.first, self.last, strict=True))
         if not delays or received_ns < SPAN_NS:
             return False
@@ -96,6 +95,9 @@ class Clocks:
         self._is_silent &= name != self.lead
         self._clocks[name] = clock
         clock.add(stamp_ns, delay_ns, receive_ns)
+        if self.waits and abs(stamp_ns - clock.first[0]) > PACE * WINDOW_NS:
+            self.settle()  # the receipt does not count time, or not that of the stamps
+            self._begin_ns = receive_ns
 
     def settle(self) -> None:
         """End the window: nothing waits any more."""
@@ -133,4 +135,4 @@ class Clocks:
 
 def _is_set(clock: _Clock, delay_ns: int) -> bool:
     """Whether a clock that is there was set; of one that counts another time nothing is known."""
-    return (clock.is_new or clock.is_known) and abs(delay_ns - clock.level_ns) > SET_NS
+    return clock.is_known and abs(delay_ns - clock.level_ns) > SET_NS

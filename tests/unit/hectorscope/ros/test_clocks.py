@@ -116,6 +116,18 @@ def test_a_simulation_by_a_time_of_its_own_does_not_wait_again_and_again(pace: f
     assert streams.waited * 10 * MS < 1.2 * WINDOW_NS
 
 
+def test_where_the_receipt_does_not_count_time_messages_wait_for_a_moment_only() -> None:
+    """Some servers send a constant in its place."""
+    clocks = Clocks("/scan")
+    waits = []
+    for k in range(3000):
+        clocks.note("/imu", START + k * 10 * MS, 0, 1)
+        if k % 10 == 5:
+            clocks.note("/scan", START + 30 * SECOND + k * 10 * MS, 0, 1)
+        waits.append(clocks.waits)
+    assert sum(waits) * 10 * MS < 3 * WINDOW_NS and not clocks.shifts_ns
+
+
 def test_all_stamps_by_a_clock_of_their_own_stay() -> None:
     """As of a recording that is played back and recorded again."""
     clocks = Clocks("/scan")
