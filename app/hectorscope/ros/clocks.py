@@ -20,8 +20,8 @@ CALM_NS = 20_000_000_000  # before messages wait once more
 class _Clock:
     """Of a stream of messages. level_ns: their usual delay. shift_ns: what is added to their stamps.
 
-    least_ns: by which clocks are apart at least. apart_ns: by which their levels are, if they are. is_known: whether
-    the last window told the level; until one ends, it is the first delay.
+    least_ns: by which clocks are apart at least. apart_ns: by which their levels are, if they are. is_known:
+    whether the last window told the level; until one ends, it is the first delay.
     """
 
     level_ns: int
