@@ -64,6 +64,15 @@ EARLY: tuple[tuple[float, ScenarioName, bool, float], ...] = (
     (7.0, "arena", True, 16.0),
     (5.0, "rooms", True, 10.0),
 )
+# Seconds of inertial data before the first scan, while the robot drives, and the scene.
+LATE: tuple[tuple[float, ScenarioName], ...] = (
+    (5.0, "rooms"),
+    (10.0, "rooms"),
+    (5.0, "handheld"),
+    (10.0, "handheld"),
+    (10.0, "arena"),
+    (30.0, "littoral"),
+)
 STAMPED = held_up((LaserScan,), 1.0, 5.0, stamped=True)
 ALL_STAMPED = held_up(EVERYTHING, 1.0, 5.0, stamped=True)
 TARDY = held_up((LaserScan,), 3.0, 10.0, stamped=False)
@@ -144,6 +153,8 @@ SMALL: tuple[tuple[ScenarioName, float, bool], ...] = (
 
 # Circuits of corridors that a car with a laser alone races through, at so many m/s.
 RACED: tuple[tuple[Shape, float], ...] = (("square", 2.0), ("square", 4.0), ("winding", 2.0), ("winding", 4.0))
+
+TWICE_A_SECOND: tuple[ScenarioName, ...] = ("rooms", "handheld", "arena")
 
 Load = Callable[[int], list[Item]]
 
@@ -252,6 +263,10 @@ def cases() -> list[Case]:
             for seconds, scene in BLIND
         ),
         *(
+            without(seconds, "scans", (LaserScan,), simulated(scene, scene, moderate, imu=True), 0.0)
+            for seconds, scene in LATE
+        ),
+        *(
             without(seconds, "data", EVERYTHING, simulated(scene, scene, moderate, imu=imu), begin)
             for seconds, scene, imu, begin in (*((*each, BLIND_S) for each in SILENT), *EARLY)
         ),
@@ -266,6 +281,7 @@ def cases() -> list[Case]:
         *(of_small_robot(scene, speed, imu=imu) for scene, speed, imu in SMALL),
         *(raced(shape, speed) for shape, speed in RACED),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
+        *(simulated(f"{scene}, 2 Hz", scene, replace(slow, scan_rate=2.0), imu=True) for scene in TWICE_A_SECOND),
         simulated("rooms, 5 Hz", "rooms", slow, imu=True),
         simulated("rooms, 5 Hz", "rooms", slow, imu=False),
         simulated("arena", "arena", moderate, imu=False),

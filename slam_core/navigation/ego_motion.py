@@ -26,6 +26,7 @@ from slam_core.measurements import (
 from slam_core.navigation.aiding.aids import AidingMeasurement, Aids
 from slam_core.navigation.aiding.planar import PlanarEstimator
 from slam_core.navigation.aiding.plausibility import SOURCES, is_plausible
+from slam_core.navigation.chi_square import bound
 from slam_core.navigation.filter import NavigationFilter, projected
 from slam_core.navigation.imu_spikes import SpikeFilter
 from slam_core.navigation.monitor import SILENT_NS, Monitor
@@ -42,6 +43,7 @@ FIRST_MATCH = MatchResult(
 )
 
 
+MOVED_SIGMAS = 3.0
 SETTLED = 10  # matches that many beams fix: by then the filter knows the speed
 PATIENCE_NS = 2_000_000_000  # inertial data that shows no attitude is waited for so much longer than it takes
 
@@ -287,6 +289,9 @@ class EgoMotion:
             self._plane.matched(time_ns)
         else:
             rule = config.omega, config.method, config.gate
+            if match is FIRST_MATCH and self._has_moved(time_ns):
+                self._filter.reset_pose(time_ns, match.gaussian)
+                self._aids = Aids()  # where the map lies in the world is no longer what was found
             navigation = self._filter.fuse_planar(
                 time_ns,
                 match.pose,
@@ -301,6 +306,11 @@ class EgoMotion:
             self._well_fixed += not match.is_badly_fixed
         self._aids.matched(time_ns)
         return fused, navigation
+
+    def _has_moved(self, time_ns: int) -> bool:
+        """Whether the base is elsewhere than where inertial data began: there is no map yet that says where."""
+        mean, covariance = self._filter.planar(time_ns)
+        return float(mean @ np.linalg.solve(covariance, mean)) > bound(MOVED_SIGMAS, len(mean))
 
     def estimate(self, time_ns: int, pose: Float64s) -> Transform:
         """T_map_base without inertial data: the pose (3,) of the match, and the tilt of an external attitude."""

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from benchmarks import ensembles
 from hectorscope.inputs import Item
 from hectorscope.run.checkpoints import Checkpoint, Place
 from hectorscope.run.metrics import truth_errors
@@ -143,3 +144,10 @@ def test_a_checkpoint_before_the_map_begins_goes_on_the_same() -> None:
     assert straight.scans > 0
     assert straight.trajectory.tobytes() == halves.trajectory.tobytes()
     assert straight.slam.map.updates == halves.slam.map.updates
+
+
+@pytest.mark.parametrize("name", ["handheld, no scans for 5 s from 0 s", "rooms, 2 Hz"])
+def test_a_laser_may_begin_while_the_robot_drives(name: str) -> None:
+    """Inertial data were there before: the map begins at their velocity, and not where they began."""
+    found = ensembles.outcomes([ensembles.run(name, 2, {})])
+    assert found[0].error < 0.02 and not (found[0].misplaced or found[0].silent)

@@ -1,6 +1,7 @@
 """What the motion between matches is known by."""
 
 import numpy as np
+import pytest
 
 from slam_core.config import SlamConfig
 from slam_core.diagnostics import TOO_LATE
@@ -40,6 +41,32 @@ def test_the_map_begins_where_the_base_is_with_the_velocity_of_its_wheels():
     fused, _ = motion.correct(now_ns, None, accepted=True)
     np.testing.assert_allclose(fused.mean, np.zeros(3), atol=1e-9)
     np.testing.assert_allclose(motion.prior(now_ns + MATCH_NS).mean, [0.05, 0.0, 0.015], atol=2e-3)
+
+
+def test_what_was_driven_before_the_first_scan_says_nothing_against_the_inertial_data():
+    """The map begins where the base is then: it goes on at its speed, and its turn was no bias of the gyros."""
+    motion = EgoMotion(SlamConfig())
+    sampled(motion, 0, GAP_NS)
+    for stamp_ns in range(GAP_NS, 3 * GAP_NS, SAMPLE_NS):
+        force = GRAVITY + np.array([0.5, 0.25 * (stamp_ns - GAP_NS) * 1e-9, 0.0])
+        motion.take(Imu(stamp_ns, np.array([0.0, 0.0, 0.5]), force))
+    motion.inertial, now_ns = True, 3 * GAP_NS - SAMPLE_NS
+    assert motion.prior(now_ns).mean[0] > 0.5
+    fused, _ = motion.correct(now_ns, None, accepted=True)
+    np.testing.assert_allclose(fused.mean, np.zeros(3), atol=1e-3)
+    forward, _, turned = motion.prior(now_ns + MATCH_NS).mean
+    assert forward == pytest.approx(0.05, abs=0.01)
+    assert turned == pytest.approx(0.5 * MATCH_NS * 1e-9, abs=1e-3)
+
+
+def test_a_base_that_rests_until_the_first_scan_is_known_to_rest():
+    """Where it is then is where it was: its speed is surer for that."""
+    motion = EgoMotion(SlamConfig())
+    sampled(motion, 0, 5 * GAP_NS)
+    motion.inertial, now_ns = True, 5 * GAP_NS - SAMPLE_NS
+    before = motion.prior(now_ns + GAP_NS).covariance
+    motion.correct(now_ns, None, accepted=True)
+    assert motion.prior(now_ns + GAP_NS).covariance[0, 0] < 0.6 * before[0, 0]
 
 
 def test_a_scan_is_predicted_by_what_was_measured_until_then():
