@@ -16,6 +16,7 @@ from benchmarks.additions.faults import (
     interrupted,
     noisy,
     repeated,
+    seen_ahead,
     seen_within,
     unechoed,
 )
@@ -151,6 +152,9 @@ SMALL: tuple[tuple[ScenarioName, float, bool], ...] = (
     ("offices", 0.4, False),
 )
 
+# A depth camera whose middle row is sent as scans: metres and degrees that it sees.
+DEPTH_REACH, DEPTH_VIEW = 5.0, 60.0
+
 # Circuits of corridors that a car with a laser alone races through, at so many m/s.
 RACED: tuple[tuple[Shape, float], ...] = (("square", 2.0), ("square", 4.0), ("winding", 2.0), ("winding", 4.0))
 
@@ -196,6 +200,17 @@ def of_small_robot(scene: ScenarioName, speed: float, *, imu: bool) -> Case:
     case = within(SMALL_REACH, simulated(scene, scene, options, imu=imu))
     load = wheeled(case.load)
     return replace(case, name=f"{scene}, small robot with wheels{' and IMU' if imu else ''}", load=load)
+
+
+def by_depth_camera(scene: ScenarioName, *, wheels: bool, imu: bool) -> Case:
+    """A scene that a robot sees with a depth camera, and measures with wheels, an IMU or both besides."""
+    case = within(DEPTH_REACH, simulated(scene, scene, SceneOptions(scan_rate=30.0), imu=imu))
+
+    def load(seed: int) -> list[Item]:
+        return [seen_ahead(DEPTH_VIEW, i) if isinstance(i, LaserScan) else i for i in case.load(seed)]
+
+    sensors = " and ".join(name for name, there in (("wheels", wheels), ("IMU", imu)) if there)
+    return replace(case, name=f"{scene}, depth camera with {sensors}", load=wheeled(load) if wheels else load)
 
 
 def raced(shape: Shape, speed: float) -> Case:
@@ -279,6 +294,10 @@ def cases() -> list[Case]:
         *(within(reach, driven(what, fault, scene)) for reach, what, fault, scenes in NEAR for scene in scenes),
         *(driven(what, fault, scene) for what, fault, scenes in FAR for scene in scenes),
         *(of_small_robot(scene, speed, imu=imu) for scene, speed, imu in SMALL),
+        by_depth_camera("rooms", wheels=True, imu=False),
+        by_depth_camera("rooms", wheels=True, imu=True),
+        by_depth_camera("rooms", wheels=False, imu=True),
+        by_depth_camera("arena", wheels=False, imu=True),
         *(raced(shape, speed) for shape, speed in RACED),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         *(simulated(f"{scene}, 2 Hz", scene, replace(slow, scan_rate=2.0), imu=True) for scene in TWICE_A_SECOND),

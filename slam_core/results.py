@@ -113,11 +113,13 @@ class Rejection(NamedTuple):
 
     overlap: share of the scan on known cells. inlier_ratio: share of the known endpoints on occupied cells,
     against its running mean. mahalanobis_distance: sigmas from the prediction. hidden: share of the beams that end
-    before the walls of the map. objects: share of the endpoints on compact objects. unobservable: sigma of the
-    position, metres, along a direction that no beam fixes.
+    before the walls of the map. objects: share of the endpoints on compact objects. endpoints: their number.
+    unobservable: sigma of the position, metres, along a direction that no beam fixes.
     """
 
-    code: Literal["overlap", "inlier_ratio", "mahalanobis_distance", "hidden", "objects", "unobservable"]
+    code: Literal[
+        "overlap", "inlier_ratio", "mahalanobis_distance", "hidden", "objects", "endpoints", "unobservable"
+    ]
     value: float
     limit: float
 
@@ -140,8 +142,8 @@ class Verdict(NamedTuple):
 
     @property
     def hidden(self) -> bool:
-        """Whether something near the laser hides the map, or moves there: the scan tells nothing of the pose."""
-        return self.rejection is not None and self.rejection.code in ("hidden", "objects")
+        """Whether the scan tells nothing of the pose: something hides the map or moves, or few beams return."""
+        return self.rejection is not None and self.rejection.code in ("hidden", "objects", "endpoints")
 
     @property
     def undoubted(self) -> bool:

@@ -242,6 +242,20 @@ def noisy(share: float) -> Fault:
     return _drawn(28, scattered)
 
 
+def seen_ahead(degrees: float, scan: LaserScan) -> LaserScan:
+    """A scan of a sensor that sees so many degrees ahead, as a depth camera does."""
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    seen = np.flatnonzero(np.abs(angles) <= 0.5 * np.radians(degrees))
+    first, last = int(seen[0]), int(seen[-1]) + 1
+    late_ns = round(1e9 * first * scan.time_increment)
+    return replace(
+        scan,
+        stamp_ns=scan.stamp_ns + late_ns,
+        ranges=scan.ranges[first:last].copy(),
+        angle_min=float(angles[first]),
+    )
+
+
 def blind(degrees: float) -> Fault:
     """So much of the view ahead is blocked, by a mast or a load before the laser, and gives no echo."""
 

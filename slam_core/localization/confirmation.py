@@ -52,6 +52,11 @@ class Confirmation:
         return self._found is not None
 
     @property
+    def is_sure(self) -> bool:
+        """Whether the robot is where it was tracked to."""
+        return not (self.is_lost or self.pending)
+
+    @property
     def awaits_search(self) -> bool:
         """Whether a pose waits for a search of the map, which shows whether another place explains the scans."""
         return self.pending and self.is_lost and not self._is_best

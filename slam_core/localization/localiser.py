@@ -20,6 +20,7 @@ from slam_core.localization.tracking import (
     is_good,
     least_unusual,
     mahalanobis_distance,
+    too_few,
 )
 from slam_core.localization.weak_direction import WeakDirection
 from slam_core.mapping.pyramid import Pyramid
@@ -76,7 +77,7 @@ class Localiser:
 
     def initialise(self, scan: StabilisedScan, time_ns: int, config: SlamConfig) -> bool:
         """Whether the pose in the map is known; at the start in a prior map it is searched for."""
-        if not self._is_localised and self._motion.reaches(time_ns):
+        if not (self._is_localised or too_few(scan.points)) and self._motion.reaches(time_ns):
             start = self.relocaliser.start(self._pyramid, scan, time_ns, config)
             if start is not None:
                 self._reset_pose(time_ns, start)
@@ -95,15 +96,7 @@ class Localiser:
         config, prior, stabilised, match = matching.matched(
             scan, stabilised, self.start_estimate, prior, lapse_ns, config
         )
-        why = None
-        if self._motion.inertial and tracker.is_unusual(match, prior, least_unusual(lapse_ns)):
-            why = misled(self._pyramid, stabilised, match, prior)
-        fits = self._fits(match.fit, prior)
-        if why is None and not fits and self._motion.driven:
-            why = mostly_objects(stabilised.points, len(scan.ranges))
-        if why is None and (tracker.is_missing or not fits):
-            why = covered(self._pyramid, stabilised, prior, self.sure, lapse_ns)
-        if why:
+        if why := self._tells_nothing(stabilised, match, prior, lapse_ns, len(scan.ranges)):
             return self._hidden(stabilised, match, prior, why)
         self._located_ns = scan.mid_ns
         stabilised, match, verdict = matching.check(scan, stabilised, match, prior, config)
@@ -148,6 +141,22 @@ class Localiser:
         self._pose = match.pose
         self._forget()
         return LocalisedScan(stabilised, self._pose, match, ACCEPTED)
+
+    def _tells_nothing(
+        self, scan: StabilisedScan, match: MatchResult, prior: PlanarGaussian, lapse_ns: int, beams: int
+    ) -> Rejection | None:
+        """Why a scan tells neither for nor against the prediction; None if it tells something."""
+        tracker, why = self._matching.tracker, None
+        if self._motion.inertial and tracker.is_unusual(match, prior, least_unusual(lapse_ns)):
+            why = misled(self._pyramid, scan, match, prior)
+        fits = self._fits(match.fit, prior)
+        if why is None and not (fits and self._confirmation.is_sure):
+            why = too_few(scan.points)
+        if why is None and not fits and self._motion.driven:
+            why = mostly_objects(scan.points, beams)
+        if why is None and (tracker.is_missing or not fits):
+            why = covered(self._pyramid, scan, prior, self.sure, lapse_ns)
+        return why
 
     def _fits(self, fit: Fit, prior: PlanarGaussian) -> bool:
         """Whether a match fits so well that the laser is not covered.

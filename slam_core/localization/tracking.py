@@ -7,6 +7,7 @@ import numpy as np
 from slam_core import geometry
 from slam_core.config import TrackingConfig
 from slam_core.kernels.planar import sigmas_apart
+from slam_core.measurements import Float32s
 from slam_core.results import ACCEPTED, Fit, MatchResult, PlanarGaussian, Rejection, Verdict
 
 USUAL_INLIER_RATIO = 0.9  # before any match was accepted
@@ -21,6 +22,7 @@ SHARP = 0.02  # radians, one sigma of a heading; inertial data predict it to som
 BASIN = 0.3  # radians of heading error from which Gauss-Newton converges in most scans
 POOR, GOOD = 0.95, 0.9  # of the usual inlier ratio: less is worse than most; so much is enough to be trusted
 CLEARLY = 0.1  # more endpoints on walls, as a share of all: so many show that another match is the better one
+FEWEST = 20  # endpoints: fewer fit a map at many places
 UNCERTAIN = 1.0  # metres, one sigma: a position that is known worse is not called tracked
 BEYOND = 0.5  # metres, radians that a match may end outside of a window
 LEAST_WINDOW = (0.5, 0.3)  # metres, radians: the covariance of a prediction that failed may be too small
@@ -75,6 +77,11 @@ def observed(verdict: Verdict, match: MatchResult | None, fused: PlanarGaussian)
     if sigma <= UNCERTAIN:
         return verdict
     return verdict._replace(state="degraded", rejection=Rejection("unobservable", sigma, UNCERTAIN))
+
+
+def too_few(points: Float32s) -> Rejection | None:
+    """Why a scan with these endpoints (n, 2) tells no place; None if it may."""
+    return Rejection("endpoints", len(points), FEWEST) if len(points) < FEWEST else None
 
 
 def is_good(fit: Fit, usual: float) -> bool:

@@ -18,6 +18,7 @@ from hectorscope.session.engine import Engine
 from hectorscope.session.snapshot import Snapshot
 from hectorscope.simulation import SceneOptions, Simulation
 from slam_core.localization.prior_map import PriorMap, saved_levels
+from slam_core.localization.tracking import FEWEST
 from slam_core.measurements import Imu, LaserScan
 from tests.engines import until
 from tests.sources import MemoryRecording
@@ -135,13 +136,23 @@ def test_in_another_building_nothing_is_claimed():
         run(list(elsewhere.items()), saved(whole(), write=True))
 
 
-def test_scans_before_the_place_is_known_are_counted_and_leave_nothing():
-    """Noise at first, then the truth: no pose and no cell before, a place within the interval after."""
+def noise(ranges: np.ndarray) -> np.ndarray:
+    """Other ranges of the same number."""
+    return np.random.default_rng(0).uniform(0.5, 9.0, len(ranges)).astype(np.float32)
+
+
+def few(ranges: np.ndarray) -> np.ndarray:
+    """Next to no beam returns."""
+    return np.where(np.arange(len(ranges)) < FEWEST - 1, ranges, np.inf).astype(np.float32)
+
+
+@pytest.mark.parametrize("seen", [noise, few])
+def test_scans_before_the_place_is_known_are_counted_and_leave_nothing(seen):
+    """Nothing is told at first, then the truth: no pose and no cell before, a place within the interval after."""
     items = half(True)
     blind_until = items[0].stamp_ns + 2 * 10**9
-    rng = np.random.default_rng(0)
     noisy = [
-        replace(item, ranges=rng.uniform(0.5, 9.0, len(item.ranges)).astype(np.float32))
+        replace(item, ranges=seen(item.ranges))
         if isinstance(item, LaserScan) and item.stamp_ns < blind_until
         else item
         for item in items

@@ -87,19 +87,18 @@ SILENCES = frozenset(
 def rejection_text(rejection: Rejection) -> str:
     """Why a match was rejected or is not enough."""
     value, limit = rejection.value, rejection.limit
-    match rejection.code:
-        case "overlap":
-            return f"only {value:.0%} of the scan lie where the map is known; {limit:.0%} are needed"
-        case "inlier_ratio":
-            return f"the scan fits the map badly: {value:.0%} of its points lie on walls, usually {limit:.0%}"
-        case "mahalanobis_distance":
-            return f"the match is {value:.0f} sigmas away from the predicted pose"
-        case "hidden":
-            return f"something near the laser hides walls of the map: {value:.0%} of the beams end before them"
-        case "objects":
-            return f"much of what the laser sees may move: {value:.0%} of the scan lie on objects that stand alone"
-        case "unobservable":
-            return f"no beam fixes the way along one direction, and it is only known to ±{value:.1f} m by now"
+    return {
+        "overlap": f"only {value:.0%} of the scan lie where the map is known; {limit:.0%} are needed",
+        "inlier_ratio": "the scan fits the map badly:"
+        f" {value:.0%} of its points lie on walls, usually {limit:.0%}",
+        "mahalanobis_distance": f"the match is {value:.0f} sigmas away from the predicted pose",
+        "hidden": f"something near the laser hides walls of the map: {value:.0%} of the beams end before them",
+        "objects": "much of what the laser sees may move:"
+        f" {value:.0%} of the scan lie on objects that stand alone",
+        "endpoints": f"next to nothing returns: {value:.0f} beams, and it takes {limit:.0f} to tell a place",
+        "unobservable": "no beam fixes the way along one direction,"
+        f" and it is only known to ±{value:.1f} m by now",
+    }[rejection.code]
 
 
 def verdict_text(verdict: Verdict) -> str:

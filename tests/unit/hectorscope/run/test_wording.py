@@ -52,6 +52,10 @@ def test_a_sentence_names_the_sensor_and_the_value():
             "much of what the laser sees may move: 64% of the scan lie on objects that stand alone",
         ),
         (
+            Rejection("endpoints", 3, 20),
+            "next to nothing returns: 3 beams, and it takes 20 to tell a place",
+        ),
+        (
             Rejection("unobservable", 3.64, 1.0),
             "no beam fixes the way along one direction, and it is only known to ±3.6 m by now",
         ),
