@@ -10,7 +10,7 @@ from slam_core.localization.localiser import LocalisedScan, Localiser, continued
 from slam_core.localization.map_view import HITS, looked_at
 from slam_core.localization.relocalisation import Relocaliser
 from slam_core.localization.search_parts import AT_REST
-from slam_core.localization.tracking import GOOD, MOSTLY, exceeds_basin, is_good, too_few
+from slam_core.localization.tracking import GOOD, MOSTLY, exceeds_basin, is_good
 from slam_core.mapping.mapper import Mapper
 from slam_core.mapping.pyramid import Pyramid
 from slam_core.measurements import LaserScan
@@ -118,8 +118,6 @@ class Locator:
         It does not begin with a scan that shows too little.
         """
         local = self._local
-        if too_few(scan.points):
-            return False
         if local:
             return time_ns < local.begin_ns or self._follows_gap(scan, prior, time_ns - self._located_ns, config)
         self._joining.carried = self._lost_ns > (LOST_UNAIDED_NS if self._motion.unaided else LOST_NS)

@@ -9,10 +9,17 @@ from slam_core.results import StepResult
 from tests.ensemble import items_of, outcomes
 
 
-@pytest.mark.parametrize("case", ["rooms, depth camera with wheels and IMU", "rooms, depth camera with wheels"])
-def test_a_scan_of_a_few_beams_leads_nobody_astray(case: str) -> None:
+@pytest.mark.parametrize(
+    ("case", "variant"),
+    [
+        ("rooms, depth camera with wheels and IMU", 7),
+        ("rooms, depth camera with wheels and IMU", 14),  # in which such scans come while the pose is not sure
+        ("rooms, depth camera with wheels", 7),
+    ],
+)
+def test_a_scan_of_a_few_beams_leads_nobody_astray(case: str, variant: int) -> None:
     """The robot stays where wheels and inertial data have it, until it sees more again."""
-    (found,) = outcomes(case, [7], {})
+    (found,) = outcomes(case, [variant], {})
     assert found.error < 0.2 and not (found.lost or found.misplaced or found.silent)
 
 
