@@ -43,7 +43,7 @@ FIRST_MATCH = MatchResult(
 )
 
 
-MOVED_SIGMAS = 3.0
+VAGUE, MOVED_SIGMAS = 0.1, 3.0  # metres, one sigma: nearer than that to where it was, the base is at rest
 SETTLED = 10  # matches that many beams fix: by then the filter knows the speed
 PATIENCE_NS = 2_000_000_000  # inertial data that shows no attitude is waited for so much longer than it takes
 
@@ -289,7 +289,7 @@ class EgoMotion:
             self._plane.matched(time_ns)
         else:
             rule = config.omega, config.method, config.gate
-            if match is FIRST_MATCH and self._has_moved(time_ns):
+            if match is FIRST_MATCH and self._may_have_moved(time_ns):
                 self._filter.reset_pose(time_ns, match.gaussian)
                 self._aids = Aids()  # where the map lies in the world is no longer what was found
             navigation = self._filter.fuse_planar(
@@ -307,10 +307,11 @@ class EgoMotion:
         self._aids.matched(time_ns)
         return fused, navigation
 
-    def _has_moved(self, time_ns: int) -> bool:
-        """Whether the base is elsewhere than where inertial data began: there is no map yet that says where."""
+    def _may_have_moved(self, time_ns: int) -> bool:
+        """Whether the base may be elsewhere than where inertial data began: no map tells where that was."""
         mean, covariance = self._filter.planar(time_ns)
-        return float(mean @ np.linalg.solve(covariance, mean)) > bound(MOVED_SIGMAS, len(mean))
+        is_vague = float(covariance.diagonal()[:2].max()) > VAGUE**2
+        return is_vague or float(mean @ np.linalg.solve(covariance, mean)) > bound(MOVED_SIGMAS, len(mean))
 
     def estimate(self, time_ns: int, pose: Float64s) -> Transform:
         """T_map_base without inertial data: the pose (3,) of the match, and the tilt of an external attitude."""
