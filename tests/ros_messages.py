@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from hectorscope.inputs import Item
+from hectorscope.ros.converter import Converter
 from hectorscope.ros.recorder import Recorder
 
 SECOND = 1_000_000_000
@@ -220,3 +222,11 @@ def write_bag(path: Path, entries: Sequence[tuple[str, Any, int]]) -> Path:
         for topic, message, time_ns in entries:
             recorder.write(topic, message, START + time_ns)
     return path
+
+
+def feed(converter: Converter, entries: Sequence[tuple[str, Any, int]]) -> list[Item]:
+    """Items of messages received at nanoseconds after START."""
+    items: list[Item] = []
+    for topic, message, ns in entries:
+        items += converter.convert(topic, message.__msgtype__, message, START + ns)
+    return items

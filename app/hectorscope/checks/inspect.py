@@ -146,7 +146,7 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
         statistics.sweep_time(),
         statistics.range_noise(),
         tuple(findings(measures, options)),
-        faults=tuple(check.findings(source.parts, source.unplaced, source.put_right, source.clock_offset_ns)),
+        faults=tuple(check.findings_of(source)),
     )
 
 

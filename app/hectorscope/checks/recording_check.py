@@ -58,6 +58,10 @@ class RecordingCheck:
         stated_s = (options.imu_delay or 0.0) - (options.scan_delay or 0.0)
         return abs(_apart_s(scan.result, imu.result) - stated_s) <= LONGEST_LAG
 
+    def findings_of(self, source: Examinable) -> list[Finding]:
+        """Of a recording whose items were read."""
+        return self.findings(source.parts, source.unplaced, source.put_right, source.clock_offset_ns)
+
     def findings(
         self,
         used: Mapping[str, str],
@@ -255,4 +259,4 @@ def examine(source: Examinable) -> list[Finding]:
     for _ in source.items():
         pass  # tf is complete behind them
     check = RecordingCheck().take(source.stamped())
-    return check.findings(source.parts, source.unplaced, source.put_right, source.clock_offset_ns)
+    return check.findings_of(source)

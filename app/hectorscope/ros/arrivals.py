@@ -1,9 +1,8 @@
 """Messages as they come, which wait while it is not known by which clocks they are stamped."""
 
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 from hectorscope.ros import messages
 from hectorscope.ros.clocks import TOGETHER_NS, Clocks
@@ -15,8 +14,7 @@ MOST_POSTDATED_NS = 5_000_000_000  # transforms are stamped ahead on purpose, so
 MOST_SECONDS = 1e5  # days are told beyond
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Arrival:
+class Arrival(NamedTuple):
     """A message as it came. receive_ns: when it was recorded or received."""
 
     topic: str
@@ -48,14 +46,17 @@ class Arrivals:
         stated = dict.fromkeys((roles.imu, roles.attitude, roles.magnetic), self._repairs.imu_delay_ns)
         self._delays_ns = {**stated, roles.scan: self._repairs.scan_delay_ns}
 
-    def push(self, arrival: Arrival) -> Iterator[Arrival]:
+    def push(self, arrival: Arrival) -> Iterable[Arrival]:
         """The messages that need not wait any more, now that one more has come."""
         if not arrival.is_transforms:
             self._note(arrival)
         elif not is_static_tf(arrival.topic):
             self._note_frames(arrival)
+        waits = self._clocks.waits and len(self._waiting) < MOST_WAITING
+        if not (waits or self._waiting):
+            return (arrival,)
         self._waiting.append(arrival)
-        return iter(()) if self._clocks.waits and len(self._waiting) <= MOST_WAITING else self._passed()
+        return () if waits else self._passed()
 
     def flush(self) -> Iterator[Arrival]:
         """Those that still wait, at the end."""

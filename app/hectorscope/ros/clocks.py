@@ -86,16 +86,21 @@ class Clocks:
             self.settle()
             self._begin_ns = receive_ns
         delay_ns = receive_ns - stamp_ns - lasts_ns
-        clock = self._clocks.get(name) or _Clock(delay_ns, least_ns)
-        is_apart = _is_set(clock, delay_ns) if name in self._clocks else self._is_beside(clock)
+        clock = self._clocks.get(name)
+        if clock is None:
+            clock = _Clock(delay_ns, least_ns)
+            is_apart = self._is_beside(clock)
+            self._clocks[name] = clock
+        else:
+            # it was set; of one that counts another time nothing is known
+            is_apart = clock.is_known and abs(delay_ns - clock.level_ns) > SET_NS
         if is_apart and receive_ns >= self._calm_ns:
             for each in self._clocks.values():
                 each.delays.clear()
             self._begin_ns, self._calm_ns, self._is_unsure = receive_ns, receive_ns + CALM_NS, True
         self._is_silent &= name != self.lead
-        self._clocks[name] = clock
         clock.add(stamp_ns, delay_ns, receive_ns)
-        if self.waits and abs(stamp_ns - clock.first[0]) > PACE * WINDOW_NS:
+        if (self._is_unsure or self._is_silent) and abs(stamp_ns - clock.first[0]) > PACE * WINDOW_NS:
             self.settle()  # the receipt does not count time, or not that of the stamps
             self._begin_ns = receive_ns
 
@@ -104,9 +109,9 @@ class Clocks:
         self._is_unsure = self._is_silent = False
         judged = {name: clock for name, clock in self._clocks.items() if clock.judge()}
         lead = judged.pop(self.lead or "", None)
+        if lead is None:
+            return
         for clock in judged.values():
-            if lead is None:
-                break
             apart_ns = clock.level_ns - lead.level_ns
             is_apart = clock.is_apart(lead.level_ns) and lead.is_apart(clock.level_ns)
             still = clock.shift_ns != 0 and abs(apart_ns) > TOGETHER_NS
@@ -131,8 +136,3 @@ class Clocks:
         """Whether a clock that appears is another one than those that are there."""
         others = self._clocks.values()
         return any(abs(new.level_ns - each.level_ns) > max(new.least_ns, each.least_ns) for each in others)
-
-
-def _is_set(clock: _Clock, delay_ns: int) -> bool:
-    """Whether a clock that is there was set; of one that counts another time nothing is known."""
-    return clock.is_known and abs(delay_ns - clock.level_ns) > SET_NS
