@@ -1,5 +1,6 @@
 """Measurements that came together, as something held them up, stamped on arrival: put back to their times."""
 
+import math
 from collections import deque
 from dataclasses import replace
 from typing import Generic, TypeVar
@@ -36,7 +37,15 @@ class Batches(Generic[Sensed]):
         self._before_ns: int | None = None
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
         self._spanned_ns = 0  # their sum
+        self._late_ns = math.inf  # from there on a measurement is late
         self._recent: Recent[Diagnostic] = Recent()
+
+    def passes(self, one: Sensed) -> bool:
+        """Take a measurement whose time is known at once, where none is held. Whether it is one."""
+        if self._held or one.stamp_ns > self._late_ns:
+            return False
+        self._settle(one.stamp_ns)
+        return True
 
     def push(self, one: Sensed) -> list[Sensed]:
         """The measurements whose times are known now that one more has arrived, in order."""
@@ -44,7 +53,7 @@ class Batches(Generic[Sensed]):
             self._held.append(one)
             return []
         before = self.flush()
-        if self._is_late(one):
+        if one.stamp_ns > self._late_ns:
             self._held.append(one)
             return before
         self._settle(one.stamp_ns)
@@ -75,12 +84,18 @@ class Batches(Generic[Sensed]):
 
     def _settle(self, stamp_ns: int) -> None:
         """A measurement was made at this time: what the period is known by."""
+        intervals = self._intervals
         if self._before_ns is not None:
-            if len(self._intervals) == INTERVALS:
-                self._spanned_ns -= self._intervals[0]
-            self._intervals.append(min(max(0, stamp_ns - self._before_ns), LONGEST_NS))
-            self._spanned_ns += self._intervals[-1]
+            if len(intervals) == INTERVALS:
+                self._spanned_ns -= intervals[0]
+            interval_ns = stamp_ns - self._before_ns
+            if not 0 <= interval_ns <= LONGEST_NS:
+                interval_ns = 0 if interval_ns < 0 else LONGEST_NS
+            intervals.append(interval_ns)
+            self._spanned_ns += interval_ns
         self._before_ns = stamp_ns
+        if len(intervals) >= FEWEST:
+            self._late_ns = stamp_ns + LATE * (self._spanned_ns // len(intervals))
 
     def _put_back(self, batch: list[Sensed]) -> list[Sensed]:
         last_ns, n = max(one.stamp_ns for one in batch), len(batch)
@@ -94,11 +109,6 @@ class Batches(Generic[Sensed]):
     @property
     def _period_ns(self) -> int:
         return self._spanned_ns // max(1, len(self._intervals))
-
-    def _is_late(self, one: Sensed) -> bool:
-        if self._before_ns is None or len(self._intervals) < FEWEST:
-            return False
-        return one.stamp_ns - self._before_ns > LATE * self._period_ns
 
     def _came_with(self, one: Sensed, other: Sensed) -> bool:
         """Whether one sensor cannot have made both when their stamps say."""

@@ -60,4 +60,6 @@ class Recent(Generic[T]):
 
     def at(self, time_ns: int) -> tuple[T, ...]:
         """Those that held less than SHOWN_NS before or, if a clock was set, after this time."""
+        if not self._held:  # nearly always
+            return ()
         return tuple(item for item, held_ns in self._held.items() if abs(time_ns - held_ns) < SHOWN_NS)

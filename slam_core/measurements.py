@@ -62,7 +62,7 @@ class LaserScan:
     @property
     def mid_ns(self) -> int:
         """Middle of the sweep: the instant that the matched pose belongs to."""
-        return (self.stamp_ns + self.end_ns) // 2
+        return self.stamp_ns + _sweep_ns(len(self.ranges), self.time_increment) // 2
 
 
 @lru_cache(maxsize=8)

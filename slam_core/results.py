@@ -29,7 +29,12 @@ class PlanarGaussian(NamedTuple):
 
     def distance_to(self, pose: Float64s) -> float:
         """Metres between the mean position and that of a pose (3,)."""
-        return math.hypot(pose[0] - self.mean[0], pose[1] - self.mean[1])
+        return math.hypot(pose.item(0) - self.mean.item(0), pose.item(1) - self.mean.item(1))
+
+    @property
+    def sigma(self) -> float:
+        """The larger standard deviation of the position along x and y, metres."""
+        return math.sqrt(max(self.covariance.item(0, 0), self.covariance.item(1, 1)))
 
 
 class Fit(NamedTuple):
@@ -83,6 +88,11 @@ class MatchResult(NamedTuple):
         """Mean of the residuals: 0 is a perfect fit, 0.5 an unknown map."""
         n = len(self.residuals)
         return float(np.add.reduce(self.residuals)) / n if n else float("nan")
+
+    @property
+    def leaves_direction(self) -> bool:
+        """Whether too few beams fix the position in some direction, which is `unobservable`."""
+        return self.unobservable.item(0) != 0.0 or self.unobservable.item(1) != 0.0
 
     @property
     def is_badly_fixed(self) -> bool:

@@ -31,6 +31,8 @@ class Sequencer:
 
     def push(self, measurement: Measurement) -> list[Measurement]:
         """The measurements that may be processed now that `measurement` has arrived, in order."""
+        if not self._arrived and self._is_timed(measurement):
+            return self._pass(measurement)
         scans, samples = self._settled[LaserScan], self._settled[Imu]
         if isinstance(measurement, LaserScan):
             scans += self._scans.push(measurement)
@@ -57,6 +59,12 @@ class Sequencer:
     def diagnostics(self, time_ns: int) -> tuple[Diagnostic, ...]:
         """What came together at a time, or a moment before."""
         return self._scans.diagnostics(time_ns) + self._samples.diagnostics(time_ns)
+
+    def _is_timed(self, measurement: Measurement) -> bool:
+        """Whether the time of a measurement is known at once, where nothing waits for its own."""
+        if isinstance(measurement, Imu):
+            return self._samples.passes(measurement)
+        return not isinstance(measurement, LaserScan) or self._scans.passes(measurement)
 
     def _timed(self) -> Iterator[Measurement]:
         """In order of arrival, up to the first whose time is not known yet."""

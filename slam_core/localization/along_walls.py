@@ -56,7 +56,7 @@ def best_along(pyramid: Pyramid, points: Float32s, match: MatchResult, prior: Pl
     """
     if not match.is_badly_fixed:
         return None
-    direction = match.unobservable if match.unobservable.any() else _worst(points, match.pose)
+    direction = match.unobservable if match.leaves_direction else _worst(points, match.pose)
     sigma = math.sqrt(max(float(direction @ prior.covariance[:2, :2] @ direction), 1e-12))
     count = round((min(max(SIGMAS * sigma, NEAREST), FARTHEST) + BESIDE) / STEP)
     shifts, counts = np.arange(-count, count + 1) * STEP, np.empty((2 * count + 1, 2), np.int32)

@@ -116,9 +116,8 @@ class Confirmation:
         is_unusual: the match is so far from the prediction that it has to fit well. measured: other sensors make
         the prediction, so that a vague one follows a long time without matches.
         """
-        step = pose - prior.mean
-        off = math.hypot(*step[:2])
-        turned = abs(geometry.wrap(step[2]))
+        x, y, psi = (pose - prior.mean).tolist()
+        off, turned = math.hypot(x, y), abs(geometry.wrap(psi))
         is_doubtful = max(off, turned) > NEAR or (is_unusual and fit.hit < GOOD * usual)
         if self._found is None and (self.missed or is_doubtful):
             relocalised = verdict.recovery == "relocalised"
@@ -203,4 +202,5 @@ class Speed:
 
 def is_vague(prior: PlanarGaussian) -> bool:
     """Whether three sigmas of a prediction are more than NEAR."""
-    return 9.0 * float(prior.covariance.diagonal().max()) > NEAR**2
+    P = prior.covariance
+    return 9.0 * max(P.item(0, 0), P.item(1, 1), P.item(2, 2)) > NEAR**2

@@ -27,7 +27,7 @@ def few_mislead(
     `degeneracy_threshold` is 0.
     """
     least = config.degeneracy_threshold
-    if not match.is_badly_fixed or match.unobservable.any() or least <= 0.0:
+    if not match.is_badly_fixed or match.leaves_direction or least <= 0.0:
         return False
     direction = match.weakest_direction
     off = float(direction @ (match.pose - prior.mean)[:2])

@@ -88,9 +88,10 @@ class Localiser:
         self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
     ) -> LocalisedScan:
         """Sections IV-B and IV-C. The first scan of a map is not matched: its pose is the origin."""
-        lapse_ns, checks = scan.mid_ns - self._located_ns, config.tracking.check
-        if self._pyramid.empty or not checks:
-            self._located_ns = scan.mid_ns
+        time_ns = scan.mid_ns
+        lapse_ns = time_ns - self._located_ns
+        if self._pyramid.empty or not config.tracking.check:
+            self._located_ns = time_ns
             return self._unchecked(scan, stabilised, prior, config)
         matching, tracker = self._matching, self._matching.tracker
         config, prior, stabilised, match = matching.matched(
@@ -98,12 +99,12 @@ class Localiser:
         )
         if why := self._tells_nothing(stabilised, match, prior, lapse_ns, len(scan.ranges)):
             return self._hidden(stabilised, match, prior, why)
-        self._located_ns = scan.mid_ns
+        self._located_ns = time_ns
         stabilised, match, verdict = matching.check(scan, stabilised, match, prior, config)
         if not verdict.accepted:
-            prior, verdict = self._miss(verdict, match.fit, prior, scan.mid_ns, config)
+            prior, verdict = self._miss(verdict, match.fit, prior, time_ns, config)
         if config.tracking.relocalise and (verdict.state == "lost" or self._confirmation.awaits_search):
-            match, verdict = self._relocalise(stabilised, match, verdict, scan.mid_ns, prior, config)
+            match, verdict = self._relocalise(stabilised, match, verdict, time_ns, prior, config)
         if verdict.outside_map and not tracker.is_missing and self.may_continue(prior, config):
             match, verdict = self._continue(match, verdict, prior)
         elif verdict.accepted:
@@ -113,7 +114,7 @@ class Localiser:
                 verdict,
                 prior,
                 tracker.usual,
-                scan.mid_ns,
+                time_ns,
                 config.tracking,
                 is_unusual=self._motion.unaided and tracker.is_unusual(match, prior, DOUBTED),
                 measured=self._is_measured(prior),
@@ -122,10 +123,10 @@ class Localiser:
                 tracker.learn(match, prior)
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
-        self._jump(match, verdict, prior, scan.mid_ns)
+        self._jump(match, verdict, prior, time_ns)
         self._pose = match.pose if verdict.accepted else prior.mean
         if self._motion.unaided:
-            matching.weak_direction.moved(scan.mid_ns, self._pose)
+            matching.weak_direction.moved(time_ns, self._pose)
         return LocalisedScan(stabilised, self._pose, match, verdict)
 
     def _unchecked(

@@ -1,7 +1,5 @@
 """Where each scan lies in the map; after a gap in the data in a local map, until its place in the map is found."""
 
-import math
-
 from slam_core.config import SlamConfig
 from slam_core.localization.hidden_walls import covered
 from slam_core.localization.joining import Joining
@@ -74,10 +72,11 @@ class Locator:
         self, scan: LaserScan, stabilised: StabilisedScan, prior: PlanarGaussian, config: SlamConfig
     ) -> LocalisedScan:
         """Sections IV-B and IV-C. The pose of a scan in a local map is accepted, but *lost* and not confirmed."""
+        time_ns = scan.mid_ns
         if not (config.tracking.check and config.tracking.relocalise) or self._pyramid.empty:
             self._local = None
-        elif self._is_unknown(stabilised, scan.mid_ns, prior, config):
-            self._begin(stabilised, scan.mid_ns, prior, config)
+        elif self._is_unknown(stabilised, time_ns, prior, config):
+            self._begin(stabilised, time_ns, prior, config)
         if self._local is None:
             self._joining.write(config.map)
             found = self._main.locate(scan, stabilised, prior, config)
@@ -85,8 +84,8 @@ class Locator:
         else:
             found = self._locate_in(self._local, scan, stabilised, prior, config)
         if not found.verdict.hidden:
-            self._count(found.verdict, scan.mid_ns - self._located_ns)
-            self._located_ns = scan.mid_ns
+            self._count(found.verdict, time_ns - self._located_ns)
+            self._located_ns = time_ns
         return found
 
     def _count(self, verdict: Verdict, lapse_ns: int) -> None:
@@ -132,11 +131,10 @@ class Locator:
 
         Behind a short gap in the inertial data it does if the scan fits nowhere near it.
         """
-        sigma = math.sqrt(float(prior.covariance.diagonal()[:2].max()))
         if not (self._motion.inertial and exceeds_basin(prior)):
-            return lapse_ns > SILENT_NS and sigma > (STRAYED if self._motion.inertial else FAR)
-        if self._local or sigma > FAR:
-            return sigma > FAR
+            return lapse_ns > SILENT_NS and prior.sigma > (STRAYED if self._motion.inertial else FAR)
+        if self._local or prior.sigma > FAR:
+            return prior.sigma > FAR
         near = self._main.relocaliser.near(prior, self._pyramid, scan, config)
         return near.fit.hit < HITS * self._main.usual
 

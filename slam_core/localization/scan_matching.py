@@ -118,7 +118,7 @@ class ScanMatching:
             applied = weak.configured(config)
             stabilised, match = self.align(scan, predicted, start(prior, applied), prior, applied)
             along = best_along(self._pyramid, stabilised.points, match, prior)
-        if along is not None and (match.unobservable.any() or along.is_better):
+        if along is not None and (match.leaves_direction or along.is_better):
             place = match.pose.copy()
             place[:2] += along.offset
             stabilised, match = self.align(scan, predicted, place, prior, few_as_none(applied))

@@ -42,12 +42,12 @@ def sigmas_off(match: MatchResult, prior: PlanarGaussian) -> float:
 
 def exceeds_basin(prior: PlanarGaussian) -> bool:
     """Whether three sigmas of the predicted heading leave the basin of convergence of the matcher."""
-    return 3.0 * math.sqrt(float(prior.covariance[2, 2])) > BASIN
+    return 9.0 * prior.covariance.item(2, 2) > BASIN**2
 
 
 def is_sharp(prior: PlanarGaussian) -> bool:
     """Whether the heading is predicted as well as inertial data of a base that is not shaken do."""
-    return float(prior.covariance[2, 2]) < SHARP**2
+    return prior.covariance.item(2, 2) < SHARP**2
 
 
 def least_unusual(lapse_ns: int) -> float:
@@ -71,7 +71,7 @@ def is_beyond(match: MatchResult, prior: PlanarGaussian, config: TrackingConfig)
 
 def observed(verdict: Verdict, match: MatchResult | None, fused: PlanarGaussian) -> Verdict:
     """The verdict; *degraded* where a scan leaves one direction to the prediction, which has become uncertain."""
-    if match is None or not match.unobservable.any() or verdict.state not in ("tracking", "recovered"):
+    if match is None or not match.leaves_direction or verdict.state not in ("tracking", "recovered"):
         return verdict
     sigma = math.sqrt(float(match.unobservable @ fused.covariance[:2, :2] @ match.unobservable))
     if sigma <= UNCERTAIN:

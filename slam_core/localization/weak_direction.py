@@ -65,7 +65,7 @@ class WeakDirection:
             self._usual += MEMORY * (abs(change) - self._usual)
             self._changes.clear()
             self._few_since_ns, self.held = time_ns, False
-        elif not (self.held or match.unobservable.any()):
+        elif not (self.held or match.leaves_direction):
             self._changes.append((time_ns, change))
             while self._changes[0][0] <= time_ns - WINDOW_NS:
                 self._changes.popleft()

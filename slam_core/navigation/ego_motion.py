@@ -189,7 +189,8 @@ class EgoMotion:
         """Why a scan has to be skipped; empty if the motion is known at its time. begun: there were scans."""
         if self.awaits_filter(scan, begun):
             return NO_ATTITUDE
-        late = self.inertial and self._filter.begin_ns <= scan.mid_ns and not self.reaches(scan.mid_ns)
+        time_ns = scan.mid_ns
+        late = self.inertial and self._filter.begin_ns <= time_ns < self._filter.oldest_ns
         return TOO_LATE if late else ""
 
     def awaits_filter(self, scan: LaserScan, begun: bool) -> bool:
@@ -309,9 +310,9 @@ class EgoMotion:
 
     def _may_have_moved(self, time_ns: int) -> bool:
         """Whether the base may be elsewhere than where inertial data began: no map tells where that was."""
-        mean, covariance = self._filter.planar(time_ns)
-        is_vague = float(covariance.diagonal()[:2].max()) > VAGUE**2
-        return is_vague or float(mean @ np.linalg.solve(covariance, mean)) > bound(MOVED_SIGMAS, len(mean))
+        mean, covariance = predicted = self._filter.planar(time_ns)
+        off = float(mean @ np.linalg.solve(covariance, mean))
+        return predicted.sigma > VAGUE or off > bound(MOVED_SIGMAS, len(mean))
 
     def estimate(self, time_ns: int, pose: Float64s) -> Transform:
         """T_map_base without inertial data: the pose (3,) of the match, and the tilt of an external attitude."""

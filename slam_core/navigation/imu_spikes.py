@@ -35,7 +35,10 @@ class SpikeFilter:
         if verdict == WAITS:
             self._waiting.append(imu)
             return []
-        waited, self._waiting, self._passed_ns, self.hit = self._waiting, [], imu.stamp_ns, 0.0
+        self._passed_ns, self.hit = imu.stamp_ns, 0.0
+        if not self._waiting:
+            return [imu]
+        waited, self._waiting = self._waiting, []
         if verdict != WERE_SPIKE:
             return [*waited, imu]
         self._counts[SPIKE] += len(waited)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from slam_core import geometry
-from slam_core.measurements import Float64s, LaserScan
+from slam_core.measurements import Float32s, Float64s, LaserScan
 
 STANDS = 0.03  # m/s, rad/s: slower, a scan may be the same as the one before
 AWAY = 0.03  # m, rad: further from where a scan was measured, its repetition is wrong also for one that stands
@@ -28,13 +28,15 @@ class Repeats:
 
         pose: (3,) the predicted one. measured: other sensors measure the motion.
         """
-        lapse_s, self._seen_ns = (scan.mid_ns - self._seen_ns) * 1e-9, scan.mid_ns
-        moved, self._pose = pose - self._pose, pose.copy()
-        if not np.array_equal(scan.ranges, self._ranges, equal_nan=True):
-            self._ranges, self._changed_ns = scan.ranges, scan.mid_ns
+        time_ns = scan.mid_ns
+        lapse_s, self._seen_ns = (time_ns - self._seen_ns) * 1e-9, time_ns
+        before, self._pose = self._pose, pose.copy()
+        if not is_copy(scan.ranges, self._ranges):
+            self._ranges, self._changed_ns = scan.ranges, time_ns
             return False
-        if lapse_s <= 0.0 or not (measured or scan.mid_ns - self._changed_ns < BELIEVED_NS):
+        if lapse_s <= 0.0 or not (measured or time_ns - self._changed_ns < BELIEVED_NS):
             return False
+        moved = pose - before
         return _length(moved) > STANDS * lapse_s or (measured and _length(pose - self._first) > AWAY)
 
     def located(self, pose: Float64s) -> None:
@@ -42,6 +44,11 @@ class Repeats:
         self._pose = pose.copy()
         if self._seen_ns == self._changed_ns:
             self._first = self._pose
+
+
+def is_copy(ranges: Float32s, others: Float32s) -> bool:
+    """Whether two arrays are the same, bit by bit: that takes a tenth of the time of a comparison by value."""
+    return ranges.dtype == others.dtype and ranges.tobytes() == others.tobytes()
 
 
 def _length(motion: Float64s) -> float:

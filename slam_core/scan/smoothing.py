@@ -9,6 +9,7 @@ from slam_core.kernels.endpoints import end_of_range
 from slam_core.kernels.range_noise import BANDS, NEAREST, learn_noise
 from slam_core.kernels.straight_walls import smooth
 from slam_core.measurements import Float32s, LaserScan
+from slam_core.scan.repeats import is_copy
 from slam_core.scan.stabilise import directions
 
 EVERY = 8  # scans: so often the noise is measured
@@ -53,7 +54,7 @@ class Smoothing:
         if number not in {1, 2}:
             return
         self._before = ranges = np.ascontiguousarray(scan.ranges, np.float32)
-        if number == 2 and len(ranges) == len(before) and not np.array_equal(ranges, before, equal_nan=True):
+        if number == 2 and len(ranges) == len(before) and not is_copy(ranges, before):
             learn_noise(ranges, before, _limits(ranges, scan, config), self._estimates, self.noise)
             self._most = float(self.noise.max())
 

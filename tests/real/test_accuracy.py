@@ -135,10 +135,10 @@ def test_a_stated_pose_ends_a_kept_speed(recordings: Path):
     pipeline = Pipeline(Settings(SlamConfig()))
     results = (pipeline.step(each) for item in source.items() for each in pipeline.admit(item))
     matches = (result.match for result in results if result and result.match)
-    held = next(match for match in matches if match.unobservable.any())
-    assert next(matches).unobservable.any()
+    held = next(match for match in matches if match.leaves_direction)
+    assert next(matches).leaves_direction
     pipeline.slam.reset_pose(held.gaussian._replace(covariance=np.diag([1e-4] * 3)))
-    assert not next(matches).unobservable.any()
+    assert not next(matches).leaves_direction
 
 
 def test_a_lost_robot_has_no_speed_to_keep(recordings: Path):
@@ -150,12 +150,12 @@ def test_a_lost_robot_has_no_speed_to_keep(recordings: Path):
         seen = replace(item, ranges=item.ranges * np.float32(nearer)) if isinstance(item, LaserScan) else item
         for result in filter(None, map(pipeline.step, pipeline.admit(seen))):
             if result.match:
-                held += bool(result.match.unobservable.any())
+                held += bool(result.match.leaves_direction)
                 lost += [result.match] if result.verdict.state == "lost" else []
         if len(lost) == 10:
             break
     assert len(lost) == 10
-    assert not any(match.unobservable.any() for match in lost[1:])
+    assert not any(match.leaves_direction for match in lost[1:])
 
 
 def test_stabilisation_cleans_the_map_of_a_tilted_laser(recordings: Path):

@@ -69,7 +69,7 @@ def _fit(result: StepResult, match: MatchResult) -> list[str]:
 def _certainty(result: StepResult, match: MatchResult) -> list[str]:
     """What the scan knows worst, and what contradicts the map."""
     few = "few beams fix" if match.weakest_share < WEAK else ""
-    fixed_by = "too few beams fix" if match.unobservable.any() else few
+    fixed_by = "too few beams fix" if match.leaves_direction else few
     more = f"{fixed_by} the position along a direction now" if fixed_by else ""
     return [
         figure("weakest σ", fixed(1e3 * match.weakest_sigma, 1) + " mm"),

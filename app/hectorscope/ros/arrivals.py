@@ -15,12 +15,13 @@ MOST_SECONDS = 1e5  # days are told beyond
 
 
 class Arrival(NamedTuple):
-    """A message as it came. receive_ns: when it was recorded or received."""
+    """A message as it came. receive_ns: when it was recorded or received. own_ns: its stamp, by its own clock."""
 
     topic: str
     msgtype: str
     message: Any
     receive_ns: int
+    own_ns: int
 
     @property
     def is_transforms(self) -> bool:
@@ -66,7 +67,7 @@ class Arrivals:
 
     def stamp_ns(self, arrival: Arrival) -> int:
         """The message's time by the clock of the scans."""
-        return messages.stamp_ns(arrival.message, arrival.receive_ns) + self._clocks.shift_ns(arrival.topic)
+        return arrival.own_ns + self._clocks.shift_ns(arrival.topic)
 
     def frame_stamp_ns(self, arrival: Arrival, stamped: Any) -> int:
         """The time of one transform of a message of tf, by the clock of the scans."""
@@ -94,10 +95,9 @@ class Arrivals:
             yield self._waiting.popleft()
 
     def _note(self, arrival: Arrival) -> None:
-        message, receive_ns = arrival.message, arrival.receive_ns
-        stamp_ns = messages.stamp_ns(message, receive_ns) - self._delays_ns.get(arrival.topic, 0)
-        lasts_ns = self._repairs.sweep_ns(messages.sweep_ns(message)) if arrival.msgtype == SCAN else 0
-        self._clocks.note(arrival.topic, stamp_ns, lasts_ns, receive_ns)
+        stamp_ns = arrival.own_ns - self._delays_ns.get(arrival.topic, 0)
+        lasts_ns = self._repairs.sweep_ns(messages.sweep_ns(arrival.message)) if arrival.msgtype == SCAN else 0
+        self._clocks.note(arrival.topic, stamp_ns, lasts_ns, arrival.receive_ns)
 
     def _note_frames(self, arrival: Arrival) -> None:
         for stamped in arrival.message.transforms:

@@ -113,7 +113,8 @@ class Converter:
         if not ((topic in self.roles.transforms and msgtype in TF_TYPES) or (topic, msgtype) in self._duties):
             return []
         self._read[topic] += 1
-        arrived = self._arrivals.push(Arrival(topic, msgtype, message, receive_ns))
+        own_ns = messages.stamp_ns(message, receive_ns)
+        arrived = self._arrivals.push(Arrival(topic, msgtype, message, receive_ns, own_ns))
         return [item for each in arrived for item in self._take(each)]
 
     def flush(self) -> list[Item]:

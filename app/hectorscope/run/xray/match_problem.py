@@ -50,7 +50,7 @@ class MatchProblem:
         A direction that few beams fix is left to the prediction where the run left it to that.
         """
         config, match = self.config.matcher, self.match
-        held = match.unobservable.any() and match.weakest_share >= config.degeneracy_threshold
+        held = match.leaves_direction and match.weakest_share >= config.degeneracy_threshold
         threshold = 1.0 if held else config.degeneracy_threshold
         return replace(config, surfel_weight=0.0, prior_restart_sigmas=0.0, degeneracy_threshold=threshold)
 

@@ -124,7 +124,7 @@ def test_a_match_takes_over_what_was_told():
     along = best_along(pyramid, points, match, predicted(0.5))
     assert along is not None
     told = measured(match, along)
-    assert not told.unobservable.any()
+    assert not told.leaves_direction
     assert np.linalg.eigvalsh(told.covariance).min() > 0
     direction = match.unobservable
     assert direction @ told.covariance[:2, :2] @ direction == pytest.approx(along.sigma**2, rel=0.01)
