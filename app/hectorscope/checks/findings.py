@@ -2,14 +2,14 @@
 
 The norm of the accelerometer gives its unit, its direction which way up it sits. The turn about that direction,
 compared with the turn that the scans show, gives the unit of the gyroscope, the handedness of scan and IMU, and
-the delay. Scans that are matched in both orders of their beams show which one is measured first. Nothing is
+the delay. Scans of a robot that turns show when their beams are measured. Nothing is
 reported where the data does not show it, and what a person has stated is not checked.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 
-from hectorscope.checks.beam_order import BeamOrder
+from hectorscope.checks.beam_times import BeamTimes
 from hectorscope.checks.contradictions import Agreement, Gravity
 from hectorscope.checks.sensor_statistics import Measures
 from hectorscope.inputs import Finding, OptionValue, SourceOptions, flags
@@ -33,7 +33,7 @@ def findings(measures: Measures, options: SourceOptions) -> list[Finding]:
         *(_gyro_unit(measures) if options.imu_gyro_unit is None else ()),
         *_axes(measures, options),
         *(_delay(turn, options) if turn else ()),
-        *(_order(measures.order) if measures.order and options.scan_sweep is None else ()),
+        *(_beam_times(measures.times) if measures.times and options.scan_sweep is None else ()),
     ]
 
 
@@ -120,12 +120,14 @@ def _delay(turn: Agreement, options: SourceOptions) -> Iterator[Finding]:
     yield Finding(f"{name} stamped {abs(turn.lag):.2f} s late", {option: round(total_s, 2)}, grave=False)
 
 
-def _order(order: BeamOrder) -> Iterator[Finding]:
-    if order.is_reversed:
-        fact = f"the scans fit better with the last beam as the first (mean residual {order.reversed:.3f}"
-        yield Finding(
-            f"{fact}, as stated {order.stated:.3f})", {"scan_sweep": -round(order.sweep_s, 4)}, grave=False
-        )
+def _beam_times(times: BeamTimes) -> Iterator[Finding]:
+    if times.are_wrong:
+        fact, given = "the scans fit better with the last beam as the first", "as stated"
+        if not times.stated_s:
+            fact = f"no message times the beams, and the scans fit better as sweeps of {times.sweep_s:.2g} s"
+            given = "taken at once"
+        residuals = f"mean residual in turns {times.residual:.3f}, {given} {times.other:.3f}"
+        yield Finding(f"{fact} ({residuals})", {"scan_sweep": round(times.sweep_s, 4)}, grave=False)
 
 
 def _hangs(measured: Gravity) -> bool:

@@ -10,7 +10,6 @@ from hectorscope.checks.findings import findings, repairing_options
 from hectorscope.checks.inspect_text import rendered
 from hectorscope.checks.recording_check import RecordingCheck
 from hectorscope.checks.sensor_statistics import Measures, SensorStatistics
-from hectorscope.checks.sweep_time import SweepTime
 from hectorscope.checks.topic_times import FEWEST, TopicTimes
 from hectorscope.common.terminal import printable
 from hectorscope.inputs import Examinable, Finding, Item, SourceError, SourceOptions, SourceReport
@@ -95,7 +94,6 @@ class BagReport:
     parts: tuple[Part, ...]
     source: SourceReport
     measures: Measures
-    sweep: SweepTime | None
     range_noise: Sequence[tuple[float, float]]
     findings: tuple[Finding, ...]
     repaired: tuple[Finding, ...] = ()
@@ -143,7 +141,6 @@ def _inspected(path: Path, options: SourceOptions) -> BagReport:
         tuple(_part(role, source, counts[kind], first_scan) for role, kind in _MEASURES.items()),
         source.report,
         measures,
-        statistics.sweep_time(),
         statistics.range_noise(),
         tuple(findings(measures, options)),
         faults=tuple(check.findings_of(source)),

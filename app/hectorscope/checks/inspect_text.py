@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
+from hectorscope.checks.beam_times import BeamTimes
 from hectorscope.checks.findings import remedy
 from hectorscope.checks.sensor_statistics import Measures
-from hectorscope.checks.sweep_time import SweepTime
 from hectorscope.inputs import Finding, SourceReport
 from slam_core.config import ScanConfig
 
@@ -37,7 +37,7 @@ def rendered(report: "BagReport") -> Iterator[str]:
     ]
     yield from _table([("part", "played by", "used", ""), *used], right=(2,))
     for title, lines in (
-        ("sensors", [*_sensors(report.measures), *_sweep(report.sweep), *_noise(report.range_noise)]),
+        ("sensors", [*_sensors(report.measures), *_noise(report.range_noise)]),
         ("repaired", [f"{finding.fact}: {finding.repair}" for finding in report.repaired]),
         ("sensor contradictions", list(_wrong(report.findings))),
         ("faults of the recording", [_fault(fault, report.start_ns) for fault in report.faults]),
@@ -87,25 +87,25 @@ def _sensors(measures: Measures) -> Iterator[str]:
         if turn is not None:
             late = f", the scans {turn.lag:z.2f} s late" if is_timed else ""
             yield f"{name}: turns {turn.ratio:z.2f} times as far, correlation {turn.correlation:z.2f}{late}"
-    if (order := measures.order) is not None:
-        sure = "" if order.is_sure else ": not sure"
-        yield (
-            f"order of the beams: mean residual {order.stated:.3f} as stated, {order.reversed:.3f} with the last"
-            f" beam as the first{sure}"
-        )
+    if (times := measures.times) is not None:
+        yield _beam_times(times)
 
 
-def _sweep(sweep: SweepTime | None) -> Iterator[str]:
-    """What the scans show of their timing, if the messages do not state it."""
-    if sweep is None:
-        return
-    if sweep.is_clear:
-        yield (
-            f"no beam timing: the scans fit best as sweeps of {sweep.seconds:.2g} s (mean residual"
-            f" {sweep.residual:.2f}, at once {sweep.at_once:.2f}): try --scan-sweep {sweep.seconds:.2g}"
+def _beam_times(times: BeamTimes) -> str:
+    """What the scans of turns show of when their beams are measured."""
+    best, stated, sure = times.sweep_s, times.stated_s, "" if times.is_sure else ": not sure"
+    if stated:
+        given, turned = (times.residual, times.other) if best == stated else (times.other, times.residual)
+        return (
+            f"order of the beams: mean residual {given:.3f} as stated, {turned:.3f} with the last beam as the"
+            f" first{sure}"
         )
-    else:
-        yield "no beam timing: the scans fit as well as if each was taken at once"
+    if best:
+        return (
+            f"no beam timing: the scans fit best as sweeps of {best:.2g} s (mean residual {times.residual:.3f},"
+            f" taken at once {times.other:.3f}){sure}"
+        )
+    return f"no beam timing: the scans fit best as if each was taken at once (mean residual {times.residual:.3f})"
 
 
 def _noise(known: Sequence[tuple[float, float]]) -> Iterator[str]:

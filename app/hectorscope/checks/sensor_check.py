@@ -63,18 +63,18 @@ class SensorCheck:
     def judge(self, *, last: bool, whole: bool) -> None:
         """By the data so far. The verdict waits for a turn, so that all faults are reported at once.
 
-        whole: there is no more to look at. A recording with a grave fault is looked at as far as `inspect` does,
-        so that both give the same figures.
+        whole: there is no more to look at. A recording with a fault is looked at as far as `inspect` does, so that
+        both give the same figures.
         """
         measures = self._statistics.measures()
         enough = last or measures.has_turn
         found = findings(measures, self._options) if enough else []
-        if not self._live and not whole and any(finding.grave for finding in found):
+        if found and not self._live and not whole:
             self._asked_s = LONGEST_S
             return
         if enough:
             self._tell(found)
-            self.settled = last or not self._statistics.shows_order or measures.has_order
+            self.settled = last or not self._statistics.show_times or measures.has_times
 
     def _tell(self, found: Sequence[Finding]) -> None:
         self.found = tuple(found)

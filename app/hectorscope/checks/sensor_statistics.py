@@ -1,13 +1,12 @@
-"""What a source's data shows of its sensors: gravity, the turns of each, the order of the beams."""
+"""What a source's data shows of its sensors: gravity, the turns of each, when beams are measured."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from hectorscope.checks.beam_order import BeamOrder
+from hectorscope.checks.beam_times import BeamTimes
 from hectorscope.checks.contradictions import Agreement, Gravity, compare_tilts, compare_turns, gravity, yaw_rates
 from hectorscope.checks.matched_scans import MatchedScans
-from hectorscope.checks.sweep_time import SweepTime, estimate
 from hectorscope.inputs import Item
 from hectorscope.run.warmup import warm_up
 from slam_core.config import ScanConfig
@@ -16,7 +15,6 @@ from slam_core.measurements import PLAUSIBLE, Float64s, Imu, LaserScan, Odometry
 from slam_core.scan.smoothing import Smoothing
 
 LONGEST_S = 120.0  # what is stamped further than this from the first item is not looked at
-SCAN_PERIOD_NS = 70_000_000  # more scans a second add nothing about turns
 FEWEST_SAMPLES = 20
 FEWEST_SPANS = 12
 SURE = 0.7  # correlation
@@ -31,7 +29,7 @@ class Measures:
 
     turn: the gyroscope's turn about the vertical, against that of the scans. wheels: the odometry's, likewise.
     tilt: the gyroscope against the way gravity moves through the IMU. truth: the turns of the true poses, as of
-    the gyroscope. order: which beam is measured first, of scans that tell when.
+    the gyroscope. times: when the beams of a sweep are measured.
     """
 
     gravity: Gravity | None = None
@@ -39,7 +37,7 @@ class Measures:
     wheels: Agreement | None = None
     tilt: Agreement | None = None
     truth: Agreement | None = None
-    order: BeamOrder | None = None
+    times: BeamTimes | None = None
 
     @property
     def has_turn(self) -> bool:
@@ -47,9 +45,9 @@ class Measures:
         return self.turn is not None or self.wheels is not None
 
     @property
-    def has_order(self) -> bool:
-        """Whether it is sure which beam is measured first."""
-        return self.order is not None and self.order.is_sure
+    def has_times(self) -> bool:
+        """Whether it is sure when beams are measured."""
+        return self.times is not None and self.times.is_sure
 
 
 class SensorStatistics:
@@ -62,8 +60,6 @@ class SensorStatistics:
         self._imu: list[tuple[float, ...]] = []
         self._wheels: list[tuple[float, ...]] = []
         self._matched = MatchedScans()
-        self._periods_ns: list[int] = []
-        self._scan_ns: int | None = None
 
     def take(self, item: Item) -> float:
         """Remember what matters; seconds since the first item."""
@@ -77,28 +73,20 @@ class SensorStatistics:
         elif isinstance(item, Odometry):
             _keep(self._wheels, time, item.yaw_rate)
         elif isinstance(item, LaserScan):
-            self._add_scan(item)
+            self._matched.add(item)
         elif isinstance(item, TruthPose) and self._with_truth:
             self._truth.append((time, heading(item.T_map_base.rotation)))
         return time
 
-    def _add_scan(self, scan: LaserScan) -> None:
-        if self._scan_ns is not None:
-            self._periods_ns.append(scan.stamp_ns - self._scan_ns)
-        self._scan_ns = scan.stamp_ns
-        scans = self._matched.scans
-        if not scans or scan.stamp_ns - scans[-1].stamp_ns >= SCAN_PERIOD_NS:
-            scans.append(scan)
-
     @property
     def comparable(self) -> bool:
-        """Whether anything but the scans measures turns, or the scans show the order of their beams."""
-        return bool(self._imu or self._wheels or self._truth) or self.shows_order
+        """Whether anything but the scans measures turns, or the scans show when their beams are measured."""
+        return bool(self._imu or self._wheels or self._truth) or self.show_times
 
     @property
-    def shows_order(self) -> bool:
-        """Whether the scans show in which order their beams are measured, once the robot moves."""
-        return self._matched.shows_order
+    def show_times(self) -> bool:
+        """Whether the scans show when their beams are measured, once the robot turns."""
+        return self._matched.show_times
 
     def at_rest(self) -> Measures:
         """What is known before anything turns, and without matching a scan."""
@@ -107,22 +95,23 @@ class SensorStatistics:
 
     def measures(self) -> Measures:
         """All that is known so far. Scans are matched without the sensors that are checked."""
-        headings = self._matched.headings(self._begin_ns or 0) if self.comparable else np.empty((0, 2))
+        times = self._matched.times()
+        sweep_s = times.sweep_s if times and times.are_wrong else None
+        headings = self._matched.headings(self._begin_ns or 0, sweep_s) if self.comparable else np.empty((0, 2))
         imu = np.array(self._imu)
         wheels = _sure(_turns(headings, np.array(self._wheels)), TURNED)
         truth = _sure(_turns(headings, _rates(self._truth)), TURNED)
-        order = self._matched.order
         if len(imu) < FEWEST_SAMPLES:
-            return Measures(wheels=wheels, truth=truth, order=order)
-        times, rates, forces = imu[:, 0], imu[:, 1:4], imu[:, 4:7]
-        measured = np.column_stack([times, yaw_rates(times, rates, forces)])
+            return Measures(wheels=wheels, truth=truth, times=times)
+        seconds, rates, forces = imu[:, 0], imu[:, 1:4], imu[:, 4:7]
+        measured = np.column_stack([seconds, yaw_rates(seconds, rates, forces)])
         return Measures(
             gravity=gravity(forces),
             turn=_sure(_turns(headings, measured), TURNED),
             wheels=wheels,
-            tilt=_sure(compare_tilts(times, rates, forces), TILTED),
+            tilt=_sure(compare_tilts(seconds, rates, forces), TILTED),
             truth=truth,
-            order=order,
+            times=times,
         )
 
     def range_noise(self) -> list[tuple[float, float]]:
@@ -133,14 +122,6 @@ class SensorStatistics:
         for scan in self._matched.scans:
             smoothing.learn(scan, ScanConfig())
         return smoothing.known
-
-    def sweep_time(self) -> SweepTime | None:
-        """How long a sweep seems to take, where the scans do not tell it. Matches them several times."""
-        scans = self._matched.scans
-        if not self._periods_ns or scans[0].time_increment:
-            return None
-        warm_up()
-        return estimate(scans, float(np.median(self._periods_ns)) * 1e-9)
 
     def _seconds(self, stamp_ns: int) -> float:
         return (stamp_ns - (self._begin_ns or 0)) * 1e-9

@@ -13,7 +13,7 @@ def test_the_heading_is_known_where_no_beam_fixes_the_way_along_a_corridor() -> 
     drive = Simulation("corridor", SceneOptions(scan_rate=10.0, beams=541, duration=90.0))
     for item in drive.items():
         if isinstance(item, LaserScan) and len(matched.scans) < 100:
-            matched.scans.append(item)
+            matched.add(item)
     headings = matched.headings(matched.scans[0].stamp_ns)
     assert len(headings) == 100
     assert np.abs(headings[:, 1]).max() < 0.02
