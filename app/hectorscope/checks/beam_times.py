@@ -138,7 +138,7 @@ def _carried(middle_ns: int, velocity: Float64s, from_ns: int, since_ns: Int64s)
 
 
 class _Suited(NamedTuple):
-    """How well durations suit a map: residuals (n, m) as of `TimedMap`. own: the one that the map was made with."""
+    """How well durations suit a map: residuals (n, m) as of `TimedMap`. own: that with which the map was made."""
 
     residuals: Float64s
     own: int
