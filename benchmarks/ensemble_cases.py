@@ -18,6 +18,7 @@ from benchmarks.additions.faults import (
     repeated,
     seen_ahead,
     seen_within,
+    two_lasers,
     unechoed,
 )
 from benchmarks.additions.imu_faults import hit, knocked, spiked
@@ -154,6 +155,11 @@ SMALL: tuple[tuple[ScenarioName, float, bool], ...] = (
 
 # A depth camera whose middle row is sent as scans: metres and degrees that it sees.
 DEPTH_REACH, DEPTH_VIEW = 5.0, 60.0
+
+# Two lasers on one topic, of which each sees half of the view; with an IMU or by them alone.
+TWO_LASERS: tuple[tuple[ScenarioName, bool], ...] = (
+    ("rooms", True), ("handheld", True), ("arena", True), ("rooms", False), ("people", False), ("glass", False),
+)  # fmt: skip
 
 # Circuits of corridors that a car with a laser alone races through, at so many m/s.
 RACED: tuple[tuple[Shape, float], ...] = (("square", 2.0), ("square", 4.0), ("winding", 2.0), ("winding", 4.0))
@@ -298,6 +304,10 @@ def cases() -> list[Case]:
         by_depth_camera("rooms", wheels=True, imu=True),
         by_depth_camera("rooms", wheels=False, imu=True),
         by_depth_camera("arena", wheels=False, imu=True),
+        *(
+            damaged("two lasers", two_lasers, simulated(scene, scene, replace(slow, scan_rate=10.0), imu=imu))
+            for scene, imu in TWO_LASERS
+        ),
         *(raced(shape, speed) for shape, speed in RACED),
         *(recorded(each) for each in present((*DEMOS, *REAL, *FURTHER, mit_alone, kitchen_alone))),
         *(simulated(f"{scene}, 2 Hz", scene, replace(slow, scan_rate=2.0), imu=True) for scene in TWICE_A_SECOND),

@@ -116,14 +116,16 @@ class Batches(Generic[Sensed]):
         if isinstance(one, LaserScan) and one.end_ns > one.stamp_ns:
             soon_ns = min(soon_ns, SWEEP * (one.end_ns - one.stamp_ns))
         apart_ns = abs(other.stamp_ns - one.stamp_ns)
-        if apart_ns >= soon_ns or not _alike(_mount(one), _mount(other)):
+        if apart_ns >= soon_ns or not _one_laser(one, other):
             return False
         return not _alike(_values(one), _values(other))  # a driver sends a copy when it likes
 
 
-def _mount(one: Sensed) -> tuple[Array, ...]:
+def _one_laser(one: Sensed, other: Sensed) -> bool:
     """A second laser measures when it likes."""
-    return (one.T_base_laser.translation, one.T_base_laser.rotation) if isinstance(one, LaserScan) else ()
+    if not (isinstance(one, LaserScan) and isinstance(other, LaserScan)):
+        return True
+    return one.T_base_laser.is_same(other.T_base_laser)
 
 
 def _values(one: Sensed) -> tuple[Array, ...]:

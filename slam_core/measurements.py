@@ -36,6 +36,11 @@ class Transform:
     translation: Float64s = field(default_factory=lambda: np.zeros(3))
     rotation: Float64s = field(default_factory=_identity_quaternion)
 
+    def is_same(self, other: "Transform") -> bool:
+        """Whether every number of both is the same."""
+        both = (self.translation, other.translation), (self.rotation, other.rotation)
+        return self is other or all(np.array_equal(mine, theirs) for mine, theirs in both)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaserScan:

@@ -10,6 +10,7 @@ import numpy as np
 
 from benchmarks.strays import astray
 from hectorscope.inputs import Item
+from slam_core import geometry
 from slam_core.measurements import Float32s, GpsPosition, Height, Imu, LaserScan, Odometry
 
 Fault = Callable[[Sequence[Item], int], list[Item]]
@@ -254,6 +255,24 @@ def seen_ahead(degrees: float, scan: LaserScan) -> LaserScan:
         ranges=scan.ranges[first:last].copy(),
         angle_min=float(angles[first]),
     )
+
+
+def two_lasers(items: Sequence[Item], _seed: int) -> list[Item]:
+    """Two lasers on one topic: one sees the right half of each scan, one mounted to the left the other half."""
+    return [each for item in items for each in (_halves(item) if isinstance(item, LaserScan) else [item])]
+
+
+def _halves(scan: LaserScan) -> list[LaserScan]:
+    half, mount = len(scan.ranges) // 2, scan.T_base_laser
+    turned = geometry.multiply(mount.rotation, geometry.from_euler(0.0, 0.0, 0.5 * np.pi))
+    left = replace(
+        scan,
+        stamp_ns=scan.stamp_ns + round(1e9 * half * scan.time_increment),
+        ranges=scan.ranges[half:].copy(),
+        angle_min=scan.angle_min + half * scan.angle_increment - 0.5 * np.pi,
+        T_base_laser=replace(mount, rotation=turned),
+    )
+    return [replace(scan, ranges=scan.ranges[:half].copy()), left]
 
 
 def blind(degrees: float) -> Fault:

@@ -24,7 +24,7 @@ from slam_core.localization.tracking import (
 )
 from slam_core.localization.weak_direction import WeakDirection
 from slam_core.mapping.pyramid import Pyramid
-from slam_core.measurements import Float64s, LaserScan
+from slam_core.measurements import Float64s, LaserScan, Transform
 from slam_core.navigation.ego_motion import EgoMotion
 from slam_core.results import (
     ACCEPTED,
@@ -72,6 +72,7 @@ class Localiser:
         self._is_localised = not is_prior
         self._writes = writes
         self._located_ns = 0
+        self._mount: Transform | None = None  # of the last scan whose pose was sure
         self._matching = ScanMatching(pyramid, motion)
         self._confirmation = Confirmation(self._pose)
 
@@ -91,7 +92,7 @@ class Localiser:
         time_ns = scan.mid_ns
         lapse_ns = time_ns - self._located_ns
         if self._pyramid.empty or not config.tracking.check:
-            self._located_ns = time_ns
+            self._located_ns, self._mount = time_ns, scan.T_base_laser
             return self._unchecked(scan, stabilised, prior, config)
         matching, tracker = self._matching, self._matching.tracker
         config, prior, stabilised, match = matching.matched(
@@ -101,7 +102,10 @@ class Localiser:
             return self._hidden(stabilised, match, prior, why)
         self._located_ns = time_ns
         stabilised, match, verdict = matching.check(scan, stabilised, match, prior, config)
-        if not verdict.accepted:
+        if self._begins_view(scan, verdict, prior):
+            tracker.reset()
+            match, verdict = continued(match, prior, verdict)
+        elif not verdict.accepted:
             prior, verdict = self._miss(verdict, match.fit, prior, time_ns, config)
         if config.tracking.relocalise and (verdict.state == "lost" or self._confirmation.awaits_search):
             match, verdict = self._relocalise(stabilised, match, verdict, time_ns, prior, config)
@@ -123,6 +127,7 @@ class Localiser:
                 tracker.learn(match, prior)
         if verdict.accepted and verdict.confirmed:
             self.relocaliser.reset()
+            self._mount = scan.T_base_laser
         self._jump(match, verdict, prior, time_ns)
         self._pose = match.pose if verdict.accepted else prior.mean
         if self._motion.unaided:
@@ -158,6 +163,13 @@ class Localiser:
         if why is None and (tracker.is_missing or not fits):
             why = covered(self._pyramid, scan, prior, self.sure, lapse_ns)
         return why
+
+    def _begins_view(self, scan: LaserScan, verdict: Verdict, prior: PlanarGaussian) -> bool:
+        """Whether a second laser looks where there is no map yet, at a pose that is known by the first."""
+        if verdict.accepted or verdict.rejection is None or verdict.rejection.code != "overlap":
+            return False
+        is_other = self._mount is not None and not self._mount.is_same(scan.T_base_laser)
+        return is_other and self._writes and self._confirmation.is_sure and not is_vague(prior)
 
     def _fits(self, fit: Fit, prior: PlanarGaussian) -> bool:
         """Whether a match fits so well that the laser is not covered.

@@ -16,40 +16,43 @@ TURNING = 0.5  # rad/s: a sweep of a robot that turns faster may be distorted
 
 
 class KeyframePolicy:
-    """Keeps the pose of the last keyframe, since when another one is due, and how well scans fit."""
+    """Keeps the pose of the last keyframe of each laser, since when another one is due, and how well scans fit."""
 
     def __init__(self) -> None:
-        self._written: Float64s | None = None
+        self._written: dict[int, Float64s] = {}
         self._last: tuple[int, float] | None = None
         self._due_ns: int | None = None
         self._usual: float | None = None
 
-    def selects(self, pose: Float64s, time_ns: int, residuals: Float32s | None, config: MapConfig) -> bool:
-        """Whether the scan of this time at a pose (3,) becomes a keyframe.
+    def selects(
+        self, pose: Float64s, time_ns: int, residuals: Float32s | None, config: MapConfig, facing: int = 0
+    ) -> bool:
+        """Whether the scan of this time at a pose (3,) becomes a keyframe. facing: as of a `StabilisedScan`.
 
         residuals: (n,) of its match, where nothing but matches observes the motion of the laser. A scan in a turn
         that fits worse than usual may be distorted then, and a better one is awaited for `keyframe_max_delay`.
         """
         turning = self._turns(time_ns, float(pose[2]))
         distorted = residuals is not None and self._is_poor(residuals) and turning
-        if not self._has_moved(pose, config):
+        if not self._has_moved(pose, self._written.get(facing), config):
             return False
         if self._due_ns is None:
             self._due_ns = time_ns
         if distorted and 0 <= time_ns - self._due_ns < config.keyframe_max_delay * 1e9:
             return False
-        self._written, self._due_ns = pose.copy(), None
+        self._written[facing], self._due_ns = pose.copy(), None
         return True
 
     def restart(self) -> None:
         """The next scan becomes a keyframe wherever it is."""
-        self._written = self._due_ns = None
+        self._written, self._due_ns = {}, None
 
-    def _has_moved(self, pose: Float64s, config: MapConfig) -> bool:
-        """Whether it moved or turned far enough since the last keyframe."""
-        if self._written is None:
+    @staticmethod
+    def _has_moved(pose: Float64s, written: Float64s | None, config: MapConfig) -> bool:
+        """Whether it moved or turned far enough since a keyframe."""
+        if written is None:
             return True
-        (x, y, psi), (written_x, written_y, written_psi) = pose.tolist(), self._written.tolist()
+        (x, y, psi), (written_x, written_y, written_psi) = pose.tolist(), written.tolist()
         far = math.hypot(x - written_x, y - written_y) >= config.update_distance
         return far or abs(geometry.wrap(psi - written_psi)) >= config.update_angle
 

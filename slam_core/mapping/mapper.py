@@ -56,7 +56,7 @@ class Mapper:
         if verdict.recovery == "continued":
             self._keyframes.restart()
         residuals = match.residuals if match and unaided else None
-        written = self._keyframes.selects(pose, time_ns, residuals, config)
+        written = self._keyframes.selects(pose, time_ns, residuals, config, scan.facing)
         if written:
             late = self._newcomers.too_new(scan.points, pose, unexpected, time_ns, config.appearance_delay)
             points, cleared = scan.points, scan.cleared

@@ -1,5 +1,6 @@
 """Section IV: from a sweep to endpoints in the stabilised frame, through mount, attitude and motion."""
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
@@ -24,7 +25,8 @@ class StabilisedScan(NamedTuple):
     """A scan turned level: points (n, 2) and heights (n,) over the laser; cleared (m, 2) ends of empty beams.
 
     laser: (2,) where the beams start. All in the stabilised frame at the middle of the sweep, metres.
-    poses: of the base during the sweep, as `place_beams` takes them.
+    poses: of the base during the sweep, as `place_beams` takes them. facing: the eighth of the circle that the
+    laser looks to on its base, which tells the lasers of a robot apart.
     """
 
     points: Float32s
@@ -32,6 +34,7 @@ class StabilisedScan(NamedTuple):
     cleared: Float32s
     laser: Float64s
     poses: Float64s = NO_POSE
+    facing: int = 0
 
 
 def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> StabilisedScan:
@@ -62,7 +65,7 @@ def stabilise(scan: LaserScan, motion: Motion, config: ScanConfig) -> Stabilised
         ),
         (points, heights, free, laser),
     )
-    return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser, poses)
+    return StabilisedScan(points[:kept], heights[:kept], free[:cleared], laser, poses, _facing(scan.T_base_laser))
 
 
 @lru_cache(maxsize=8)
@@ -90,6 +93,12 @@ def _steps(sweep_ns: int) -> Int64s:
 def _is_mounted(T_base_laser: Transform) -> bool:
     """Whether the mount is plausible: the lattice has no cells for endpoints too far away."""
     return bool(np.abs(T_base_laser.translation).max() <= FARTHEST_LASER)
+
+
+@lru_cache(maxsize=8)
+def _facing(T_base_laser: Transform) -> int:
+    eighths = geometry.heading(T_base_laser.rotation) / (0.25 * math.pi)
+    return round(eighths) % 8 if math.isfinite(eighths) else 0
 
 
 @lru_cache(maxsize=8)

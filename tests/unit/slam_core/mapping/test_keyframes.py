@@ -80,3 +80,10 @@ def test_all_scans_are_alike_where_the_motion_is_known(policy):
     """Without residuals there is no wait, nor with a delay of 0, the paper's way."""
     assert policy.selects(turned(0.6), SECOND, None, CONFIG)
     assert policy.selects(turned(1.2), 2 * SECOND, BADLY, MapConfig(keyframe_max_delay=0.0))
+
+
+def test_each_laser_has_keyframes_of_its_own(policy):
+    """What one has written shows nothing of what another one sees."""
+    assert policy.selects(np.zeros(3), SECOND, None, CONFIG, facing=2)
+    assert not policy.selects(np.zeros(3), 2 * SECOND, None, CONFIG, facing=2)
+    assert not policy.selects(np.zeros(3), 3 * SECOND, None, CONFIG)
