@@ -169,7 +169,7 @@ class Localiser:
         if verdict.accepted or verdict.rejection is None or verdict.rejection.code != "overlap":
             return False
         is_other = self._mount is not None and not self._mount.is_same(scan.T_base_laser)
-        return is_other and self._writes and self._confirmation.is_sure and not is_vague(prior)
+        return is_other and self._confirmation.is_sure and not is_vague(prior)
 
     def _fits(self, fit: Fit, prior: PlanarGaussian) -> bool:
         """Whether a match fits so well that the laser is not covered.
