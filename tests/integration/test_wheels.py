@@ -26,8 +26,8 @@ def test_a_laser_that_sees_four_metres_is_enough_with_wheels(case: str) -> None:
 def test_people_alone_in_sight_lead_no_robot_away(case: str) -> None:
     """A laser that sees 3.5 m in a hall of 20 m shows nothing else for ten seconds: the wheels tell the way.
 
-    Few of 40 robots with an IMU call themselves lost at the end, where they are; which ones depends on rounding, so
-    that kernels with checked bounds give others.
+    Few of 40 robots with an IMU call themselves lost at the end, where they are; which ones depends on rounding,
+    so that kernels with checked bounds give others.
     """
     has_imu = "IMU" in case
     found = outcomes(case, range(1, 9) if has_imu else VARIANTS, {})
