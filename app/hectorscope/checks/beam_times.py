@@ -95,8 +95,8 @@ class TimedMap:
         """(n, len(durations)) mean residuals of the scans while the robot turned."""
         return np.array(self._residuals).reshape(-1, len(self._durations))
 
-    def take(self, scans: Sequence[LaserScan]) -> None:
-        """All scans so far; those that came since the last time are matched."""
+    def take(self, scans: Sequence[LaserScan]) -> "TimedMap":
+        """All scans so far; those that came since the last time are matched. Returns itself."""
         for scan in scans[len(self.headings) :]:
             timed = scan if self._sweep_s == self._durations[0] else with_sweep(scan, self._sweep_s)
             result = self._slam.step(timed)
@@ -106,6 +106,7 @@ class TimedMap:
             residuals = tuple(self._as_swept())
             if residuals and np.isfinite(residuals).all():
                 self._residuals.append(residuals)
+        return self
 
     def _as_swept(self) -> Iterator[float]:
         """Mean residuals of the last scan but one by each duration, where the robot turned fast enough."""
@@ -176,8 +177,9 @@ def best_times(
     found: dict[int, _Suited] = {}
     own = 0
     while own not in found:
-        made = maps.setdefault(durations[own], TimedMap(durations[own], durations))
-        made.take(scans)
+        if durations[own] not in maps:
+            maps[durations[own]] = TimedMap(durations[own], durations)
+        made = maps[durations[own]].take(scans)
         if len(made.residuals) < FEWEST:
             return None
         suited = found[own] = _Suited(made.residuals, own)

@@ -49,8 +49,9 @@ class MatchedScans:
         warm_up()
         choice = self._durations or (0.0,)
         sweep_s = choice[0] if sweep_s is None else sweep_s
-        made = self._maps.setdefault(sweep_s, TimedMap(sweep_s, choice))
-        made.take(self.scans)
+        if sweep_s not in self._maps:
+            self._maps[sweep_s] = TimedMap(sweep_s, choice)
+        made = self._maps[sweep_s].take(self.scans)
         headings = np.array([((time_ns - begin_ns) * 1e-9, psi) for time_ns, psi in made.headings]).reshape(-1, 2)
         known = np.isfinite(headings[:, 1])
         headings[known, 1] = np.unwrap(headings[known, 1])
