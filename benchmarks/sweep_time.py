@@ -10,14 +10,13 @@ share, and where there is a truth the aligned error in millimetres with the shif
 import argparse
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 
 from benchmarks.accuracy import process
 from benchmarks.cases import REAL, present
 from benchmarks.truth_offset import SHIFTS, errors
-from hectorscope.ros.repairs import with_sweep
+from hectorscope.checks.beam_times import centred
 from hectorscope.run.series import SERIES_DTYPE
 from hectorscope.run.warmup import load_everything
 from hectorscope.sources import open_source
@@ -29,11 +28,6 @@ SHARES = (-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0)
 PROCESSES = 2
 
 
-def centred(scan: LaserScan, sweep_s: float) -> LaserScan:
-    """The scan with a sweep of so many seconds around its stamp."""
-    return with_sweep(replace(scan, stamp_ns=scan.stamp_ns - round(abs(sweep_s) * 5e8)), sweep_s)
-
-
 def run(number: int, share: float) -> tuple[float, float, float]:
     """Of one recording: the share that its messages state, mean residual, and error in metres (NaN: no truth)."""
     recording = present(REAL)[number]
@@ -42,7 +36,7 @@ def run(number: int, share: float) -> tuple[float, float, float]:
     period_s = float(np.median(np.diff([scan.stamp_ns for scan in scans]))) * 1e-9
     circle = min(abs(scans[0].angle_increment) * len(scans[0].ranges) / (2.0 * np.pi), 1.0)
     sweep_s = share * circle * period_s
-    changed = (centred(item, sweep_s) if isinstance(item, LaserScan) else item for item in items)
+    changed = (centred(item, item.stamp_ns, sweep_s) if isinstance(item, LaserScan) else item for item in items)
     pipeline = process(changed, with_values(SlamConfig(), dict(recording.settings)))
     residual = float(np.nanmean(pipeline.series.view(SERIES_DTYPE).reshape(-1)["residual"]))
     stated = scans[0].time_increment * len(scans[0].ranges) / (circle * period_s)

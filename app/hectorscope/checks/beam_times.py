@@ -110,8 +110,10 @@ class TimedMap:
 
     def _as_swept(self) -> Iterator[float]:
         """Mean residuals of the last scan but one by each duration, where the robot turned fast enough."""
-        (_, before), (scan, at), (_, after) = (*[(None, None)] * 3, *self._last)[-3:]
-        if scan is None or before is None or at is None or after is None:
+        if len(self._last) < 3:
+            return
+        (_, before), (scan, at), (_, after) = self._last
+        if before is None or at is None or after is None:
             return
         lapse_s = (after.stamp_ns - before.stamp_ns) * 1e-9
         if not 0.0 < lapse_s < LONGEST_S:
@@ -124,10 +126,13 @@ class TimedMap:
         velocity[:2] = c * velocity[0] + s * velocity[1], c * velocity[1] - s * velocity[0]
         motion = partial(_carried, at.stamp_ns, velocity)
         for sweep_s in self._durations:
-            begin_ns = at.stamp_ns - round(0.5e9 * abs(sweep_s))
-            swept = with_sweep(replace(scan, stamp_ns=begin_ns), sweep_s)
-            points = stabilise(swept, motion, ScanConfig()).points
+            points = stabilise(centred(scan, at.stamp_ns, sweep_s), motion, ScanConfig()).points
             yield coarse_to_fine(self._slam.map, points, at.planar, MatcherConfig()).mean_residual
+
+
+def centred(scan: LaserScan, middle_ns: int, sweep_s: float) -> LaserScan:
+    """The scan with a sweep of so many seconds around a time."""
+    return with_sweep(replace(scan, stamp_ns=middle_ns - round(0.5e9 * abs(sweep_s))), sweep_s)
 
 
 def _carried(middle_ns: int, velocity: Float64s, from_ns: int, since_ns: Int64s) -> Float64s:
